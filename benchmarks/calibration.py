@@ -17,7 +17,7 @@ import multiprocessing
 from collections.abc import Mapping
 from pathlib import Path
 
-from scaloft_fi.campaign.plan.choose import seeds as seeds_of
+from scaloft_fi.campaign.plan import parse_seeds as seeds_of
 from scaloft_fi.judge.requirement import judge
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.load import load

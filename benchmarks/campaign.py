@@ -29,13 +29,11 @@ from contextlib import contextmanager
 from operator import itemgetter
 from typing import Any
 
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flights.fly import Worker, left_of, lost
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.flights.worker import Worker, left_of, lost
-from scaloft_fi.campaign.plan.arrange import alone, together
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import plan
-from scaloft_fi.campaign.processes.pool import Pool
+from scaloft_fi.campaign.plan import alone, plan, together
+from scaloft_fi.campaign.pool import Pool
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.catalogue import defaults, realise
 from scaloft_fi.mutants.mutant import PLACEBO

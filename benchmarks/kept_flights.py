@@ -14,7 +14,7 @@ from typing import Any
 
 from varied import shared
 
-from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.mutant import Mutant

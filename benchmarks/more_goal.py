@@ -29,7 +29,7 @@ from more_goal_plan import ARMS, DRAWS, MUTANTS, PLAN, names_of
 from reflown import published
 from varied import Varied
 
-from scaloft_fi.campaign.processes.start import cores
+from scaloft_fi.campaign.processes import cores
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 

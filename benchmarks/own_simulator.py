@@ -21,11 +21,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scaloft_fi.campaign.flights.commanded import Commanded
+from scaloft_fi.campaign.flights.command import Commanded
+from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.flights.worker import Flyer
-from scaloft_fi.campaign.plan.arrange import alone
-from scaloft_fi.campaign.processes.start import cores
+from scaloft_fi.campaign.plan import alone
+from scaloft_fi.campaign.processes import cores
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.judge.outcome import Outcome

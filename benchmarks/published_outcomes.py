@@ -8,7 +8,7 @@ from typing import Any
 
 import pyarrow.parquet
 
-from scaloft_fi.campaign.store.archived import Rows
+from scaloft_fi.campaign.store.archive import Rows
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 

@@ -30,8 +30,7 @@ import numpy as np
 from click.testing import CliRunner
 from coverage_against_kills.__main__ import pages as of_situations
 
-from scaloft_fi.campaign.store.archive import OUTCOMES, TRACKS
-from scaloft_fi.campaign.store.folder import MANIFEST
+from scaloft_fi.campaign.store.archive import MANIFEST, OUTCOMES, TRACKS
 from scaloft_fi.cli.main import main as scaloft_fi
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, unpack_track
 from scaloft_fi.sim.log import FAR_M

@@ -30,12 +30,12 @@ from itertools import chain
 
 from published_outcomes import Row, rows_of
 
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.plan.arrange import together
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.processes.start import cores
-from scaloft_fi.campaign.store.fingerprint import fingerprint
+from scaloft_fi.campaign.plan import together
+from scaloft_fi.campaign.processes import cores
 from scaloft_fi.campaign.store.held import flight_named
+from scaloft_fi.campaign.store.origin import fingerprint
 from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.study import Study
 from scaloft_fi.views.flights.export import export_rows

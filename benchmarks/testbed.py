@@ -26,8 +26,8 @@ from typing import Any
 
 from testbed_page import page
 
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import judged, wire_of
-from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.output import write_whole

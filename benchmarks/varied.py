@@ -18,10 +18,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import fly_log, judged
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.plan.arrange import together
-from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan import together
 from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise

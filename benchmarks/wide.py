@@ -36,7 +36,7 @@ from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.pool import State
 from scaloft_fi.analysis.score import MutantScore, Redraw, Score, redraw, score
 from scaloft_fi.analysis.survivor import backgrounds
-from scaloft_fi.campaign.processes.start import cores
+from scaloft_fi.campaign.processes import cores
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.study import Study

@@ -17,7 +17,7 @@ TYPE_CHECKING = False
 """As `typing` has it, whose import takes twenty times as long as this package's; checkers of types take it for true."""
 if TYPE_CHECKING:
     from scaloft_fi.analysis.roster import Ratio
-    from scaloft_fi.campaign.workers.interrupt import Interrupted
+    from scaloft_fi.campaign.workers.local import Interrupted
     from scaloft_fi.errors import GateError, InputError, ScaloftError
     from scaloft_fi.scripting.campaign import OpenCampaign
     from scaloft_fi.scripting.figure import Figure
@@ -58,7 +58,7 @@ _LATE = {
     "FlownFlight": "scaloft_fi.scripting.flight",
     "GateError": "scaloft_fi.errors",
     "InputError": "scaloft_fi.errors",
-    "Interrupted": "scaloft_fi.campaign.workers.interrupt",
+    "Interrupted": "scaloft_fi.campaign.workers.local",
     "Log": "scaloft_fi.scripting.flight",
     "OpenCampaign": "scaloft_fi.scripting.campaign",
     "OpenStudy": "scaloft_fi.scripting.study",

@@ -63,7 +63,7 @@ from scaloft_fi.streams import Table
 
 if TYPE_CHECKING:
     from scaloft_fi.campaign.flights.check_stack import StackCheck, check_stack
-    from scaloft_fi.campaign.runs.strategy import Asked, strategy
+    from scaloft_fi.campaign.runs.request import Asked, strategy
     from scaloft_fi.mutants.check_operator import OperatorCheck, check_operator, operators_of
     from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroundings
     from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
@@ -72,7 +72,7 @@ if TYPE_CHECKING:
     from scaloft_fi.views.exchange import Dossier, export_format
 
 LATE = {
-    "Asked": "scaloft_fi.campaign.runs.strategy",
+    "Asked": "scaloft_fi.campaign.runs.request",
     "Dossier": "scaloft_fi.views.exchange",
     "Effect": "scaloft_fi.sim.happenings",
     "HAPPENINGS": "scaloft_fi.sim.happenings",
@@ -91,7 +91,7 @@ LATE = {
     "check_stack": "scaloft_fi.campaign.flights.check_stack",
     "export_format": "scaloft_fi.views.exchange",
     "operators_of": "scaloft_fi.mutants.check_operator",
-    "strategy": "scaloft_fi.campaign.runs.strategy",
+    "strategy": "scaloft_fi.campaign.runs.request",
 }
 """Where the names are that no flight needs, or that bring the compiler or a table library; imported by whoever asks for
 one of them, so that the keys of a plugin's flights leave the rest out."""

@@ -241,7 +241,7 @@ def draft(mutants: Iterable[str]) -> str:
 PACKAGE = Path(__file__).resolve().parent
 FLYING = ("scaloft_fi.campaign.flights.share", "scaloft_fi.setup")
 """The modules that fly and judge; these modules and all that they import can change an outcome."""
-COMMANDED = ("scaloft_fi.campaign.flights.command_log", "scaloft_fi.outside.command")
+COMMANDED = ("scaloft_fi.campaign.flights.command", "scaloft_fi.outside.command")
 """The modules that fly besides where a command flies."""
 FLYING_DATA = ("world", "vehicle", "sensors", "stack")
 """The documents of `sim/` that decide every flight; of `situations.yaml` only the values of the situation do."""

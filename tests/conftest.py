@@ -15,7 +15,7 @@ from effort import EFFORT, usually
 from hypothesis import settings
 
 import scaloft_fi.mutants.reference  # noqa: F401 - a study that names the reference stack declares its operators so
-from scaloft_fi.campaign.processes.start import HANGUP
+from scaloft_fi.campaign.processes import HANGUP
 
 collect_ignore = ["support/ros2_border.py"]
 """A program for a Python with ROS 2."""

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.processes.start import HANGUP
+from scaloft_fi.campaign.processes import HANGUP
 
 ROOT = Path(__file__).parents[1]
 NUMBERS = (signal.SIGINT, signal.SIGTERM, *HANGUP)

@@ -3,14 +3,14 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
-from scaloft_fi.campaign.workers import interrupt
+from scaloft_fi.campaign.workers.local import Interrupted
 from scaloft_fi.errors import ExitCode, GateError, InputError, ScaloftError
 
 PACKAGE = Path(__file__).parents[1] / "scaloft_fi"
 
 
 def test_each_error_ends_with_a_code_that_has_a_meaning() -> None:
-    assert [error.exit_code for error in (ScaloftError, InputError, GateError, interrupt.Interrupted)] == [
+    assert [error.exit_code for error in (ScaloftError, InputError, GateError, Interrupted)] == [
         *(ExitCode.INTERNAL, ExitCode.BAD_INPUT, ExitCode.GATE, ExitCode.INTERRUPTED)
     ]
     assert all(code.meaning.endswith(".") for code in ExitCode)

@@ -206,14 +206,14 @@ def test_the_code_that_enters_keys_flies_and_judges_and_shows_nothing(study: Stu
     """A change of a table, a view, a score or the command line makes no flight stale."""
     folders = {source.path.parent.relative_to(PACKAGE).as_posix() for source in closure(study.flying_modules).values()}
     assert {folder for folder in folders if not folder.startswith(("sim", "stack", "mutants", "judge"))} == {
-        *(".", "hazop", "campaign", "campaign/plan", "campaign/flights", "campaign/processes"),
+        *(".", "hazop", "campaign", "campaign/flights"),
     }
 
 
 def test_the_code_that_enters_keys_leaves_out_how_flights_are_planned_stored_and_handed_out(study: Study) -> None:
     names = {name.removeprefix("scaloft_fi.") for name in closure(study.flying_modules)}
     assert {"setup", "document", "registry", "sim.flight", "judge.outcome", "mutants.watch"} <= names
-    assert not {"study", "campaign.plan.plan", "campaign.processes.pool", "mutants.catalogue", "hazop.load"} & names
+    assert not {"study", "campaign.plan", "campaign.pool", "mutants.catalogue", "hazop.load"} & names
     assert not {name for name in names if name.startswith(("mutants.operators", "mutants.reference"))}
 
 
@@ -239,7 +239,7 @@ def test_nothing_is_imported_to_fly_and_judge_that_does_not_enter_keys(study: St
     program = """
 import sys
 from scaloft_fi.campaign.flights.share import judged, wire_of
-from scaloft_fi.campaign.plan.flight import Flight as Planned
+from scaloft_fi.campaign.flight import Flight as Planned
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.setup import Setup
 from pathlib import Path

@@ -37,7 +37,7 @@ from bugs.evidence import published
 from bugs.page import flown
 from bugs.registry import BUGS, declare
 from bugs.study import StackStudy
-from scaloft_fi.campaign.processes.start import cores
+from scaloft_fi.campaign.processes import cores
 from scaloft_fi.study import Study
 
 PUBLISHED = ROOT / "results" / "published"

@@ -36,7 +36,7 @@ from search_or_chance.sample import survivors
 
 from found.flying import Place, finds_of, flights_in, replicate, search
 from found.page import Evidence, page
-from scaloft_fi.campaign.processes.start import cores
+from scaloft_fi.campaign.processes import cores
 from scaloft_fi.study import Study
 
 PUBLISHED = ROOT / "results" / "published"

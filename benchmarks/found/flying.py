@@ -15,7 +15,7 @@ from typing import Any
 
 from checkout import ROOT
 
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Outcome

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from scaloft_fi.analysis.seeking import Effort, Replica, replicas
-from scaloft_fi.campaign.runs.seeking.seek import Sought
+from scaloft_fi.campaign.seeking.seek import Sought
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.sim.found import Evidence as Shown
 from scaloft_fi.sim.found import Find, Finds

@@ -16,7 +16,7 @@ from checkout import ROOT
 
 from kill.cluster import Cluster
 from kill.victims import Marked
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.archive import STORE_NAME
 
 STUDY = ("hazop", "mutants", "sim")
 HEAL_EVERY_S = 0.5

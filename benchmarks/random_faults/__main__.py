@@ -36,7 +36,7 @@ from random_faults.arm import Arm
 from random_faults.draw import Draw
 from random_faults.page import flown
 from random_faults.plan import FAULTS, PLAN, names_of
-from scaloft_fi.campaign.processes.start import cores
+from scaloft_fi.campaign.processes import cores
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import catalogue_lines, realise
 from scaloft_fi.mutants.mutant import Mutant

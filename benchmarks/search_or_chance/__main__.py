@@ -34,10 +34,10 @@ from collections.abc import Mapping, Sequence
 from kept_flights import read, write
 from published_outcomes import rows_of
 
-from scaloft_fi.campaign.flights.worker import Flyer
-from scaloft_fi.campaign.processes.start import cores
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.processes import cores
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Outcome

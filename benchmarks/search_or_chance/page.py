@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from scaloft_fi.analysis.seeking import distance
-from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON
+from scaloft_fi.campaign.seeking.finds import SEEN_ON
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from search_or_chance.compare import REDRAWS, Counts, answer, beside_each, redrawn, share, totals
 from search_or_chance.plan import BUDGET, seed_of

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from scaloft_fi.analysis.detection import ALPHA
-from scaloft_fi.campaign.runs.seeking.family import EACH, GENERATION
-from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON
-from scaloft_fi.campaign.runs.seeking.proposals import OPENING
+from scaloft_fi.campaign.seeking.finds import SEEN_ON
+from scaloft_fi.campaign.seeking.proposals import OPENING
+from scaloft_fi.campaign.seeking.seek import EACH, GENERATION
 from search_or_chance.compare import LEVEL, REDRAWS
 from search_or_chance.pairs import STRENGTH
 from search_or_chance.proposers import ARMS, SEARCH

@@ -8,7 +8,7 @@ from functools import partial
 from itertools import count, islice
 from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.runs.seeking.proposals import (
+from scaloft_fi.campaign.seeking.proposals import (
     EDGES,
     IMPOSSIBLE,
     MakeProposer,

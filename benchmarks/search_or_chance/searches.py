@@ -9,12 +9,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.campaign.flights.worker import Flyer
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.seeking.flights import Allowance
-from scaloft_fi.campaign.runs.seeking.proposals import Possible, Proposal, Proposer, opening
-from scaloft_fi.campaign.runs.seeking.seek import seek
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.seeking.finds import Allowance
+from scaloft_fi.campaign.seeking.proposals import Possible, Proposal, Proposer, opening
+from scaloft_fi.campaign.seeking.seek import seek
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.output import write_whole
 from scaloft_fi.sim.found import Evidence

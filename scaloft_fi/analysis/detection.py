@@ -40,7 +40,7 @@ from typing import TypeVar
 
 from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.stratified import GATE, Stratum, p_value
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.requirement import Kind, measured_rho
 from scaloft_fi.judge.status import baselines_of
 
@@ -370,7 +370,7 @@ def noise_of(outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:
     pairs = [
         (known[outcome.situation, outcome.seed], outcome)
         for outcome in listed
-        if outcome.mutant == PLACEBO and (outcome.situation, outcome.seed) in known
+        if outcome.mutant == PLACEBO_ID and (outcome.situation, outcome.seed) in known
     ]
     baselines = [outcome for outcome in listed if outcome.mutant == BASELINE]
     names = {r.requirement: None for o in baselines for r in o.readings if r.kind is not Kind.REPORTED}

@@ -10,7 +10,7 @@ from typing import Any
 
 from scaloft_fi.hazop.matrix import CellStatus, Matrix, SeverityClass
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Subject
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Subject
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class Roster:
         """Sort key: the baseline, PLACEBO, the catalogue; a magnitude off the ladder stands after its cell's."""
         if id_ == BASELINE:
             return 0, 0, 0, ""
-        if id_ == PLACEBO:
+        if id_ == PLACEBO_ID:
             return 1, 0, 0, ""
         end = len(self.ids)
         return 2, self._cells.get(cell_of(id_), end), self._places.get(id_, end), id_

@@ -23,7 +23,7 @@ from scaloft_fi.analysis.detection import Detection, Firmness, Sample, Spending,
 from scaloft_fi.analysis.pool import LEAST, Pair, Pool
 from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.hazop.matrix import UNCLASSED, SeverityClass, class_of, worst_first
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Subject
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Subject
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import INVALID, Ruled, Rulings, Situations, Status, furthest, rulings_of
@@ -414,7 +414,7 @@ def score_of(
         replace(mutant_score(subject, situations, space, pool, spending), severity=roster.severity(subject.id))
         for subject, situations in ranked
     ]
-    mutants = tuple(m for m in scored if m.subject.id != PLACEBO and not roster.is_control(m.subject))
+    mutants = tuple(m for m in scored if m.subject.id != PLACEBO_ID and not roster.is_control(m.subject))
     counted = tuple(mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown)
     infected = {r.situation for m in mutants for r in m.results if r.infected}
     pooled = not infected or bool(infected & pool.flown)
@@ -430,7 +430,7 @@ def score_of(
         mutants=mutants,
         counted=counted,
         controls=tuple(mutant for mutant in scored if roster.is_control(mutant.subject)),
-        placebo=next((mutant for mutant in scored if mutant.subject.id == PLACEBO), None),
+        placebo=next((mutant for mutant in scored if mutant.subject.id == PLACEBO_ID), None),
         pool=pool,
         redraw=redraw(baselines.values(), seeds, spending.alpha),
         lacking=tuple(sorted(infected - pool.flown, key=space.rank)),

@@ -153,8 +153,7 @@ def _check_choice(grid: Grid) -> None:
     Raises:
         InputError: it is none.
     """
-    from scaloft_fi.campaign.runs.choice import hint
-    from scaloft_fi.campaign.runs.strategy import STRATEGIES
+    from scaloft_fi.campaign.runs.request import STRATEGIES, hint
 
     if not any(strategy.pattern.fullmatch(grid.choose) for strategy in STRATEGIES.values()):
         raise InputError(f"{grid.chosen_at}={grid.choose!r} must be {hint()}")
@@ -285,8 +284,7 @@ def _rock(study: Study, world: World) -> Ranges:
 
 def check_command_of(study: Study, findings: Findings) -> None:
     """What would fail in each flight of the study's command."""
-    from scaloft_fi.campaign.flights.command_check import check_command
-    from scaloft_fi.campaign.flights.recorded import mapping_of
+    from scaloft_fi.campaign.flights.command import check_command, mapping_of
 
     command = study.command
     if command is None:

@@ -30,7 +30,7 @@ def doctor_command(study_folder: Path | None, style: str, tables_folder: Path | 
 
     Other bits on another platform are no failure; another status, ending or violation is: exit code 4.
     """
-    from scaloft_fi.campaign.processes.start import one_thread_each
+    from scaloft_fi.campaign.processes import one_thread_each
 
     one_thread_each()
     from scaloft_fi.views.outputs.answer import Answer
@@ -49,7 +49,7 @@ def doctor_command(study_folder: Path | None, style: str, tables_folder: Path | 
     failure: Exception | None = None
     known = None
     if not no_flight:
-        from scaloft_fi.campaign.runs.known_flight import fly_again
+        from scaloft_fi.campaign.runs.gates import fly_again
         from scaloft_fi.errors import GateError
 
         try:

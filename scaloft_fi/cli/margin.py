@@ -105,7 +105,7 @@ def margin_command(
     NO-depth@3s#waypoint).  The flights are ordinary flights of the campaign: nothing is flown twice, and
     `scaloft-fi matrix --margins` shows what was found.
     """
-    from scaloft_fi.campaign.processes.start import cores, one_thread_each
+    from scaloft_fi.campaign.processes import cores, one_thread_each
 
     one_thread_each()
     campaign = campaign_over(grid, campaign)
@@ -118,9 +118,9 @@ def margin_command(
         struck = when_killed(Study.open(study_folder, grid), campaign, mutants, operability=operability)
         answer(struck, style, tables_folder)
         return
-    from scaloft_fi.campaign.plan import choose
-    from scaloft_fi.campaign.progress.progress import Progress, Silence
-    from scaloft_fi.campaign.runs.options import RunOptions
+    from scaloft_fi.campaign.plan import parse_seeds
+    from scaloft_fi.campaign.progress import Progress, Silence
+    from scaloft_fi.campaign.runs.gates import RunOptions
     from scaloft_fi.campaign.store.flown_grid import study_of
     from scaloft_fi.views.answers.margin import margin
 
@@ -130,7 +130,7 @@ def margin_command(
         mutants,
         RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),
         situations=situations,
-        seeds=choose.seeds(seeds),
+        seeds=parse_seeds(seeds),
         tolerance=tolerance,
         operability=operability,
         progress=Silence if quiet else Progress,

@@ -28,6 +28,6 @@ def _has_study(campaign: str) -> bool:
     """Whether the campaign is an archive that may have a study of its own."""
     if "/" not in campaign and not campaign.endswith(".zip"):
         return False
-    from scaloft_fi.campaign.store.folder import is_archive
+    from scaloft_fi.campaign.store.archive import is_archive
 
     return is_archive(Path(campaign))

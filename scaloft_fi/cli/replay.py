@@ -61,7 +61,7 @@ def replay_command(
     if output is not None and output.suffix.lower() not in ENDS:
         raise InputError(f"--output={str(output)!r} must end in .svg, .png, .mcap or .csv")
     check_writable(output)
-    from scaloft_fi.campaign.processes.start import one_thread_each
+    from scaloft_fi.campaign.processes import one_thread_each
 
     one_thread_each()
     from scaloft_fi.campaign.store.flown_grid import study_of
@@ -76,7 +76,7 @@ def replay_command(
         raise InputError("--gui shows flights of our simulator, and a command flies this study (sim/flyer.yaml)")
     flight = ready_to_fly(study, *named(name), say)
     if gui:
-        from scaloft_fi.campaign.flights.window import fly_in_window
+        from scaloft_fi.campaign.flights.physics import fly_in_window
 
         flown = with_log(study, flight, fly_in_window(study, flight))
     else:

@@ -40,7 +40,7 @@ def report_command(
 ) -> None:
     """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
     check_writable(output)
-    from scaloft_fi.campaign.store.folder import campaign_folder, is_archive
+    from scaloft_fi.campaign.store.archive import campaign_folder, is_archive
     from scaloft_fi.study import Study
     from scaloft_fi.views.outputs.answer import Answer
     from scaloft_fi.views.report.evidence import gather

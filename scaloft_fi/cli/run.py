@@ -177,18 +177,18 @@ def run_command(
 
     A flight that the campaign holds is not flown again, so the same command resumes an interrupted run.
     """
-    from scaloft_fi.campaign.processes.start import one_thread_each
+    from scaloft_fi.campaign.processes import one_thread_each
 
     one_thread_each()
     from scaloft_fi.analysis.pool import LEAST
     from scaloft_fi.campaign.flights.fork import CAN_FORK
-    from scaloft_fi.campaign.plan import choose
-    from scaloft_fi.campaign.progress.progress import Progress, Silence
-    from scaloft_fi.campaign.runs.budget import budget_s
-    from scaloft_fi.campaign.runs.options import RunOptions
+    from scaloft_fi.campaign.plan import parse_seeds, parse_shard
+    from scaloft_fi.campaign.progress import Progress, Silence
+    from scaloft_fi.campaign.runs.gates import RunOptions
     from scaloft_fi.campaign.runs.request import Request, fly, planned_run
+    from scaloft_fi.campaign.runs.run import budget_s
+    from scaloft_fi.campaign.store.archive import campaign_folder
     from scaloft_fi.campaign.store.flown_grid import study_of
-    from scaloft_fi.campaign.store.folder import campaign_folder
     from scaloft_fi.campaign.workers.named import executor_named
     from scaloft_fi.cli.score import Bars, report
     from scaloft_fi.views.runs.detected import detected_so_far
@@ -201,11 +201,11 @@ def run_command(
         situations=situations,
         choose=how,
         choose_seed=choose_seed,
-        seeds=choose.seeds(seeds) if seeds else None,
-        baseline_seeds=choose.seeds(baseline_seeds, "--baseline-seeds") if baseline_seeds else None,
+        seeds=parse_seeds(seeds) if seeds else None,
+        baseline_seeds=parse_seeds(baseline_seeds, "--baseline-seeds") if baseline_seeds else None,
         baseline_from=baseline_from,
         sequential=sequential,
-        shard=choose.shard(shard) if shard is not None else None,
+        shard=parse_shard(shard) if shard is not None else None,
         budget_s=budget_s(budget) if budget is not None else None,
     )
     if (bars := Bars(fail_under, fail_under_firm)) and request.short_of_pool is not None:

@@ -121,12 +121,12 @@ def seek_command(
     `seek baseline` finds situations that break the unmutated drone itself, each in a way of its own: it violates
     another requirement, strikes something else or elsewhere, or another stage believed what is not true.
     """
-    from scaloft_fi.campaign.processes.start import cores, one_thread_each
+    from scaloft_fi.campaign.processes import cores, one_thread_each
 
     one_thread_each()
-    from scaloft_fi.campaign.progress.progress import Progress, Silence
-    from scaloft_fi.campaign.runs.options import RunOptions
-    from scaloft_fi.campaign.runs.seeking.flights import Allowance
+    from scaloft_fi.campaign.progress import Progress, Silence
+    from scaloft_fi.campaign.runs.gates import RunOptions
+    from scaloft_fi.campaign.seeking.finds import Allowance
     from scaloft_fi.views.answers.seek import Search, seek, study_to_search
 
     _refuse_with_replicate(replicate=replicate)

@@ -92,7 +92,7 @@ def track_values(track: bytes, most_rows: int = MOST_ROWS) -> array[float]:
     return values
 
 
-BASELINE, PLACEBO = "baseline", "PLACEBO"
+BASELINE, PLACEBO_ID = "baseline", "PLACEBO"
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
-from scaloft_fi.campaign.plan.choose import MOST_SEEDS
-from scaloft_fi.campaign.plan.choose import seeds as seeds_in
+from scaloft_fi.campaign.plan import MOST_SEEDS
+from scaloft_fi.campaign.plan import parse_seeds as seeds_in
 from scaloft_fi.errors import InputError, ScaloftError
 
 Seeds = int | str | range | list[int] | tuple[int, ...]

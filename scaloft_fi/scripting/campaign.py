@@ -18,8 +18,8 @@ from scaloft_fi.scripting.progress import Told, progress_of
 from scaloft_fi.scripting.score import CampaignScore
 
 if TYPE_CHECKING:
-    from scaloft_fi.campaign.runs.options import RunOptions
-    from scaloft_fi.campaign.workers.executor import Executor
+    from scaloft_fi.campaign.runs.gates import RunOptions
+    from scaloft_fi.campaign.workers.local import Executor
     from scaloft_fi.views.outputs.answer import Answer
 
 MOST_JOBS = 1024
@@ -93,10 +93,10 @@ class OpenCampaign(HeldCampaign):
             Interrupted: the user stopped the run; every flight that ended is saved.
         """
         from scaloft_fi.campaign.flights.fork import CAN_FORK
-        from scaloft_fi.campaign.plan.choose import shard as shard_in
-        from scaloft_fi.campaign.runs.options import RunOptions
+        from scaloft_fi.campaign.plan import parse_shard as shard_in
+        from scaloft_fi.campaign.runs.gates import RunOptions
         from scaloft_fi.campaign.runs.request import Request, fly, planned_run
-        from scaloft_fi.campaign.store.folder import campaign_folder
+        from scaloft_fi.campaign.store.archive import campaign_folder
         from scaloft_fi.views.scored_campaign import scored_run
 
         with in_python():
@@ -224,7 +224,7 @@ class OpenCampaign(HeldCampaign):
             InputError: an argument is not allowed, Optuna is missing, or the study cannot be flown or written.
             Interrupted: the user stopped the search; flights and finds are saved.
         """
-        from scaloft_fi.campaign.runs.seeking.flights import Allowance
+        from scaloft_fi.campaign.seeking.finds import Allowance
         from scaloft_fi.views.answers.seek import Search, seek, study_to_search
 
         with in_python(budget="budget"):
@@ -265,8 +265,8 @@ class OpenCampaign(HeldCampaign):
 
 def _options(jobs: int | None, same_platform: bool) -> RunOptions:
     """Options of a search."""
-    from scaloft_fi.campaign.processes.start import cores
-    from scaloft_fi.campaign.runs.options import RunOptions
+    from scaloft_fi.campaign.processes import cores
+    from scaloft_fi.campaign.runs.gates import RunOptions
 
     count = cores() if jobs is None else int(number(jobs, "jobs", 1, MOST_JOBS))
     return RunOptions(jobs=count, executor=_executor("local", count, None, None), same_platform=same_platform)
@@ -276,8 +276,8 @@ def _executor(
     name: str, jobs: int | None, cluster_key: Path | str | None, cluster_security: Path | str | None
 ) -> Executor:
     """What runs the flights; on this machine, new interpreters where the system can hand them a connection."""
-    from scaloft_fi.campaign.processes.start import cores
-    from scaloft_fi.campaign.workers.clean import Clean
+    from scaloft_fi.campaign.processes import cores
+    from scaloft_fi.campaign.workers.local import Clean
     from scaloft_fi.campaign.workers.named import LOCAL, executor_named
 
     count = None if jobs is None else int(number(jobs, "jobs", 1, MOST_JOBS))

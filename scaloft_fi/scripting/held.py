@@ -40,7 +40,7 @@ class HeldCampaign:
     @property
     def folder(self) -> Path:
         """Folder of the campaign."""
-        from scaloft_fi.campaign.store.folder import campaign_folder
+        from scaloft_fi.campaign.store.archive import campaign_folder
 
         with in_python():
             return campaign_folder(self._study, self.name)
@@ -105,7 +105,7 @@ class HeldCampaign:
         Raises:
             InputError: there is no campaign, it holds no flight that counts, or the file cannot be written.
         """
-        from scaloft_fi.campaign.store.folder import is_archive
+        from scaloft_fi.campaign.store.archive import is_archive
         from scaloft_fi.output import write_named
         from scaloft_fi.views.report.evidence import gather
         from scaloft_fi.views.report.page import page
@@ -232,7 +232,7 @@ class HeldCampaign:
         return study_of(self.study_folder, self.name, self.grid)
 
     def _repr_html_(self) -> str:
-        from scaloft_fi.campaign.store.folder import STORE_NAME, is_archive
+        from scaloft_fi.campaign.store.archive import STORE_NAME, is_archive
         from scaloft_fi.views.tables.html import html
         from scaloft_fi.views.tables.table import Table
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from scaloft_fi.campaign.progress.progress import Progress, Silence
+from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.errors import InputError
 
 Told = bool | Callable[[int, int], object]

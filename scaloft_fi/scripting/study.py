@@ -142,7 +142,7 @@ class OpenStudy:
     @property
     def campaigns(self) -> tuple[str, ...]:
         """Names of the campaigns in the folder of results, in alphabetical order."""
-        from scaloft_fi.campaign.store.folder import STORE_NAME
+        from scaloft_fi.campaign.store.archive import STORE_NAME
 
         stores = (self.definition.results_folder / "campaigns").glob(f"*/{STORE_NAME}")
         return tuple(sorted(store.parent.name for store in stores))

@@ -8,12 +8,11 @@ from collections.abc import Collection, Sequence
 
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.campaign.runs.choice import remembered
+from scaloft_fi.campaign.runs.request import remembered
 from scaloft_fi.campaign.store.held import Now, stale_in
-from scaloft_fi.campaign.store.selection import Flown
-from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.campaign.store.store import Flown, Store
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID
 from scaloft_fi.mutants.catalogue import defaults
 from scaloft_fi.sim.grid import ALL
 from scaloft_fi.study import Study
@@ -39,7 +38,7 @@ def _again(study: Study, store: Store, name: str, stale: Sequence[Flown]) -> str
     held = store.flights()
     known = {flight.mutant for flight in held}
     asking = stale if _mutants(stale, study.roster) else held  # baselines alone are flown again beside their mutants
-    mutants = _mutants(asking, study.roster) or [PLACEBO]
+    mutants = _mutants(asking, study.roster) or [PLACEBO_ID]
     seeds = {flight.seed for flight in asking if flight.mutant in mutants} or {flight.seed for flight in stale}
     pool = {flight.seed for flight in stale if flight.mutant == BASELINE}
     words = [f"scaloft-fi run{in_campaign(name)}"]
@@ -56,7 +55,7 @@ def _mutants(flights: Sequence[Flown], roster: Roster) -> list[str]:
     """The mutants among `flights`, in the canonical order; a control that was flown once comes with every run."""
     flown = Counter(flight.mutant for flight in flights)
     canaries = {id_ for id_, number in flown.items() if number == 1 and cell_of(id_) in roster.controls}
-    return sorted(flown.keys() - canaries - {BASELINE, PLACEBO}, key=roster.rank)
+    return sorted(flown.keys() - canaries - {BASELINE, PLACEBO_ID}, key=roster.rank)
 
 
 def _situations(study: Study, store: Store, stale: Collection[str], held: Collection[str]) -> list[str]:

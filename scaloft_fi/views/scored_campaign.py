@@ -14,8 +14,8 @@ from scaloft_fi.analysis.pool import findings
 from scaloft_fi.analysis.roster import plain
 from scaloft_fi.analysis.score import By, Score, groups, score_of
 from scaloft_fi.analysis.survivor import Accepted, Background, Disposition, accepted_survivors, backgrounds
-from scaloft_fi.campaign.runs.baseline_pool import borrowed
-from scaloft_fi.campaign.runs.looks import Look
+from scaloft_fi.campaign.runs.request import Look
+from scaloft_fi.campaign.runs.run import borrowed
 from scaloft_fi.console import joined
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome

@@ -10,15 +10,13 @@ from pathlib import Path
 
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.score import Score, score_of
-from scaloft_fi.campaign.runs.choice import Remembered, remembered
-from scaloft_fi.campaign.runs.spending import spending_of
-from scaloft_fi.campaign.store.archive import Archive
+from scaloft_fi.campaign.runs.request import Remembered, remembered
+from scaloft_fi.campaign.runs.run import spending_of
+from scaloft_fi.campaign.store.archive import Archive, campaign_folder
 from scaloft_fi.campaign.store.flown_grid import opened
-from scaloft_fi.campaign.store.folder import campaign_folder
-from scaloft_fi.campaign.store.held import Held, Now, held_in, latest_in, nothing_to_show
+from scaloft_fi.campaign.store.held import Held, Now, held_in, latest_in, nothing_to_show, with_tracks
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.store.tracks import with_tracks
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.study import Study

@@ -15,8 +15,8 @@ from bugs_plan import FLIGHTS, PLAN, REFERENCE, SEEDS, names_of
 from kept_flights import Flights, read
 from published_outcomes import outcomes, rows_of
 
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import fly_log
-from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind

@@ -15,8 +15,7 @@ import reference
 from openpyxl import load_workbook
 from reference import RECORD, REFERENCE
 
-from scaloft_fi.campaign.store.archive import OUTCOMES
-from scaloft_fi.campaign.store.folder import MANIFEST
+from scaloft_fi.campaign.store.archive import MANIFEST, OUTCOMES
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, pack_track
 from scaloft_fi.sim.log import FAR_M

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import fly_log
-from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 

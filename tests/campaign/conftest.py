@@ -17,9 +17,8 @@ from typing import Any
 import pytest
 
 from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.flights.fly import invalid, reason_of
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix

@@ -11,8 +11,7 @@ from click.testing import CliRunner, Result
 from paper_flyer import Paper
 from papers import flight
 
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.cli.main import main
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study

@@ -12,7 +12,7 @@ from click.testing import CliRunner, Result
 from refusal import sentence
 
 import scaloft_fi
-from scaloft_fi.campaign.store.folder import MANIFEST
+from scaloft_fi.campaign.store.archive import MANIFEST
 from scaloft_fi.cli.main import main
 from scaloft_fi.views.exchange import FORMATS
 

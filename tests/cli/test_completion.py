@@ -19,7 +19,7 @@ from click.testing import CliRunner, Result
 from plugins import install
 from refusal import sentence
 
-from scaloft_fi.campaign.runs.strategy import STRATEGIES
+from scaloft_fi.campaign.runs.request import STRATEGIES
 from scaloft_fi.cli.in_sources import OPERATOR, declared
 from scaloft_fi.cli.main import main
 from scaloft_fi.cli.shells import COMPLETION, SHELLS, answered

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 from crafted import ONE, Crafted, campaign, crafted, sql
 
-from scaloft_fi.campaign.store.cells import MOST_FLIGHTS
+from scaloft_fi.campaign.store.record import MOST_FLIGHTS
 from scaloft_fi.cli.main import main
 from scaloft_fi.study import Study
 

@@ -9,8 +9,8 @@ import pytest
 from click.testing import Result
 from forms import of_form
 
-from scaloft_fi.campaign.runs.known_flight import published
-from scaloft_fi.campaign.store.fingerprint import fingerprint
+from scaloft_fi.campaign.runs.gates import published
+from scaloft_fi.campaign.store.origin import fingerprint
 from scaloft_fi.cli.options import FORMATS
 from scaloft_fi.errors import GateError
 
@@ -22,7 +22,7 @@ def answer(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], str]], Non
     """Replaces the known flight."""
 
     def become(tell: Callable[[], str]) -> None:
-        monkeypatch.setattr("scaloft_fi.campaign.runs.known_flight.fly_again", lambda _say: tell())
+        monkeypatch.setattr("scaloft_fi.campaign.runs.gates.fly_again", lambda _say: tell())
 
     become(lambda: "as published")
     return become

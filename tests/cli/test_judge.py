@@ -7,8 +7,8 @@ import pytest
 from click.testing import CliRunner, Result
 from forms import of_form
 
+from scaloft_fi.campaign.flights.command import judged_record, known_of, mapping_of
 from scaloft_fi.campaign.flights.fly import fly_log, judged
-from scaloft_fi.campaign.flights.recorded import judged_record, known_of, mapping_of
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.cli.main import main
 from scaloft_fi.study import Study

@@ -9,10 +9,9 @@ import pytest
 from click.testing import Result
 from forms import of_form
 
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.store.folder import STORE_NAME
-from scaloft_fi.campaign.store.held import flight_named
-from scaloft_fi.campaign.store.key import flight_key
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.store.archive import STORE_NAME
+from scaloft_fi.campaign.store.held import flight_key, flight_named
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
@@ -99,7 +98,7 @@ class _Replayed:
 
     def compared(self, numpy: str, outcome: Outcome, *, clean: str = "clean 2", same_platform: bool = False) -> str:
         """What `replay` says of `outcome` on the platform `numpy`, whose baseline has the digest `clean`."""
-        self._monkeypatch.setattr("scaloft_fi.campaign.store.fingerprint.fingerprint", lambda: {"numpy": numpy})
+        self._monkeypatch.setattr("scaloft_fi.campaign.store.origin.fingerprint", lambda: {"numpy": numpy})
         again = LoggedFlight(self.study, self.clean, LOG, replace(self.baseline, digest=clean))
         self._monkeypatch.setattr("scaloft_fi.views.flights.logged_flight.fly_with_log", lambda *_: again)
         flown = LoggedFlight(self.study, self.flight, LOG, outcome)

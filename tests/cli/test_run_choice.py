@@ -7,7 +7,7 @@ from pathlib import Path
 from click.testing import Result
 from refusal import sentence
 
-from scaloft_fi.campaign.runs.choice import remembered
+from scaloft_fi.campaign.runs.request import remembered
 from scaloft_fi.campaign.store.store import Store
 
 Call = Callable[..., Result]

@@ -22,7 +22,7 @@ def test_a_budget_that_is_no_time_is_refused(call: Call) -> None:
 
 
 def test_a_run_whose_time_is_up_names_what_it_left(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.runs.budget.Budget.left_s", 0.0)
+    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Budget.left_s", 0.0)
     words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--budget", "1h", "--quiet")
     result = call(*words, "--format", "json")
     assert result.exit_code == 0, result.output
@@ -128,5 +128,5 @@ def test_a_lender_from_another_platform_is_onesentence(
     lender = str(tmp_path / "lender" / "c")
     where = ("--mutant", "PLACEBO", "--situation", "T0O0W0D0H0", "--quiet")
     call("run", *where, "--campaign", lender, campaign=False)
-    monkeypatch.setattr("scaloft_fi.campaign.store.fingerprint.fingerprint", lambda: {"machine": "PDP-11"})
+    monkeypatch.setattr("scaloft_fi.campaign.store.origin.fingerprint", lambda: {"machine": "PDP-11"})
     assert "was flown on another platform" in sentence(call("run", *where, "--baseline-from", lender))

@@ -16,10 +16,9 @@ from refusal import sentence
 
 import scaloft_fi
 from scaloft_fi.analysis.seeking import Breach, Signature
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.runs.seeking.finds import saver
-from scaloft_fi.campaign.runs.seeking.sought import anew, interrupted
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.seeking.finds import anew, interrupted, saver
+from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Violation
 from scaloft_fi.sim.found import read_finds
@@ -147,7 +146,7 @@ def test_what_breaks_the_unmutated_drone_is_printed_and_written(
         way = Signature(names[0], violations[0].struck, "home to corner", "corner", "person detection")
         return (Breach(way, names, violations[0].t_s, (0.0, 1.0, 1.6), 1.5, "m"),)
 
-    monkeypatch.setattr("scaloft_fi.campaign.runs.seeking.recall.recalled", recalled)
+    monkeypatch.setattr("scaloft_fi.campaign.seeking.finds.recalled", recalled)
     ruled.baseline = fast
     (copy / "sim" / "grids" / "small.yaml").write_text(SMALL, encoding="utf-8")
     words = ("baseline", "--grid", "small", "--into", "where", "--budget", "70flights", "--jobs", "1")

@@ -9,7 +9,7 @@ from pathlib import Path
 from click.testing import Result
 from refusal import sentence
 
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.platforms import claim
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.study import Study

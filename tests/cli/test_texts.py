@@ -19,8 +19,7 @@ from click.testing import CliRunner, Result
 from obeyed import obeyed
 from papers import STUDY, flight
 
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.cli.main import main
 from scaloft_fi.console import printable
 from scaloft_fi.judge.outcome import Outcome

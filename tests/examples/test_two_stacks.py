@@ -11,7 +11,7 @@ from plugins import ROOT, call, install_project
 PROGRAM = """
 import json, sys
 from scaloft_fi.campaign.flights.fly import fly_log
-from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 

@@ -10,11 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.flights.fly import fly_log, judged
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flights.fly import Worker, fly_log, judged
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.flights.worker import Worker
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO

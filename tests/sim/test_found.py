@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from finding import BAR
 
-from scaloft_fi.campaign.runs.seeking.finds import break_saver, saver, text
+from scaloft_fi.campaign.seeking.finds import break_saver, saver, text
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.found import Evidence, Find, Finds, read_finds
 from scaloft_fi.sim.grids import grid_names, load_grid

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from finding import SMALL, small_study
 
-from scaloft_fi.campaign.runs.choice import choose
+from scaloft_fi.campaign.runs.request import choose_situations
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.sim.situation import Situation
@@ -135,11 +135,11 @@ def test_a_free_axis_that_cannot_be_is_refused_with_its_place(study, old, new, m
 
 @pytest.mark.parametrize("how", ["random:40", "sobol:40", "draws:40"])
 def test_a_choice_draws_numbers_of_free_axes_and_leaves_most_of_them_benign(searched, how):
-    drawn = choose(how, searched.grid.situations, (0,), 0, searched.space).situations
+    drawn = choose_situations(how, searched.grid.situations, (0,), 0, searched.space).situations
     assert all(searched.grid.situation(situation.key) == situation for situation in drawn)
     off = sum(len(situation.numbers) for situation in drawn) / len(drawn)
     assert 2 < off < len(searched.grid.free) / 2
-    assert drawn == choose(how, searched.grid.situations, (0,), 0, searched.space).situations
+    assert drawn == choose_situations(how, searched.grid.situations, (0,), 0, searched.space).situations
 
 
 def test_of_scenarios_with_drawn_numbers_only_the_last_ones_are_kept(searched, monkeypatch):

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from finding import BAR, found
 
-from scaloft_fi.campaign.runs.seeking.finds import break_saver, saver
+from scaloft_fi.campaign.seeking.finds import break_saver, saver
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.found import Find
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study, known_finds

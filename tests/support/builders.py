@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.hazop.matrix import SeverityClass
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, Subject, Violation
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.space import Space
 from scaloft_fi.sim.log import signal_names
@@ -50,7 +50,7 @@ CLASSED = replace(ROSTER, severities={"NO-human": LEAST, "MORE-goal": WORST})
 
 
 def subject_of(mutant: str) -> Subject:
-    if mutant in (BASELINE, PLACEBO):
+    if mutant in (BASELINE, PLACEBO_ID):
         return Subject(mutant)
     guideword, parameter = cell_of(mutant).split("-")
     return Subject(mutant, guideword, parameter, mutant.partition("@")[2])
@@ -74,7 +74,7 @@ def outcome(
     """A flight that violates these requirements at these times; one that strikes something is cut short there."""
     violated = violated or {}
     end_s = min(violated.values()) if struck else duration_s
-    clean = mutant in (BASELINE, PLACEBO)
+    clean = mutant in (BASELINE, PLACEBO_ID)
     return Outcome(
         subject=subject_of(mutant),
         situation=situation,
@@ -118,7 +118,7 @@ def pool(*situations: str, seeds: int = 10, red: int = 0, **how: Any) -> list[Ou
 
 times = st.integers(1, 59).map(float)
 violations = st.dictionaries(st.sampled_from(list(KINDS)), times, max_size=4)
-subjects = st.sampled_from([PLACEBO, *ROSTER.ids, "LATE-human@2.5s"])
+subjects = st.sampled_from([PLACEBO_ID, *ROSTER.ids, "LATE-human@2.5s"])
 
 
 @st.composite
@@ -161,9 +161,9 @@ def seeded(draw: st.DrawFn) -> list[Outcome]:
     rates = {key: chance.choice([0, 0, 0.02, 0.1, 0.5, 1]) for key in keys}
     idle = {key: chance.choice([(), (), ("SR2",)]) for key in keys}
     outcomes = []
-    for mutant in (BASELINE, PLACEBO, *ROSTER.ids):
+    for mutant in (BASELINE, PLACEBO_ID, *ROSTER.ids):
         for key in keys:
-            kill = rates[key] if mutant in (BASELINE, PLACEBO) else chance.choice([0, 0.3, 0.9, 1])
+            kill = rates[key] if mutant in (BASELINE, PLACEBO_ID) else chance.choice([0, 0.3, 0.9, 1])
             for seed in range(seeds if mutant == BASELINE else min(seeds, chance.choice([1, 3, 5, 11, 11]))):
                 violated = {name: float(chance.randrange(1, 59)) for name in KINDS if chance.random() < kill}
                 struck = chance.choice(["", "", "wall", "bar"]) if "SR1" in violated else ""

@@ -10,10 +10,9 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from scaloft_fi.campaign.runs.spending import remember_seeds
-from scaloft_fi.campaign.store.fingerprint import fingerprint
-from scaloft_fi.campaign.store.held import flight_named
-from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.runs.run import remember_seeds
+from scaloft_fi.campaign.store.held import Keys, flight_named
+from scaloft_fi.campaign.store.origin import fingerprint
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, Violation, pack_track
 from scaloft_fi.judge.requirement import Reading

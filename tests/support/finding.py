@@ -7,8 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.mutant import PLACEBO

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Reading
 from scaloft_fi.study import Study

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, TRACK_COLUMNS, Outcome, Subject, Violation, pack_track
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK_COLUMNS, Outcome, Subject, Violation, pack_track
 from scaloft_fi.judge.requirement import Reading
 from scaloft_fi.study import Study
 from scaloft_fi.views.report.evidence import Evidence
@@ -77,7 +77,7 @@ def flight(study: Study, mutant: str, situation: str, seed: int) -> Outcome:
     duration_s = violated["SR1"] if struck else 40.0
     plain = BASELINE if masked or not altered else mutant
     guideword, _, parameter = mutant.partition("@")[0].partition("-")
-    named = mutant in (BASELINE, PLACEBO)
+    named = mutant in (BASELINE, PLACEBO_ID)
     return Outcome(
         subject=Subject(mutant) if named else Subject(mutant, guideword, parameter, mutant.partition("@")[2]),
         situation=situation,
@@ -116,7 +116,7 @@ def campaign(
 ) -> tuple[Outcome, ...]:
     """Every mutant with the baseline and PLACEBO in every situation, then the baseline alone with the pool's seeds."""
     keys, seeds = [key for key, _ in study.space.points], list(seeds)
-    flown = [(mutant, seed) for seed in seeds for mutant in (BASELINE, PLACEBO, *mutants)]
+    flown = [(mutant, seed) for seed in seeds for mutant in (BASELINE, PLACEBO_ID, *mutants)]
     flown += [(BASELINE, seed) for seed in pool if seed not in seeds]
     return tuple(flight(study, mutant, key, seed) for mutant, seed in flown for key in keys)
 

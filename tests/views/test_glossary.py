@@ -10,7 +10,7 @@ from table_heads import headings
 
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.score import By
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.views.glossary import TERMS, term
 from scaloft_fi.views.lists import axes, operators, seams, signals
@@ -75,7 +75,12 @@ def test_every_value_that_is_printed_is_a_term() -> None:
 
 @pytest.mark.parametrize(
     "words",
-    [answers.NAMES, [name.replace("_", " ") for name in tables.POPULATIONS], tables.POPULATIONS, (BASELINE, PLACEBO)],
+    [
+        answers.NAMES,
+        [name.replace("_", " ") for name in tables.POPULATIONS],
+        tables.POPULATIONS,
+        (BASELINE, PLACEBO_ID),
+    ],
 )
 def test_every_row_of_the_first_screens_is_a_term(words: list[str]) -> None:
     assert [word for word in words if term(word) is None] == []

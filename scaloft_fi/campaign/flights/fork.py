@@ -9,9 +9,8 @@ from contextlib import suppress
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.processes.lifeline import LINUX, cause_of_death, die_with
-from scaloft_fi.campaign.processes.patience import ATTEMPTS, PATIENCE_S
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.processes import ATTEMPTS, LINUX, PATIENCE_S, cause_of_death, die_with
 from scaloft_fi.judge.outcome import Outcome
 
 CAN_FORK = LINUX

@@ -9,10 +9,9 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.flights.fly import invalid, judged, reason_of, wire_of
 from scaloft_fi.campaign.flights.fork import Fork
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.judge.outcome import Outcome, Subject
 
 if TYPE_CHECKING:

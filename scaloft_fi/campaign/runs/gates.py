@@ -1,19 +1,73 @@
-"""Gates: checks that must pass before a score is valid.  A failed gate is named, and no score is printed."""
+"""Gates: checks that must pass before a score is valid, a known flight and a sample on another platform among them."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+import json
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
 
 from scaloft_fi.analysis.detection import Sample, Spending, detect
 from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.campaign.runs.options import MOST_INVALID
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.flights.fork import CAN_FORK
+from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.campaign.plan import alone
+from scaloft_fi.campaign.store.held import counting_flights, flight_named
+from scaloft_fi.campaign.store.origin import differences, fingerprint
+from scaloft_fi.campaign.store.platforms import BITS, FACTS, Platform, Platforms, claim, remember
+from scaloft_fi.campaign.store.store import Flown, Store
+from scaloft_fi.campaign.workers.local import Executor, Workers
 from scaloft_fi.errors import GateError
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, TRACK_COLUMNS, Outcome, unpack_track
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK_COLUMNS, Outcome, unpack_track
 from scaloft_fi.judge.requirement import Compliance, Kind
-from scaloft_fi.judge.status import JudgedFlight, Status, baselines_of, digests, flights_of
+from scaloft_fi.judge.status import (
+    Agreement,
+    Facts,
+    JudgedFlight,
+    Status,
+    agreement,
+    baselines_of,
+    digests,
+    facts_of,
+    flights_of,
+)
 from scaloft_fi.sim.log import Ending
+from scaloft_fi.study import PACKAGE, Study
+
+MOST_INVALID = 0.1
+"""Greatest share of invalid flights; a run with more gives no valid score."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Options from the command line.
+
+    Attributes:
+        jobs: number of worker processes on this machine.
+        executor: executor that replaces these processes.
+        share: whether mutants share the beginning of their baseline.
+        part: whether this run is one part of a campaign; `merge` checks the gates that need all parts.
+        budget_s: wall time after which no flight begins [s]; None = unlimited.
+        max_invalid: greatest share 0..1 of invalid flights.
+        warnings: whether each violation is shown when its outcome arrives, instead of only counted.
+        same_platform: whether only flights with the bits of this platform count.
+        command: the command of the user, named in the message on how to resume; empty without a command line.
+    """
+
+    jobs: int = 1
+    executor: Executor | None = None
+    share: bool = CAN_FORK
+    part: bool = False
+    budget_s: float | None = None
+    max_invalid: float = MOST_INVALID
+    warnings: bool = False
+    same_platform: bool = False
+    command: str = ""
+
 
 NAMED = 3
 """Greatest number of flights that a message names; the message counts the others."""
@@ -24,7 +78,7 @@ ONCE = Spending()
 _Z = TRACK_COLUMNS.index("z_m")
 
 
-def check(
+def check_gates(
     outcomes: Iterable[Outcome],
     roster: Roster,
     *,
@@ -86,11 +140,11 @@ def _placebo_detected(outcomes: Sequence[Outcome], spending: Spending) -> Iterat
     """Fails if the score's test takes PLACEBO, judged as if it altered samples, for a fault."""
     flown: dict[str, list[tuple[str, ...]]] = {}
     for outcome in outcomes:
-        if outcome.mutant == PLACEBO and not outcome.invalid:
+        if outcome.mutant == PLACEBO_ID and not outcome.invalid:
             names = tuple(violation.requirement for violation in outcome.violations)
             flown.setdefault(outcome.situation, []).append(names)
     samples = [Sample(situation, tuple(names), infected=True) for situation, names in flown.items()]
-    detection = detect(PLACEBO, samples, Pool.of(outcomes), spending, Kind.SAFETY)
+    detection = detect(PLACEBO_ID, samples, Pool.of(outcomes), spending, Kind.SAFETY)
     if detection.detected:
         p = ", ".join(f"{name} p = {detection.p[name]:.2g}" for name in detection.by)
         yield f"PLACEBO, which does nothing, is detected by the score's test ({p}): the flights are no fair comparison"
@@ -106,7 +160,7 @@ def _placebos(outcomes: Sequence[Outcome]) -> Iterator[tuple[Outcome, Outcome]]:
     baselines = baselines_of(outcomes)
     for outcome in outcomes:
         baseline = baselines.get((outcome.situation, outcome.seed))
-        if outcome.mutant == PLACEBO and baseline and not (outcome.invalid or baseline.invalid):
+        if outcome.mutant == PLACEBO_ID and baseline and not (outcome.invalid or baseline.invalid):
             yield outcome, baseline
 
 
@@ -181,3 +235,187 @@ def _shows(flight: JudgedFlight) -> bool:
 def _listed(names: Sequence[str]) -> str:
     rest = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
     return ", ".join(names[:NAMED]) + rest
+
+
+_PUBLISHED = Path(__file__).with_name("known_flight.json")
+
+
+@dataclass(frozen=True)
+class KnownFlight:
+    """A flight as it was published.
+
+    Attributes:
+        name: `MUTANT/SITUATION/SEED`.
+        digest: published digest.
+        facts: published facts.
+        platform: fingerprint of the platform that flew it.
+    """
+
+    name: str
+    digest: str
+    facts: Facts
+    platform: dict[str, str]
+
+
+def published() -> KnownFlight:
+    """The known flight, from the data file of the package."""
+    entry = json.loads(_PUBLISHED.read_text(encoding="utf-8"))
+    facts = Facts(entry["status"], entry["ending"], tuple(entry["violated"]))
+    return KnownFlight(entry["flight"], entry["digest"], facts, entry["platform"])
+
+
+def packaged_study() -> Study:
+    """The study that the package ships; in a checkout, the checkout's."""
+    shipped = PACKAGE / "_study"
+    return Study(shipped if shipped.is_dir() else PACKAGE.parent)
+
+
+def fly_again(say: Callable[[str], None], flyer: Flyer | None = None) -> str:
+    """Fly the known flight and compare it with the published one; returns a sentence.
+
+    Args:
+        say: prints a line for the user.
+        flyer: flies; PyBullet when None.
+
+    Raises:
+        GateError: status, ending or violations differ from the published ones.
+        InputError: the study of the package cannot be flown.
+    """
+    known, study, flyer = published(), packaged_study(), flyer or Physics()
+    mutant, situation, seed = known.name.split("/")
+    flyer.prepare(study, say)
+    outcome = flyer(study, flight_named(study, mutant, situation, int(seed)))
+    if outcome.digest == known.digest:
+        return f"{known.name} has its published digest on this platform"
+    facts, changed = facts_of([outcome])[known.name], ", ".join(differences(fingerprint(), known.platform))
+    where = f"it was published on another platform ({changed})" if changed else "it was published on this platform"
+    told = f"{known.name} of the study in {study.folder} has the digest {outcome.digest[:12]}, not {known.digest[:12]}"
+    if facts != known.facts:
+        raise GateError(f"{told}, and other facts: {facts} here, {known.facts} published; {where}")
+    return f"{told}, and the published status, ending and violations ({facts}); {where}"
+
+
+BASELINES, MUTANTS = 2, 3
+"""Greatest number of stored flights of each kind that are flown again after a change of platform."""
+
+
+def prove_platform(
+    study: Study,
+    store: Store,
+    workers: Workers,
+    *,
+    say: Callable[[str], None],
+    stopped: Callable[[], bool],
+    same_platform: bool = False,
+) -> None:
+    """Record the platform of a new store; fly a sample of the flights of every other platform again on this one.
+
+    If the sample has the same digests, or else the same facts, the stored flights stay valid, and later runs fly no
+    sample.  If the facts of a flight differ, the flights of that platform become stale.
+
+    Args:
+        study: the current study; the sample is drawn from its current flights.
+        store: store of the campaign.
+        workers: workers that fly the sample.
+        say: prints a line for the user.
+        stopped: whether the user asked to stop; then nothing is recorded.
+        same_platform: whether flights with other digests become stale although they have the same facts.
+
+    Raises:
+        GateError: no flight of a sample could be flown.
+    """
+    ours = fingerprint()
+    known = Platforms(store)
+    if not known.own:
+        store.set_meta(ours)
+        return
+    if known.only(ours):
+        return
+    for theirs, stored in known.by_platform(counting_flights(study, store)):
+        if known.equal(theirs, ours):
+            continue
+        changed = ", ".join(differences(ours, theirs))
+        if not study.stack.deterministic:
+            remember(store, BITS, theirs, ours)
+            say(
+                f"the platform has changed ({changed}); the stack is not deterministic, so no flight is flown again to "
+                f"compare: the {len(stored)} stored flights count"
+            )
+            continue
+        if known.shown(FACTS, theirs, ours):
+            if same_platform:
+                _outgrow(store, stored, ours)
+                say(f"{len(stored)} flights of another platform ({changed}) have other digests: they do not count")
+            continue
+        sample = sample_of(stored, str(sorted(ours.items())))
+        say(f"the platform has changed ({changed}); {len(sample)} stored flights are flown again")
+        compared = _again(study, store, workers, sample, stopped)
+        if stopped():
+            return
+        if not (compared.bits or compared.facts):
+            remember(store, BITS, theirs, ours)
+            say(
+                f"{len(compared.equal)} stored flights have the same digests on this platform: the stored flights count"
+            )
+        elif compared.facts or same_platform:
+            _outgrow(store, stored, ours)
+            say(_stale(compared, len(stored)))
+        else:
+            remember(store, FACTS, theirs, ours)
+            say(
+                f"{len(compared.bits)} of {len(sample)} stored flights have other digests on this platform, and all "
+                "have the same status, ending and violations: the stored flights count, and where a situation and seed "
+                "needs more flights, all its flights are flown on this platform"
+            )
+
+
+def sample_of(stored: Sequence[Flown], name: str) -> list[Flown]:
+    """A few baselines and mutants that were flown beside them, drawn by a hash of their keys and of `name`.
+
+    The status of a mutant can be compared only where its baseline is flown again too.
+    """
+    drawn = sorted(stored, key=lambda flight: sha256(f"{name}\n{flight.key}".encode()).digest())
+    mutants = [flight for flight in drawn if flight.mutant != BASELINE]
+    tested = {_pair(flight) for flight in mutants}
+    baselines = [flight for flight in drawn if flight.mutant == BASELINE]
+    baselines.sort(key=lambda flight: _pair(flight) not in tested)
+    pairs = {_pair(flight) for flight in baselines[:BASELINES]}
+    beside = [flight for flight in mutants if _pair(flight) in pairs or not pairs]
+    return [*baselines[:BASELINES], *beside[:MUTANTS]]
+
+
+def _again(
+    study: Study, store: Store, workers: Workers, sample: Sequence[Flown], stopped: Callable[[], bool]
+) -> Agreement:
+    """Fly the sample again and compare it with the store.
+
+    Raises:
+        GateError: no flight could be flown.
+    """
+    first = tuple(store.outcomes(flight.key for flight in sample))
+    names = {outcome.name for outcome in first}
+    flights = [flight_named(study, flight.mutant, flight.situation, flight.seed) for flight in sample]
+    again = [outcome for outcome in workers.map(alone(flights)) if outcome.name in names]
+    if all(outcome.invalid for outcome in again) and not stopped():
+        reasons = "; ".join(f"{outcome.name}: {outcome.invalid}" for outcome in again)
+        raise GateError(f"gate failed: the platform has changed, and no stored flight could be flown again: {reasons}")
+    return agreement(first, again)
+
+
+def _outgrow(store: Store, stored: Sequence[Flown], ours: Platform) -> None:
+    """Make stored flights stale, and every other flight of their situations and seeds."""
+    claim(store, map(_pair, stored), ours)
+
+
+def _stale(compared: Agreement, stored: int) -> str:
+    """The sentence about stored flights that became stale."""
+    differing = compared.bits + tuple(compared.facts)
+    facts = f", and in more than bits: {compared.named()}" if compared.facts else ""
+    return (
+        f"warning: {', '.join(differing)} came out with another digest{facts}: {stored} stored flights of the earlier "
+        "platform do not count any more; `run` flies the requested ones again"
+    )
+
+
+def _pair(flight: Flown) -> tuple[str, int]:
+    return flight.situation, flight.seed

@@ -1,4 +1,4 @@
-"""The margin search: choose magnitudes, fly them in all situations, and repeat until no magnitude is left to choose.
+"""The margin search: choose magnitudes, fly them in all situations, and repeat until none is left to choose.
 
 The choice depends on outcomes alone, and every flight has its ordinary key, so an interrupted search continues where it
 stopped, and flights of other verbs are not flown again.  Where a magnitude infects, the baseline pool is flown too.
@@ -6,7 +6,8 @@ stopped, and flights of other verbs are not flown again.  Where a magnitude infe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,17 +15,14 @@ from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.margin import Margin, Scale, margin_of
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.score import Score, score
-from scaloft_fi.analysis.survivor import PhasedFault, Tried, phased_fault, tried_in
-from scaloft_fi.campaign.flights.worker import Flyer
-from scaloft_fi.campaign.plan import choose
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import Plan, plan
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.bisect import Search
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.run import run
-from scaloft_fi.campaign.runs.spending import spending_of
-from scaloft_fi.campaign.store.folder import STORE_NAME, promising
+from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried, phased_fault, tried_in
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.plan import Plan, canary, plan
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.run import run, spending_of
+from scaloft_fi.campaign.store.archive import STORE_NAME, promising
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
@@ -36,6 +34,102 @@ from scaloft_fi.mutants.catalogue import realise, source_of
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
+
+WIDENINGS = 3
+"""Greatest number of magnitudes beyond each end of the ladder; each is half or twice the one before.
+
+Far beyond its strong end a fault becomes another fault; far below its mild end it has no effect.
+"""
+DIGITS = range(3, 7)
+"""Significant digits of a magnitude: as few as separate it from its neighbours, at most as many as an id holds."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """A margin search.
+
+    Attributes:
+        scale: order of the magnitudes.
+        ladder: ladder of the study, mild to strong; all of it is flown, to detect a response that is not monotone.
+        allowed: whether the operator accepts a magnitude.
+        least, most: bounds of the operator in the ladder's unit.
+        tolerance: greatest width of the final interval [the ladder's unit]; None = a tenth of its strong end.
+    """
+
+    scale: Scale
+    ladder: Sequence[float]
+    allowed: Callable[[float], bool] = lambda _magnitude: True
+    least: float = -math.inf
+    most: float = math.inf
+    tolerance: float | None = None
+
+    def asks(self, tried: Mapping[float, Tried]) -> tuple[float, ...]:
+        """The magnitudes to fly next in a situation with the results `tried`; none when the search is over.
+
+        A magnitude with a violation in most flights counts as killed for the search, even if it is undecided.
+        """
+        missing = tuple(rung for rung in self.ladder if rung not in tried)
+        if missing:
+            return missing
+        if all(entry.reaction is Reaction.UNTESTED for entry in tried.values()):
+            return ()
+        margin = margin_of(self.scale, tried.values())
+        if margin.end is None:
+            candidates = self._stronger(tried) if margin.survives is not None else iter(())
+        elif margin.survives is None:
+            candidates = self._milder(tried, margin.end)
+        elif self._narrow(margin.survives, margin.end):
+            return ()
+        else:
+            candidates = self._between(margin.survives, margin.end)
+        return next(((m,) for m in candidates if m not in tried and self._fits(m)), ())
+
+    def _narrow(self, survives: float, end: float) -> bool:
+        if self.tolerance is None:
+            return self.scale.close(survives, end)
+        return abs(end - survives) <= self.tolerance * (1 + 1e-9)
+
+    def _fits(self, magnitude: float) -> bool:
+        return math.isfinite(magnitude) and self.allowed(magnitude)
+
+    def _between(self, survives: float, end: float) -> Iterator[float]:
+        """The middle of the interval in as few digits as possible; twice the survivor if the end is infinite."""
+        middle = survives + (end - survives) / 2
+        if math.isinf(end):
+            middle = 2 * survives
+        low, high = sorted((survives, end))
+        # an operator with a whole-number argument accepts only the number rounded down
+        rounded = [float(f"{middle:.{digits}g}") for digits in DIGITS] + [float(math.floor(middle))]
+        return (m for m in rounded if low < m < high)
+
+    def _stronger(self, tried: Mapping[float, Tried]) -> Iterator[float]:
+        """Beyond the strong end: twice the distance from the neutral magnitude, or half where smaller is stronger."""
+        end = max(tried, key=self.scale.strength)
+        if self._beyond(tried, self.ladder[-1], 1) >= WIDENINGS:
+            return iter(())
+        if self.scale.sign < 0:
+            return iter(_short(max(end / 2, self.least)))
+        start = self.scale.neutral or 0.0
+        return iter(_short(min(start + 2 * (end - start), self.most)))
+
+    def _milder(self, tried: Mapping[float, Tried], end: float) -> Iterator[float]:
+        """Below the mild end: half the distance from the neutral magnitude; twice the magnitude if smaller is worse."""
+        if self._beyond(tried, self.ladder[0], -1) >= WIDENINGS:
+            return iter(())
+        if self.scale.neutral is not None:
+            return iter(_short(self.scale.neutral + (end - self.scale.neutral) / 2))
+        return iter(_short(max(end / 2, self.least) if self.scale.sign > 0 else min(2 * end, self.most)))
+
+    def _beyond(self, tried: Mapping[float, Tried], end: float, way: int) -> int:
+        return sum(way * (self.scale.strength(m) - self.scale.strength(end)) > 0 for m in tried)
+
+
+def _short(magnitude: float) -> list[float]:
+    """The magnitude with three digits, and rounded down for operators with a whole-number argument."""
+    if not math.isfinite(magnitude):
+        return []
+    return [float(f"{magnitude:.3g}"), float(math.floor(magnitude))]
+
 
 SHARED_FROM = 2
 """Least number of mutants per situation that share a beginning, because sharing flies the baseline once more."""
@@ -176,7 +270,7 @@ class _Question:
 
         It includes all baselines that the campaign has of these situations, so that the gates see every steady pair.
         """
-        planned = plan(self.situations, self.seeds, [], choose.canary(self.study)).with_pool()
+        planned = plan(self.situations, self.seeds, [], canary(self.study)).with_pool()
         places = {situation.key: situation for situation in self.situations}
         held = [
             Flight(None, places[outcome.situation], outcome.seed)
@@ -184,12 +278,12 @@ class _Question:
             if outcome.mutant == BASELINE and outcome.situation in places
         ]
         pool = [flight for situation in lacking for flight in planned.pool(situation, LEAST)]
-        canary = None if planned.canary in {flight.mutant for flight in flights} else planned.canary
+        unflown = None if planned.canary in {flight.mutant for flight in flights} else planned.canary
         return replace(
             planned,
             baselines=tuple(dict.fromkeys((*planned.baselines, *held, *pool))),
             mutants=(*planned.mutants, *flights),
-            canary=canary,
+            canary=unflown,
         )
 
     def margins(self, outcomes: Iterable[Outcome], scored: Score) -> Mapping[PhasedFault, tuple[Margin, ...]]:

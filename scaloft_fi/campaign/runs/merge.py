@@ -6,14 +6,14 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scaloft_fi.campaign.plan.plan import held_requirements
+from scaloft_fi.campaign.plan import held_requirements
 from scaloft_fi.campaign.runs.run import write_log
-from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
-from scaloft_fi.campaign.store.folder import STORE_NAME, existing, writable
+from scaloft_fi.campaign.store.archive import STORE_NAME, existing, writable
 from scaloft_fi.campaign.store.held import current_in
+from scaloft_fi.campaign.store.origin import differences, fingerprint
 from scaloft_fi.campaign.store.platforms import Pair, Platform, Platforms, claim, is_pair_note, set_apart
+from scaloft_fi.campaign.store.record import Planned
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.store.tables import Planned
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.space import Rank

@@ -1,30 +1,500 @@
-"""A request for a run: what the verb `run` and a script ask for, read into a plan, then flown."""
+r"""A request for a run: situations chosen, seeds or looks, read into a plan, then flown.
+
+A Sobol sequence continues: a larger choice includes every smaller one, and points that no situation has are skipped
+(constraints, `--situation`).  A Latin hypercube allows neither.  On seven axes of 2 to 4 values, means of 60 seeds: 8
+points of both have 85 % of the pairs of values (random: 75 %), 32 points have 96 % of the triples (Latin hypercube:
+91 %, random: 88 %).
+
+A plugin declares a strategy with one decorated function, in a module that its entry point in the group
+`scaloft_fi.plugins` names:
+
+    @strategy("last", r"last:([1-9]\d*)", "last:N")
+    def last(asked):
+        return asked.each(asked.pool[-int(asked.match[1]):])
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import hashlib
+import json
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.analysis.coverage import covering_array
+from scaloft_fi.analysis.detection import LOOKS, Verdict
 from scaloft_fi.analysis.pool import LEAST
-from scaloft_fi.campaign.plan import choose
-from scaloft_fi.campaign.plan.plan import Plan, plan_draws
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs import choice
-from scaloft_fi.campaign.runs.baseline_pool import borrowed
-from scaloft_fi.campaign.runs.looks import Look, run_looks
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.run import Report, run
-from scaloft_fi.campaign.runs.strategy import OPTION
+from scaloft_fi.analysis.score import Score, score
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.plan import Plan, canary, parse_mutants, plan, plan_draws
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.run import (
+    Campaign,
+    Report,
+    borrowed,
+    finish,
+    fly_pool,
+    opened,
+    remember_seeds,
+    run,
+    spending_of,
+)
+from scaloft_fi.campaign.store.archive import STORE_NAME, promising, writable
+from scaloft_fi.campaign.store.flown_grid import remember_grid
+from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import Rulings, rulings_of
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.registry import Registry
 from scaloft_fi.sim.grid import ALL
+from scaloft_fi.sim.situation import Situation
+from scaloft_fi.streams import key_words
+from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
-    from scaloft_fi.study import Study
+    from scaloft_fi.judge.space import Space
+
+
+MOST_LOG2 = 17
+"""The search ends after 2^17 points of the sequence."""
+
+
+def spread(pool: Sequence[Situation], space: Space, count: int, seed: int) -> tuple[Situation, ...]:
+    """The first `count` distinct situations of the sequence, fewer if the search ends before.
+
+    Args:
+        pool: situations of the grid to choose from.
+        space: the grid.
+        count: how many.
+        seed: seed of the choice, which scrambles the sequence.
+    """
+    from scipy.stats import qmc  # takes longer to import than other verbs take
+
+    ranges = dict(space.ranges)
+    levels = {axis: sorted({one[axis] for one in pool}) for axis in space.axes}
+    for axis, range_ in ranges.items():
+        levels[axis].sort(key=range_.ids.index)  # neighbouring numbers in neighbouring bins
+    varied = [axis for axis in space.axes if axis in ranges or len(levels[axis]) > 1]
+    scramble = key_words("choice", "sobol", seed)[0]
+    known = {one.levels for one in pool}
+    found: dict[Situation, None] = {}
+    for log2 in range(min((count - 1).bit_length(), MOST_LOG2), MOST_LOG2 + 1):
+        sequence = qmc.Sobol(max(1, len(varied) + len(space.free)), scramble=True, seed=scramble)
+        for point in sequence.random_base2(log2).tolist():
+            shares = dict(zip((*varied, *(axis for axis, _ in space.free)), point, strict=False))
+            bins, numbers = {}, {}
+            for axis, ids in levels.items():
+                place, rest = divmod(shares.get(axis, 0.0) * len(ids), 1.0)
+                bins[axis] = ids[int(place)]
+                if axis in ranges:
+                    numbers[axis] = ranges[axis].draw(bins[axis], rest)
+            for axis, free in space.free:
+                number = free.drawn(shares[axis]) if free.goes_with(bins) else None
+                if number is not None and number != free.benign:
+                    numbers[axis] = number
+            if tuple(bins.items()) in known:
+                found[Situation.of(bins, numbers)] = None
+            if len(found) == count:
+                return tuple(found)
+    return tuple(found)
+
+
+OPTION = "--choose"
+Draws = tuple[tuple[Situation, int], ...]
+"""Situation and seed of each test case, in the order in which they are chosen."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The input of a strategy.
+
+    Attributes:
+        text: text of the user.
+        match: match of the strategy's pattern with the text.
+        pool: situations to choose from.
+        seeds: seeds of the flights.
+        seed: seed of the choice; a strategy draws from `streams.key_words("choice", name, seed, ...)`.
+        space: the grid.
+        place: where the text stands, for errors.
+    """
+
+    text: str
+    match: re.Match[str]
+    pool: tuple[Situation, ...]
+    seeds: tuple[int, ...]
+    seed: int
+    space: Space
+    place: str = OPTION
+
+    def each(self, situations: Iterable[Situation]) -> Draws:
+        """Every situation with every seed."""
+        return tuple((situation, seed) for situation in situations for seed in self.seeds)
+
+    def drawn(self, situation: Situation, *stream: object) -> Situation:
+        """The situation with a number drawn from each range of its axes, inside the bin that it has there.
+
+        Bins have equal probability, so a number in a random bin follows the distribution of the range.  A number that
+        the situation has already is kept.  Most free axes stay at their benign values.
+
+        Args:
+            situation: a situation of the pool.
+            stream: name of the stream of the numbers, beside the seed of the choice.
+        """
+        numbers = dict(situation.numbers)
+        for axis, range_ in self.space.ranges:
+            numbers.setdefault(axis, range_.draw(situation[axis], self._share(*stream, axis)))
+        for axis, free in self.space.free:
+            number = free.drawn(self._share(*stream, axis)) if free.goes_with(dict(situation.levels)) else None
+            if number is not None and number != free.benign:
+                numbers.setdefault(axis, number)
+        numbers = {axis: numbers[axis] for axis, _ in self._numbered if axis in numbers}
+        return Situation.of(dict(situation.levels), numbers)
+
+    @property
+    def _numbered(self) -> tuple[tuple[str, object], ...]:
+        """The axes with numbers, in the order of keys."""
+        return *self.space.ranges, *self.space.free
+
+    def _share(self, *stream: object) -> float:
+        return (key_words("choice", *stream[:-1], self.seed, stream[-1])[0] >> 11) / 2**53  # exact, below 1
+
+    def error(self, allowed: str) -> InputError:
+        """The error that refuses the text; `allowed` completes its message."""
+        return InputError(f"{self.place}={self.text!r} {allowed}")
+
+
+@dataclass(frozen=True)
+class Strategy:
+    """A declared strategy.
+
+    Attributes:
+        pattern: pattern of the texts that the strategy accepts.
+        form: form of these texts, for messages.
+        draw: returns the test cases; raises `Asked.error` where the text exceeds the grid.
+    """
+
+    pattern: re.Pattern[str]
+    form: str
+    draw: Callable[[Asked], Draws]
+
+
+STRATEGIES = Registry[Strategy]("strategy")
+
+
+def strategy(name: str, pattern: str, form: str) -> Callable[[Callable[[Asked], Draws]], Callable[[Asked], Draws]]:
+    """Declare the decorated function as the strategy for texts that `pattern` matches in full.
+
+    Raises:
+        ValueError: the name is taken.
+    """
+
+    def declare(draw: Callable[[Asked], Draws]) -> Callable[[Asked], Draws]:
+        STRATEGIES.declare(name, Strategy(re.compile(pattern), form, draw))
+        return draw
+
+    return declare
+
+
+@strategy("all", "all", "all")
+def every(asked: Asked) -> Draws:
+    """Every situation."""
+    return asked.each(asked.pool)
+
+
+@strategy("random", r"random:([1-9]\d{0,8})", "random:N")
+def at_random(asked: Asked) -> Draws:
+    """Distinct situations at random; a larger choice includes every smaller one of the same seed."""
+    ordered = sorted(asked.pool, key=lambda one: key_words("choice", "random", asked.seed, one.key))
+    return asked.each(asked.drawn(one, "random", one.key) for one in ordered[: _count(asked)])
+
+
+@strategy("draws", r"draws:([1-9]\d{0,8}|([1-9]\d?(?:\.\d+)?|100)%)", "draws:N, draws:P%")
+def draws(asked: Asked) -> Draws:
+    """Draws with replacement: N draws, or draws until P % of the pool was drawn; a repetition takes the next seed."""
+    if len(asked.seeds) > 1:
+        raise asked.error("gives each draw a seed of its own: --seeds must name one, the first")
+    share = asked.match[2]
+    target = math.ceil(Fraction(share) / 100 * len(asked.pool)) if share else None
+    drawn = _until(asked.pool, asked.seed, target) if target else _numbered(asked.pool, asked.seed, int(asked.match[1]))
+    numbered = (asked.drawn(one, "draws", number) for number, one in enumerate(drawn))
+    return tuple(_with_seeds(numbered, asked.seeds[0]))
+
+
+@strategy("sobol", r"sobol:([1-9]\d{0,8})", "sobol:N")
+def sobol(asked: Asked) -> Draws:
+    """Distinct situations spread evenly over all axes; a larger choice includes every smaller one of the same seed."""
+    if not (asked.space.ranges or asked.space.free):
+        _count(asked)
+    drawn = next((one.key for one in asked.pool if one.numbers), None)
+    if drawn is not None:
+        raise asked.error(f"draws the numbers of ranges itself: --situation must name none, as in {drawn!r}")
+    count = int(asked.match[1])
+    found = spread(asked.pool, asked.space, count, asked.seed)
+    if len(found) < count:
+        raise asked.error(f"must ask for at most {len(found)}, the distinct situations that it finds")
+    return asked.each(found)
+
+
+@strategy("first", r"first:([1-9]\d{0,8})", "first:N")
+def first(asked: Asked) -> Draws:
+    """The first situations of the grid."""
+    return asked.each(asked.pool[: _count(asked)])
+
+
+@strategy("covering", r"([1-9]\d?)-way", "a covering array such as 2-way")
+def covering(asked: Asked) -> Draws:
+    """A small set of situations that covers every combination of the values of t axes."""
+    strength = int(asked.match[1])
+    if strength > len(asked.space.axes):
+        raise asked.error(f"must be 1-way to {len(asked.space.axes)}-way, the number of axes")
+    by_key = {situation.key: situation for situation in asked.pool}
+    return asked.each(by_key[key] for key in covering_array(asked.space, tuple(by_key), strength, asked.seed))
+
+
+def _count(asked: Asked) -> int:
+    count = int(asked.match[1])
+    if count > len(asked.pool):
+        raise asked.error(f"must ask for at most {len(asked.pool)}, the situations to choose from")
+    return count
+
+
+def _numbered(pool: Sequence[Situation], seed: int, count: int) -> Iterator[Situation]:
+    """The first draws of the endless sequence of this seed."""
+    for number in range(count):
+        # 64 bits modulo the pool: no situation is favoured by more than 1 in 10^13
+        yield pool[key_words("choice", "draws", seed, number)[0] % len(pool)]
+
+
+def _until(pool: Sequence[Situation], seed: int, target: int) -> Iterator[Situation]:
+    """Draws until `target` distinct situations were drawn, the stopping condition of SCALOFT's loop."""
+    seen = set()
+    for situation in _numbered(pool, seed, 10**9):
+        yield situation
+        seen.add(situation)
+        if len(seen) >= target:
+            return
+
+
+def _with_seeds(drawn: Iterator[Situation], first: int) -> Iterator[tuple[Situation, int]]:
+    """Give each repetition of a situation the next seed, so that no flight occurs twice."""
+    times: dict[Situation, int] = {}
+    for situation in drawn:
+        times[situation] = times.get(situation, -1) + 1
+        yield situation, first + times[situation]
+
+
+NOTE = "choice"
+"""Prefix of the names of choices in the campaign's store."""
+
+
+def hint() -> str:
+    """The accepted forms of `--choose`, in words."""
+    forms = [strategy.form for strategy in STRATEGIES.values()]
+    return f"{', '.join(forms[:-1])} or {forms[-1]}"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The test cases of a run.
+
+    Attributes:
+        text, seed: values of `--choose` and `--choose-seed`.
+        pool: number of situations to choose from.
+        draws: situation and seed of each test case, in the order of the choice.
+    """
+
+    text: str
+    seed: int
+    pool: int
+    draws: Draws
+
+    @property
+    def situations(self) -> tuple[Situation, ...]:
+        """The situations, each once."""
+        return tuple(dict.fromkeys(situation for situation, _ in self.draws))
+
+
+def choose_situations(
+    text: str, pool: Sequence[Situation], seeds: Sequence[int], seed: int, space: Space, place: str = OPTION
+) -> Choice:
+    """Choose test cases; the same for the same arguments on every platform.
+
+    Args:
+        text: text for a declared strategy, such as `random:8`.
+        pool: situations to choose from.
+        seeds: seeds of the flights.
+        seed: seed of the choice.
+        space: the grid.
+        place: where the text stands, for errors.
+
+    Raises:
+        InputError: no strategy accepts the text, or the strategy refuses it.
+    """
+    for strategy in STRATEGIES.values():
+        match = strategy.pattern.fullmatch(text)
+        if match:
+            draws = strategy.draw(Asked(text, match, tuple(pool), tuple(seeds), seed, space, place))
+            return Choice(text, seed, len(pool), tuple(draws))
+    raise InputError(f"{place}={text!r} must be {hint()}")
+
+
+def remember_choice(study: Study, folder: Path, choice: Choice) -> None:
+    """Record a choice, and the grid of which it is one, in the campaign's store; all situations are no choice.
+
+    Raises:
+        InputError: the store cannot be written.
+    """
+    if choice.text == ALL:
+        return
+    draws = [[situation.key, number] for situation, number in choice.draws]
+    content = json.dumps({"choose": choice.text, "seed": choice.seed, "pool": choice.pool, "draws": draws})
+    promising(folder)
+    with Store(writable(folder) / STORE_NAME) as store:
+        remember_grid(store, study)
+        store.set_notes({f"{NOTE} {hashlib.sha256(content.encode()).hexdigest()[:16]}": content})
+
+
+@dataclass(frozen=True)
+class Remembered:
+    """A recorded choice of a campaign.  draws: situation key and seed of each test case, in the order of the choice."""
+
+    text: str
+    seed: int
+    pool: int
+    draws: tuple[tuple[str, int], ...]
+
+
+def remembered(store: Store) -> tuple[Remembered, ...]:
+    """The recorded choices of a campaign.
+
+    Raises:
+        InputError: a record is no choice.
+    """
+    return tuple(sorted(store.records(NOTE, _read), key=lambda one: (one.text, one.seed)))
+
+
+def _read(content: Any) -> Remembered:
+    draws = tuple((str(key), int(number)) for key, number in content["draws"])
+    return Remembered(str(content["choose"]), int(content["seed"]), int(content["pool"]), draws)
+
+
+@dataclass(frozen=True)
+class Look:
+    """One look.
+
+    Attributes:
+        seeds: number of seeds at this look.
+        mutants: number of mutants judged at this look.
+        flights: number of their flights that the look planned.
+        fates: number of mutants by verdict.
+    """
+
+    seeds: int
+    mutants: int
+    flights: int
+    fates: Counter[Verdict]
+
+
+def run_looks(
+    study: Study,
+    question: Plan,
+    folder: Path,
+    options: RunOptions | None = None,
+    *,
+    others: Sequence[Outcome] = (),
+    progress: Progress,
+    flyer: Flyer | None = None,
+) -> tuple[Report, tuple[Look, ...]]:
+    """Fly whole looks: all flights of a look are flown and judged before the next look is planned.
+
+    Undecided mutants fly on in the situations whose pool has a steady pair; all other mutants stop.  The flights follow
+    from the outcomes alone: neither the order of arrival nor an interruption changes them.  The store records the looks
+    before the first one, so each look spends its share of alpha.
+
+    Args:
+        study: the study.
+        question: mutants and situations; its seeds are not used.
+        folder: folder of the campaign; a missing folder is created.
+        options: options of the run; one process when None.
+        others: baselines of another campaign, used for the decisions.
+        progress: progress display.
+        flyer: flies; PyBullet when None.
+
+    Returns:
+        The outcomes of all flights; the looks.
+
+    Raises:
+        GateError: a gate failed.
+        InputError: the folder or the store cannot be written.
+        Interrupted: the user stopped the run.
+    """
+    options = options or RunOptions()
+    situations = list(dict.fromkeys(flight.situation for flight in question.baselines))
+    mutants = list(dict.fromkeys(f.mutant for f in question.mutants if f.mutant is not None and f.mutant != PLACEBO))
+    first = replace(plan(situations, range(LOOKS[0]), mutants, question.canary), pool_seeds=question.pool_seeds)
+    with opened(study, folder, options, progress=progress, flyer=flyer, first=first.known) as campaign:
+        for seeds in LOOKS:
+            remember_seeds(campaign.store, (mutant.id for mutant in mutants), range(seeds))
+        campaign.announce_pool(first)
+        rounds = _Rounds(campaign, first, others)
+        looks = tuple(rounds.looks(mutants, situations))
+        report = finish(campaign, first, rounds.flights)
+        campaign.raise_if_stopped(f"{len(report.outcomes)} flights are")
+        campaign.hold_gates(question, report.outcomes)
+        return report, looks
+
+
+class _Rounds:
+    """The looks of a run so far.
+
+    Attributes:
+        flights: flights of all looks, with their baselines and the pool.
+    """
+
+    def __init__(self, campaign: Campaign, first: Plan, others: Sequence[Outcome]) -> None:
+        self._campaign, self._first, self._others = campaign, first, others
+        self.flights: list[Flight] = []
+
+    def looks(self, mutants: Sequence[Mutant], situations: Sequence[Situation]) -> list[Look]:
+        """Fly look by look until every mutant is decided or the user stops the run."""
+        looks: list[Look] = []
+        for number, (before, seeds) in enumerate(pairwise((0, *LOOKS)), start=1):
+            if not mutants or not situations or self._campaign.stopped():
+                break
+            self._campaign.reporter.progress.stage = f"look {number} of {len(LOOKS)}"
+            due = plan(situations, range(before, seeds), mutants, None)
+            self._fly(replace(due, pool_seeds=self._first.pool_seeds))
+            scored = self._scored()
+            judged = {one.subject.id: one for one in (*scored.mutants, *scored.controls)}
+            verdicts = {m: judged[m.id].verdict if m.id in judged else Verdict.NOT_TESTED for m in mutants}
+            flights = sum(flight.mutant != PLACEBO for flight in due.mutants)
+            looks.append(Look(seeds, len(mutants), flights, Counter(verdicts.values())))
+            mutants = [mutant for mutant, verdict in verdicts.items() if verdict is Verdict.UNDECIDED]
+            situations = [s for s in situations if scored.pool.steady(s.key, Kind.SAFETY)]
+        return looks
+
+    def _fly(self, due: Plan) -> None:
+        """Fly a look, and the pool of the situations in which a mutant infects."""
+        self._campaign.plan(due.known)
+        self._campaign.fly(due.known)
+        pool = fly_pool(due, self._campaign)
+        self.flights = list(dict.fromkeys((*self.flights, *due.known, *pool)))
+
+    def _scored(self) -> Score:
+        study, spending = self._campaign.study, spending_of(self._campaign.study, self._campaign.store)
+        return score(self._campaign.outcomes(self.flights), study.roster, study.space, spending, self._others)
+
 
 ONE_SEED = (0,)
 
@@ -85,7 +555,7 @@ class PlannedRun:
 
     study: Study
     request: Request
-    chosen: choice.Choice
+    chosen: Choice
     plan: Plan
     others: tuple[Outcome, ...]
 
@@ -125,10 +595,10 @@ def planned_run(study: Study, request: Request) -> PlannedRun:
         _refuse_with_looks(request, how)
     pool = study.grid.select(request.situations)
     seeds = request.seeds or ONE_SEED
-    chosen = choice.choose(how, pool, seeds, request.choose_seed, study.space, place)
+    chosen = choose_situations(how, pool, seeds, request.choose_seed, study.space, place)
     study.check(chosen.situations)
-    mutants = choose.mutants(study, request.mutants)
-    plan = plan_draws(chosen.draws, mutants, choose.canary(study)).with_pool(request.pool_seeds)
+    mutants = parse_mutants(study, request.mutants)
+    plan = plan_draws(chosen.draws, mutants, canary(study)).with_pool(request.pool_seeds)
     if request.shard is not None:
         plan = plan.shard(*request.shard)
         if not plan.baselines:
@@ -155,7 +625,7 @@ def fly(planned: PlannedRun, folder: Path, options: RunOptions, *, progress: Pro
     """
     study, asked = planned.study, planned.request
     options = replace(options, part=asked.shard is not None, budget_s=asked.budget_s)
-    choice.remember(study, folder, planned.chosen)
+    remember_choice(study, folder, planned.chosen)
     if asked.sequential:
         report, looks = run_looks(study, planned.plan, folder, options, others=planned.others, progress=progress)
         return Flown(planned, report, looks)

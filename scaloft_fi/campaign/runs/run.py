@@ -1,30 +1,575 @@
-"""A run: fly the flights of the plan that the store lacks, save every outcome when it arrives, check the gates."""
+"""A run: fly the flights of the plan that the store lacks, save every outcome when it arrives, check the gates.
+
+Before it flies, each run records in the store its mutants and seeds.  A mutant with more than one record is judged by
+looks.
+
+The published log counts test cases; here a test case is a pair of situation and seed, for any subject.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import hashlib
+import json
+import math
+import re
+import time
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
+from typing import Any, TypeVar
 
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.pool import LEAST
-from scaloft_fi.campaign.flights.worker import Flyer
-from scaloft_fi.campaign.plan.arrange import alone
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import Plan, canary_flight
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.budget import Budget, fair_order
-from scaloft_fi.campaign.runs.campaign import Campaign, opened
-from scaloft_fi.campaign.runs.mission_log import mission_log, to_json
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.spending import remember_seeds, spending_of
-from scaloft_fi.campaign.store.folder import LOG_NAME
-from scaloft_fi.campaign.store.held import current_in
-from scaloft_fi.campaign.store.platforms import Platforms
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flights.command import Commanded
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.campaign.plan import Plan, alone, canary_flight, infects, together
+from scaloft_fi.campaign.progress import Progress, Reporter
+from scaloft_fi.campaign.runs import gates
+from scaloft_fi.campaign.runs.gates import RunOptions, prove_platform
+from scaloft_fi.campaign.store.archive import LOG_NAME, STORE_NAME, campaign_folder, existing, promising, writable
+from scaloft_fi.campaign.store.flown_grid import remember_grid, with_grid
+from scaloft_fi.campaign.store.held import Keys, counting_flights, current_in, flight_named
+from scaloft_fi.campaign.store.origin import fingerprint
+from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim
+from scaloft_fi.campaign.store.store import EmptyError, Store
+from scaloft_fi.campaign.workers.local import Flag, Interrupted, Local, Workers, interruptible
+from scaloft_fi.console import json_text
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.space import Space
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.output import write_whole
+from scaloft_fi.sim.situation import Situation
+from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
+
+
+def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Outcome, ...]:
+    """The baselines of `situations` in a campaign, which stays unchanged.
+
+    Raises:
+        InputError: there is no such campaign, it was flown on another platform, some of its baselines were flown with
+            other data or code, or a situation has no baseline.
+    """
+    folder = campaign_folder(study, campaign)
+    place, keys = f"--baseline-from={campaign!r}", Keys(study)
+    with Store(existing(folder), create=False) as store:
+        theirs = with_grid(study, store).grid
+        if theirs.name != study.grid.name:
+            raise InputError(f"{place} was flown over grid {theirs.name!r}, not over grid {study.grid.name!r}")
+        wanted = dict.fromkeys(situations)
+        flown = {f.key: f for f in store.flights() if f.mutant == BASELINE and f.situation in wanted}
+        flights = {
+            (f.situation, f.seed): Flight(None, study.grid.situation(f.situation), f.seed) for f in flown.values()
+        }
+        now = {keys.key(flight): flight for flight in flights.values()}
+        lent = tuple(outcome for outcome in store.outcomes(now) if not outcome.invalid)
+        changed = Platforms(store).unproved(fingerprint(), lent, only_bits=True)
+    if changed:
+        raise InputError(f"{place} was flown on another platform, its digests may differ: {'; '.join(changed)}")
+    stale = [flight for key, flight in now.items() if key not in flown]
+    if stale:
+        raise InputError(f"{place}: {stale[0].name} was flown with other data or code; fly it again there")
+    missing = [situation for situation in wanted if situation not in {outcome.situation for outcome in lent}]
+    if missing:
+        raise InputError(f"{place} has no baseline of {missing[0]}; fly it there with `run --baseline-seeds`")
+    return lent
+
+
+Item = TypeVar("Item")
+
+UNITS_S = (3600, 60, 1)
+GROUP = 16
+"""Approximate number of mutants that share one flight of a baseline; each group flies the baseline again."""
+
+
+def budget_s(text: str) -> float:
+    """Parse a duration such as `1h30m` [s].
+
+    >>> [budget_s(text) for text in ("90s", "10m", "1h30m")]
+    [90.0, 600.0, 5400.0]
+
+    Raises:
+        InputError: the text is no duration above 0.
+    """
+    match = re.fullmatch(r"(?:(\d{1,6})h)?(?:(\d{1,6})m)?(?:(\d{1,6})s)?", text.strip())
+    parts = match.groups(default="0") if match else ("0", "0", "0")
+    total_s = sum(int(part) * unit for part, unit in zip(parts, UNITS_S, strict=True))
+    if not total_s:
+        raise InputError(f"--budget={text!r} must be a time above 0 with its unit, such as 90s, 10m or 1h30m")
+    return float(total_s)
+
+
+class Budget:
+    """A budget of wall time; its clock starts at its creation.
+
+    Args:
+        seconds: size of the budget [s]; None = unlimited.
+        clock: monotonic wall clock [s].
+    """
+
+    def __init__(self, seconds: float | None, clock: Callable[[], float] = time.monotonic) -> None:
+        self._end_s = None if seconds is None else clock() + seconds
+        self._clock = clock
+
+    @property
+    def left_s(self) -> float:
+        """Remaining time [s]; infinite for an unlimited budget."""
+        return math.inf if self._end_s is None else max(0.0, self._end_s - self._clock())
+
+    def while_it_lasts(
+        self, batches: Iterable[Batch], needs_s: Callable[[Batch], float] = lambda _task: 0.0
+    ) -> Iterator[Batch]:
+        """Yield `batches` until the budget is used up; a batch that was handed out is flown to its end.
+
+        A batch that stops in the middle would keep the mutants that are flown first, which infect early.  The first
+        batch that is not expected to end in time ends the run; a shorter batch instead would favour short flights.
+
+        Args:
+            batches: batches in the order of flight.
+            needs_s: expected wall time of a batch [s].
+        """
+        for batch in batches:
+            if self.left_s <= needs_s(batch):
+                return
+            yield batch
+
+
+def fair_order(
+    study: Study, planned: Plan, arrange: Callable[[Sequence[Flight]], Iterable[Batch]], missing: Iterable[Flight]
+) -> Iterator[Batch]:
+    """Batches of the `missing` flights of a plan in random, stratified order.
+
+    Each turn draws every pair of situation and seed once, in random order, each with one random group of mutants in
+    which every parameter has its share; the turns end when every pair has had every group.  So at any time every
+    planned flight of a mutant had the same chance, and the numbers of draws of two situations, or of two groups, differ
+    by at most one.  The baseline and PLACEBO are flown at the first draw of their situation.  The order depends on the
+    study only, so a run with another budget continues where the last run ended.
+    """
+    seed = study.inputs["sim"], study.inputs["requirements"]
+    wanted = set(missing)
+    draws = interleaved(
+        planned.baselines,
+        lambda flight: flight.situation.key,
+        lambda flight: f"{flight.situation.key}/{flight.seed}",
+        (*seed, "draws"),
+    )
+    mutants = list(dict.fromkeys(f.mutant for f in planned.mutants if f.mutant is not None and f.mutant != PLACEBO))
+    order = interleaved(mutants, lambda mutant: mutant.parameter, lambda mutant: mutant.id, (*seed, "mutants"))
+    groups = _groups(order)
+    for turn in range(len(groups)):
+        for place, draw in enumerate(draws):
+            members = (*([None, PLACEBO] if turn == 0 else []), *groups[(place + turn) % len(groups)])
+            unit = [Flight(member, draw.situation, draw.seed) for member in members]
+            yield from arrange([flight for flight in unit if flight in wanted])
+
+
+def interleaved(
+    items: Sequence[Item], stratum: Callable[[Item], Hashable], name: Callable[[Item], str], seed: Sequence[str]
+) -> list[Item]:
+    """The items in a random order in which every stretch has its share of each stratum, up to one item.
+
+    Systematic sampling: the n members of a stratum, shuffled, get the positions (i + u) / n with one random u.
+
+    Args:
+        items: the items, each once.
+        stratum: stratum of an item.
+        name: unique name of an item.
+        seed: name of the random stream; the order of `items` does not matter.
+    """
+
+    def chance(*parts: str) -> float:
+        return key_words(*seed, *parts)[0] / 2**64
+
+    strata: dict[Hashable, list[Item]] = {}
+    for item in sorted(items, key=lambda item: (chance("shuffle", name(item)), name(item))):
+        strata.setdefault(stratum(item), []).append(item)
+    placed = [
+        ((index + chance("offset", str(key))) / len(members), chance("tie", name(item)), item)
+        for key, members in strata.items()
+        for index, item in enumerate(members)
+    ]
+    return [item for _, _, item in sorted(placed, key=lambda entry: entry[:2])]
+
+
+def _groups(order: Sequence[Mutant]) -> list[list[Mutant]]:
+    """Split mutants into groups of about `GROUP`; without mutants, one empty group."""
+    count = max(1, round(len(order) / GROUP))
+    bounds = [len(order) * group // count for group in range(count + 1)]
+    return [list(order[low:high]) for low, high in pairwise(bounds)]
+
+
+NOTE = "asked"
+"""Prefix of the names of these notes."""
+
+
+def remember_seeds(store: Store, mutants: Iterable[str], seeds: Iterable[int]) -> None:
+    """Record mutants and seeds of a run; a mutant is skipped if an earlier record has all of these seeds.
+
+    Raises:
+        InputError: the store cannot be written.
+    """
+    wanted, known = frozenset(seeds), _asked(store)
+    news = sorted({mutant for mutant in mutants if not any(wanted <= before for before in known.get(mutant, ()))})
+    if news:
+        content = json.dumps({"seeds": sorted(wanted), "mutants": news})
+        store.set_notes({f"{NOTE} {hashlib.sha256(content.encode()).hexdigest()[:16]}": content})
+
+
+def spending_of(study: Study, store: Store) -> Spending:
+    """The spending of alpha on the mutants of a store."""
+    return Spending(study.alpha, frozenset(mutant for mutant, seeds in _asked(store).items() if len(seeds) > 1))
+
+
+def _asked(store: Store) -> dict[str, set[frozenset[int]]]:
+    """The recorded sets of seeds by mutant."""
+    asked: dict[str, set[frozenset[int]]] = {}
+    for mutants, seeds in store.records(NOTE, _read):
+        for mutant in mutants:
+            asked.setdefault(mutant, set()).add(seeds)
+    return asked
+
+
+def _read(content: Any) -> tuple[list[str], frozenset[int]]:
+    return list(map(str, content["mutants"])), frozenset(map(int, content["seeds"]))
+
+
+def violation_id(outcome: Outcome, violation: Violation) -> str:
+    """Id such as `SR1:LATE-human@3s/T1O0W0D0H1/0`; the part after the colon is the argument of `replay`.
+
+    The id is unique, because a flight has one first violation of a requirement, and does not depend on time.
+    """
+    return f"{violation.requirement}:{outcome.name}"
+
+
+def mission_log(
+    outcomes: Iterable[Outcome], roster: Roster, space: Space, planned: int | None = None
+) -> dict[str, Any]:
+    """The log as plain JSON values.
+
+    Args:
+        outcomes: outcomes of a campaign.
+        roster: gives the order of the mutants.
+        space: the grid.
+        planned: number of planned test cases; None = size of the grid times the flown seeds.
+    """
+    valid = [outcome for outcome in outcomes if not outcome.invalid]
+    listed = sorted(valid, key=lambda o: (roster.rank(o.mutant), space.rank(o.situation), o.seed))
+    draws = sorted({(o.situation, o.seed) for o in listed}, key=lambda draw: (space.rank(draw[0]), draw[1]))
+    situations = {situation for situation, _ in draws}
+    seeds = {seed for _, seed in draws}
+    safety = [_entry(o, v) for o in listed for v in o.violations if v.kind is Kind.SAFETY]
+    return {
+        "total_test_cases": planned if planned is not None else len(space.points) * max(1, len(seeds)),
+        "generated_test_cases": len(draws),
+        "generated_situations": [_situation(space, key, seed) for key, seed in draws],
+        "safety_violation_ids": [entry["id"] for entry in safety],
+        "violations": safety,
+        "operability_violations": [_entry(o, v) for o in listed for v in o.violations if v.kind is Kind.OPERABILITY],
+        "coverage": {
+            "distinct_situations": {
+                "part": len({space.point[key] for key in situations if key in space.point}),
+                "whole": len(space.points),
+            },
+            "draws": len(draws),
+        },
+    }
+
+
+def _situation(space: Space, key: str, seed: int) -> dict[str, Any]:
+    """`type` and `parameters` as in the published log: the values that are not benign, and the value on each axis."""
+    point = space.point.get(key, ())
+    words = space.words_of(key) if point else ()
+    unusual = [words[axis] for axis, value in enumerate(point) if value != space.values[axis][0]]
+    drawn = Situation.parse(key) if point and key not in space.order else None
+    parameters = dict(zip(space.axes, point, strict=False)) | (dict(drawn.numbers) if drawn else {})
+    return {"type": "+".join(unusual) or "none", "parameters": parameters, "situation": key, "seed": seed}
+
+
+def _entry(outcome: Outcome, violation: Violation) -> dict[str, Any]:
+    return {
+        "id": violation_id(outcome, violation),
+        "requirement": violation.requirement,
+        "t_s": violation.t_s,
+        "position": [violation.x, violation.y, violation.z],
+        "struck": violation.struck,
+        "mutant": outcome.mutant,
+        "situation": outcome.situation,
+        "seed": outcome.seed,
+    }
+
+
+def to_json(log: dict[str, Any]) -> str:
+    """The text of the file."""
+    return json_text(log, indent=2) + "\n"
+
+
+Arrange = Callable[[Sequence[Flight]], Iterable[Batch]]
+"""Arranges flights in batches, in the order in which the workers get them."""
+
+
+class Campaign:
+    """Flies the flights that the store lacks.
+
+    Args:
+        study: the study.
+        folder: folder of the campaign.
+        store: store of the campaign.
+        workers: workers that fly.
+        progress: progress display.
+        options: options of the run.
+        stopped: whether the user asked to stop.
+
+    Attributes:
+        flown: number of flown flights that the store lacked.
+        repeats: outcomes of repeated flights.
+        reporter: reports progress to the user.
+    """
+
+    def __init__(
+        self,
+        study: Study,
+        folder: Path,
+        store: Store,
+        workers: Workers,
+        progress: Progress,
+        options: RunOptions,
+        stopped: Callable[[], bool],
+    ) -> None:
+        self.study, self.folder, self.store = study, folder, store
+        self.options, self.stopped = options, stopped
+        self.reporter = Reporter(study, progress, folder / LOG_NAME, share=self._shares, warnings=options.warnings)
+        self._workers = workers
+        self._keys = Keys(study)
+        self._planned: Plan | None = None
+        self._asking: set[str] = set()
+        self._expected: set[Situation] = set()
+        self._ours, self._platforms = fingerprint(), Platforms(store)
+        self._claimed: set[Pair] = set()
+        self.flown = 0
+        self.repeats: list[Outcome] = []
+
+    def prepare(self) -> None:
+        """Prepare this process for flights; processes that are forked from it inherit that."""
+        self._workers.ready()
+
+    def plan(self, flights: Iterable[Flight], *, canary: bool = False) -> None:
+        """Record planned flights in the store."""
+        self.store.plan(self._keys.planned(flight, canary=canary) for flight in flights)
+
+    def arrange(self, flights: Sequence[Flight]) -> list[Batch]:
+        """Arrange flights in batches, the longest first; with the option `share`, mutants with their baseline."""
+        return together(flights, self.weight_s, self._workers.jobs) if self._shares else alone(flights)
+
+    def unit(self, flights: Sequence[Flight]) -> list[Batch]:
+        """Arrange flights in batches for one process."""
+        return together(flights, self.weight_s, 1) if self._shares else alone(flights)
+
+    @property
+    def _shares(self) -> bool:
+        """Whether mutants fly with their baseline, which needs a stack that forks and repeats its bits."""
+        stack = self.study.stack
+        return self.options.share and self.study.command is None and stack.forks and stack.deterministic
+
+    def fly(self, flights: Iterable[Flight], arrange: Arrange | None = None) -> None:
+        """Fly the `flights` that the store lacks, and the baselines that they share.
+
+        Where the store has flights of another platform in the same situation and seed, they are flown again too.
+
+        Args:
+            flights: the requested flights.
+            arrange: arranges the flights in batches; `self.arrange` when None.
+        """
+        missing = self._missing(flights)
+        if not missing:
+            return
+        missing |= self._beside(missing.values())
+        self.reporter.expect(missing.values())
+        draws = {Flight(None, flight.situation, flight.seed): None for flight in missing.values()}
+        keys = {flight.name: key for key, flight in missing.items()}
+        asked = {flight.name: flight for flight in (*draws, *missing.values())}
+        due = set(keys)
+        for outcome in self._outcomes((arrange or self.arrange)(tuple(missing.values()))):
+            if not outcome.invalid:
+                self._claim((outcome.situation, outcome.seed))
+            news = outcome.name in keys and self.store.put(keys[outcome.name], outcome)
+            if outcome.name in due:
+                due.remove(outcome.name)
+                self.flown += 1
+            elif not news:
+                self.repeats.append(outcome)
+            self.reporter.arrived(asked[outcome.name], outcome, news=news)
+            if outcome.mutant in self._asking and infects(outcome):
+                self._expect_pool(asked[outcome.name].situation)
+
+    def announce_pool(self, planned: Plan) -> None:
+        """Announce the baseline pool of each situation as soon as a mutant of the plan infects there."""
+        self._planned = planned
+        self._asking = {flight.subject.id for flight in planned.mutants}
+
+    def _expect_pool(self, situation: Situation) -> None:
+        if self._planned is not None and situation not in self._expected:
+            self._expected.add(situation)
+            self.reporter.expect(self.missing(self._planned.pool(situation, LEAST)))
+
+    def repeat(self, flights: Sequence[Flight]) -> None:
+        """Repeat the shortest of the stored `flights`, if this run flew any; a gate compares the digests."""
+        missing = set(self.missing(flights))
+        done = [flight for flight in flights if flight not in missing and not self._foreign(_pair(flight))]
+        if self.flown and done:
+            self.repeats += self._outcomes(alone([min(done, key=self.weight_s)]))
+
+    def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
+        """The stored outcomes of `flights`."""
+        return tuple(self.store.outcomes(map(self._keys.key, flights)))
+
+    def missing(self, flights: Iterable[Flight]) -> tuple[Flight, ...]:
+        """The `flights` without a valid outcome in the store."""
+        return tuple(self._missing(flights).values())
+
+    def weight_s(self, flight: Flight) -> float:
+        """Expected duration of a flight [s, simulated]."""
+        return self.study.expected_s(flight.situation)
+
+    def wall_s(self, batch: Batch) -> float:
+        """Expected wall time of a batch in one process at the current rate [s]; 0 before the first outcome."""
+        return self.reporter.wall_s(batch.flights) * self._workers.jobs
+
+    def hold_gates(self, asked: Plan, outcomes: Sequence[Outcome], *, part: bool = False) -> None:
+        """Check the gates on the outcomes of the plan `asked`; `part` when only a part of the plan was flown.
+
+        Raises:
+            GateError: a gate failed.
+        """
+        gates.check_gates(
+            [self._tracked(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
+            self.study.roster,
+            canary=asked.canary.id if asked.canary else None,
+            whole_grid={flight.situation.key for flight in asked.baselines} == self.study.space.point.keys(),
+            part=part or self.options.part,
+            repeats=self.repeats,
+            max_invalid=self.options.max_invalid,
+            deterministic=self.study.stack.deterministic,
+            spending=spending_of(self.study, self.store),
+        )
+
+    def raise_if_stopped(self, saved: str) -> None:
+        """Raise if the user asked to stop.
+
+        Args:
+            saved: subject and verb of the message, such as `3 flights are`.
+
+        Raises:
+            Interrupted: the user asked to stop; the message names the command that resumes.
+        """
+        if self.stopped():
+            again = f"the same command resumes: {self.options.command}".removesuffix(": ")
+            raise Interrupted(f"interrupted: {saved} saved in {self.folder}; {again}")
+
+    def _outcomes(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
+        self._workers.ready()
+        self.reporter.progress.start()
+        return self._workers.map(batches)
+
+    def _foreign(self, pair: Pair) -> bool:
+        """Whether the flights of a pair are of another platform, or would be taken for such flights."""
+        return pair not in self._claimed and not self._platforms.equal(self._platforms.of(pair), self._ours)
+
+    def _claim(self, pair: Pair) -> None:
+        """Make this platform that of a pair, at the pair's first flight on it."""
+        if self._foreign(pair):
+            claim(self.store, [pair], self._ours)
+            self._claimed.add(pair)
+
+    def _beside(self, flights: Iterable[Flight]) -> dict[str, Flight]:
+        """The stored flights of another platform in the situations and seeds of `flights`, by key."""
+        pairs = {pair for pair in map(_pair, flights) if self._foreign(pair)}
+        stored = counting_flights(self.study, self.store) if pairs else []
+        again = {
+            flown.key: flight_named(self.study, flown.mutant, flown.situation, flown.seed)
+            for flown in stored
+            if (flown.situation, flown.seed) in pairs
+        }
+        if again:
+            self.reporter.progress.line(
+                f"{len(again)} stored flights of another platform are flown again, because new flights of the same "
+                "situation and seed must have a baseline of this platform"
+            )
+        return again
+
+    def _tracked(self, baseline: Outcome) -> Outcome:
+        """The baseline with its track, which the store keeps in another table."""
+        flight = Flight(None, self.study.grid.situation(baseline.situation), baseline.seed)
+        return self.store.get(self._keys.key(flight)) or baseline
+
+    def _missing(self, flights: Iterable[Flight]) -> dict[str, Flight]:
+        """The flights without a valid outcome in the store, by key."""
+        keyed = {self._keys.key(flight): flight for flight in flights}
+        known = self.store.known(keyed)
+        return {key: flight for key, flight in keyed.items() if key not in known}
+
+
+@contextmanager
+def opened(
+    study: Study,
+    folder: Path,
+    options: RunOptions,
+    *,
+    progress: Progress,
+    flyer: Flyer | None,
+    first: Sequence[Flight],
+) -> Iterator[Campaign]:
+    """Open the campaign in `folder`; a missing folder is created.
+
+    Args:
+        study: the study.
+        folder: folder of the campaign.
+        options: options of the run.
+        progress: progress display.
+        flyer: flies; when None the command of the study, else PyBullet.
+        first: first requested flights.  If the store lacks any of them, the flyer is prepared before anything is
+            written, so that a study that cannot be flown leaves no files.
+
+    Raises:
+        GateError: the platform has changed, and none of the stored flights could be flown again on it.
+        InputError: the folder or the store cannot be written, or the study cannot be flown.
+    """
+    promising(folder)
+    executor = options.executor or Local(options.jobs)
+    stopped = Flag()
+    flies = flyer or (Commanded() if study.command else Physics())
+    with executor.workers(study, flies, stop=stopped, say=progress.line) as workers:
+        if not _all_flown(study, first, folder / STORE_NAME):
+            workers.ready()  # may take half a minute in compilers, which poll no flag: a signal ends it at once
+        with interruptible(stopped), Store(writable(folder) / STORE_NAME, say=progress.line) as store:
+            remember_grid(store, study)
+            prove_platform(
+                study, store, workers, say=progress.line, stopped=stopped, same_platform=options.same_platform
+            )
+            yield Campaign(study, folder, store, workers, progress, options, stopped)
+            store.confirm()
+
+
+def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
+    """Whether the store at `path` has all of `flights`; the store need not exist."""
+    if not path.is_file():
+        return False
+    try:
+        with Store(path, create=False) as store:
+            keys = set(map(Keys(study).key, flights))
+            return store.known(keys) == keys
+    except EmptyError:
+        return False
+
+
+def _pair(flight: Flight) -> Pair:
+    return flight.situation.key, flight.seed
 
 
 @dataclass(frozen=True)

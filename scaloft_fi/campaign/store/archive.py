@@ -1,4 +1,4 @@
-"""An archive: a campaign's record in open formats, as a folder or one ZIP file, which is read as a campaign is.
+"""The folder of a campaign, and an archive: a campaign's record in open formats, which is read as a campaign is.
 
 `campaign.json` has what the store keeps beside flights, and the SHA-256 of every other file; `outcomes.parquet` and
 `tracks.parquet` the flights; `hazop/`, `mutants/` and `sim/` the study.  Without these folders it is a record of the
@@ -9,41 +9,421 @@ from __future__ import annotations
 
 import atexit
 import hashlib
+import os
 import shutil
 import tempfile
 import zipfile
 import zlib
-from collections.abc import Collection, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache, partial
+from itertools import chain
+from operator import attrgetter
 from pathlib import Path
-from typing import NoReturn
+from sys import intern
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.store.archived import Trajectories, read_outcomes
-from scaloft_fi.campaign.store.cells import decoded
-from scaloft_fi.campaign.store.folder import MANIFEST, RECORD
-from scaloft_fi.campaign.store.held import flight_named
-from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.origin import Origin
-from scaloft_fi.campaign.store.selection import Flown, Stands
-from scaloft_fi.campaign.store.store import NOTE, Store
-from scaloft_fi.campaign.store.tables import Planned
+from scaloft_fi.campaign.store.record import (
+    CHUNK,
+    MOST_SEED,
+    BadCellError,
+    Check,
+    Planned,
+    TooLargeError,
+    decoded,
+    labels,
+    most_flights,
+    numbers,
+    texts,
+    wholes,
+)
+from scaloft_fi.campaign.store.store import NOTE, Flown, Stands, Store
 from scaloft_fi.document import FILE_BYTES, is_file, is_folder, opened, read_bytes
-from scaloft_fi.errors import InputError, shown
+from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import FOLDERS
-from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.hazop.name import parse
+from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, Subject, Violation
+from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    import pyarrow
+
+
+MOST_ROW_BYTES = 131_072
+"""Greatest mean size of a row in memory; the trajectory of a flight of 15 minutes has 126,000 bytes."""
+TEXT, WHOLE, NUMBER = "string", "int64", "double"
+TEXTS, WHOLES, NUMBERS, FLOATS = "list<string>", "list<int64>", "list<double>", "list<float>"
+"""Types of columns, as Arrow names them."""
+_SHOWN = 200
+"""Characters of Arrow's own message that a message shows."""
+
+
+def read_columns(path: Path, content: bytes, types: Mapping[str, str]) -> pyarrow.Table:
+    """Columns of a file.
+
+    Args:
+        path: path of the file, for messages.
+        content: its bytes.
+        types: the type of each column that is needed; others are not read.
+
+    Raises:
+        InputError: pyarrow is not installed, or the file is damaged, lacks a column or is too large.
+    """
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as error:
+        raise InputError(f"{path}: reading it needs pyarrow: pip install 'scaloft-fi[parquet]'") from error
+    most = most_flights()
+    try:
+        file = pyarrow.parquet.ParquetFile(pyarrow.BufferReader(content))
+        there = {field.name: _named(field.type) for field in file.schema_arrow}
+        for name, kind in types.items():
+            if there.get(name) != kind:
+                raise ValueError(f"column {name!r} must be {kind}, and is {there.get(name, 'missing')}")
+        groups = (file.metadata.row_group(number) for number in range(file.metadata.num_row_groups))
+        if file.metadata.num_rows > most or sum(group.total_byte_size for group in groups) > most * MOST_ROW_BYTES:
+            raise TooLargeError(path.name)
+        parts, size = [], 0
+        for part in file.iter_batches(CHUNK, columns=list(types)):
+            parts.append(part)
+            size += part.nbytes
+            if size > most * MOST_ROW_BYTES:  # a value that is repeated is larger than its file says
+                raise TooLargeError(path.name)
+        return pyarrow.Table.from_batches(parts, pyarrow.schema(file.schema_arrow.field(name) for name in types))
+    except TooLargeError as error:
+        raise InputError(f"{path}: {error}") from error
+    except (pyarrow.ArrowException, OSError, ValueError) as error:
+        own = ascii(str(error).partition("\n")[0])[1:-1][:_SHOWN]
+        raise InputError(f"{path}: the file holds no flights of an archive: {own}") from error
+
+
+def _named(kind: Any) -> str:
+    """The name of a type; a list is named by its members."""
+    member = getattr(kind, "value_type", None)
+    return str(kind) if member is None else f"list<{member}>"
+
+
+STORE_NAME = "outcomes.sqlite"
+LONGEST_NAME = 255
+"""Longest name of a file on the usual file systems [bytes]."""
+LOG_NAME = "mission_log.json"
+MANIFEST, ZIP = "campaign.json", ".zip"
+"""The file that makes a folder an archive; the end of the name of an archive in one file."""
+RECORD = "an archive is a record, into which nothing is flown or merged; name another --campaign"
+
+
+def campaign_folder(study: Study, name: str) -> Path:
+    """The folder of campaign `name`: in the study's results, or the path `name` itself if it has a separator.
+
+    An archive may be one file, whose name ends in `.zip`; such a name is a path.
+
+    Raises:
+        InputError: the name is no valid name of a folder.
+    """
+    if "/" in name or os.sep in name or name.endswith(ZIP):
+        return _reached(name)
+    if not name.strip() or name in {".", ".."} or "\0" in name or len(os.fsencode(name)) > LONGEST_NAME:
+        raise InputError(f"--campaign: name={shown(name)} must be the name of a folder, such as 'default'")
+    return study.results_folder / "campaigns" / name
+
+
+def _reached(name: str) -> Path:
+    """The folder at the path `name`, which need not exist."""
+    try:
+        folder = Path(name).expanduser()
+        with suppress(FileNotFoundError, NotADirectoryError, PermissionError):
+            folder.stat()  # raises where the system refuses the name
+    except (OSError, RuntimeError, ValueError) as error:
+        reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
+        raise InputError(f"--campaign: name={shown(name)} must be the path of a folder: {reason}") from error
+    return folder
+
+
+def is_archive(folder: Path) -> bool:
+    """Whether a campaign's folder is an archive: a ZIP file, or a folder with the record of one and no store."""
+    if folder.suffix == ZIP:
+        return is_file(folder)
+    return is_file(folder / MANIFEST) and not is_file(folder / STORE_NAME)
+
+
+def promising(folder: Path) -> None:
+    """Check early, without writing, whether `writable` can succeed.
+
+    Raises:
+        InputError: the nearest existing parent cannot be written, or is no folder; or the folder is an archive.
+    """
+    if is_archive(folder):
+        raise InputError(f"{folder}: {RECORD}")
+    above = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK):
+        reason = "permission denied" if above.is_dir() else f"{above} is no folder"
+        raise InputError(f"{folder}: the results folder cannot be written: {reason}")
+
+
+def writable(folder: Path) -> Path:
+    """Create `folder` if it is missing, and check that files can be written there.
+
+    Raises:
+        InputError: files cannot be written there, or the folder is an archive.
+    """
+    if is_archive(folder):
+        raise InputError(f"{folder}: {RECORD}")
+    probe = folder / f".writable-{os.getpid()}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        raise InputError(f"{folder}: the results folder cannot be written: {error.strerror}") from error
+    return folder
+
+
+def existing(folder: Path) -> Path:
+    """The store of the campaign in `folder`.
+
+    Raises:
+        InputError: the folder has no store.
+    """
+    if is_archive(folder):
+        raise InputError(f"{folder}: an archive is a record, which lends no flights; name a campaign")
+    store = folder / STORE_NAME
+    if not store.is_file():
+        others = [entry.parent.name for entry in folder.parent.glob(f"*/{STORE_NAME}")]
+        hint = did_you_mean(folder.name, others) or "; `scaloft-fi run` flies one"
+        raise InputError(f"{folder}: no campaign was flown here{hint}")
+    return store
+
+
+RHO = "rho_"
+"""Beginning of the names of the columns of robustness."""
+
+
+_LEVEL = 1
+"""Level of compression of a track that is unpacked at once."""
+
+
+class Extra(NamedTuple):
+    """A column of an archive that `export` does not have: its type, and its value for a flight."""
+
+    type: str
+    value: Callable[[Outcome], Any]
+
+
+def _places(axis: str, outcome: Outcome) -> list[float]:
+    """A coordinate of each violation, in the order of the readings."""
+    place = {violation.requirement: getattr(violation, axis) for violation in outcome.violations}
+    return [place.get(reading.requirement, 0.0) for reading in outcome.readings if reading.violated]
+
+
+EXTRA: Mapping[str, Extra] = {
+    "invalid": Extra(TEXT, attrgetter("invalid")),
+    "ended_by": Extra(TEXT, attrgetter("struck")),
+    "stack_error": Extra(TEXT, attrgetter("stack_error")),
+    "perceived_digest": Extra(TEXT, attrgetter("perceived_digest")),
+    "episodes": Extra(WHOLES, lambda one: [reading.triggered for reading in one.readings if reading.triggered]),
+    **{f"violation_{axis}": Extra(NUMBERS, partial(_places, axis)) for axis in "xyz"},
+}
+"""Why the harness failed; the body of the contact that ended the flight; the exception of the stack; the digest of its
+beliefs; for each of `triggered` the number of episodes; for each of `violated` the place [m, world]."""
+
+
+def _seeds(name: str, column: Sequence[Any]) -> None:
+    wholes(name, column, MOST_SEED)
+
+
+_CHECKS: Mapping[str, tuple[str, Check]] = {
+    "mutant": (TEXT, labels),
+    "situation": (TEXT, labels),
+    "seed": (WHOLE, _seeds),
+    "ending": (TEXT, labels),
+    "violated": (TEXTS, labels),
+    "infected_at_s": (NUMBER, lambda name, column: numbers(name, column, none=True)),
+    "duration_s": (NUMBER, numbers),
+    "digest": (TEXT, texts),
+    "held": (TEXTS, labels),
+    "violation_times_s": (NUMBERS, numbers),
+    "violation_bodies": (TEXTS, labels),
+    "triggered": (TEXTS, labels),
+    "realised": (TEXTS, labels),
+    "carried": (WHOLE, wholes),
+    "altered": (WHOLE, wholes),
+    "invalid": (TEXT, texts),
+    "ended_by": (TEXT, labels),
+    "stack_error": (TEXT, texts),
+    "perceived_digest": (TEXT, texts),
+    "episodes": (WHOLES, wholes),
+    "violation_x": (NUMBERS, numbers),
+    "violation_y": (NUMBERS, numbers),
+    "violation_z": (NUMBERS, numbers),
+}
+"""The columns that are read: the type, and the check of the cells, or of the members of lists."""
+_ALONG: Mapping[str, str] = {
+    **dict.fromkeys(("violation_times_s", "violation_bodies", "violation_x", "violation_y", "violation_z"), "violated"),
+    "episodes": "triggered",
+}
+"""Columns of lists that are as long as another column's."""
+TRACK_TYPES: Mapping[str, str] = {"digest": TEXT, **dict.fromkeys(TRACK_COLUMNS, FLOATS)}
+"""The columns of the trajectories: the digest of the flights that flew it, and the samples of each signal."""
+
+
+@lru_cache(maxsize=2)
+def read_outcomes(
+    path: Path, content: bytes, requirements: tuple[tuple[str, str], ...], axes: tuple[str, ...]
+) -> tuple[Outcome, ...]:
+    """The outcomes in a file, without trajectories; where a flight did not test a requirement, rho is 0.
+
+    A page of many tables reads an archive many times, so the last ones are kept.
+
+    Args:
+        path: path of the file, for messages.
+        content: its bytes.
+        requirements: name and kind of each requirement by which the flights were judged.
+        axes: the axes of their situations.
+
+    Raises:
+        InputError: pyarrow is not installed, or the file is damaged or holds what no store holds.
+    """
+    rhos = dict.fromkeys((RHO + name for name, _ in requirements), NUMBER)
+    table = read_columns(path, content, {name: kind for name, (kind, _) in _CHECKS.items()} | rhos)
+    columns = {name: table.column(name).to_pylist() for name in table.column_names}
+    kinds = {name: Kind(kind) for name, kind in requirements}
+    try:
+        _check(columns, kinds)
+    except BadCellError as error:
+        raise InputError(f"{path}: column {error.column} must be {error.allowed}") from error
+    read = Rows(kinds, axes)
+    return tuple(read(dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True))
+
+
+def _check(columns: Mapping[str, Sequence[Any]], kinds: Mapping[str, Kind]) -> None:
+    """Refuse what no store holds.
+
+    Raises:
+        BadCellError: a cell has a value that no outcome has.
+    """
+    for name, column in columns.items():
+        kind, check = _CHECKS.get(name, (NUMBER, lambda name, column: numbers(name, column, none=True)))
+        if kind in (TEXTS, WHOLES, NUMBERS):
+            if None in column:
+                raise BadCellError(name, "a list")
+            column = list(chain.from_iterable(column))
+        if column:
+            check(name, column)
+    for name, other in _ALONG.items():
+        if list(map(len, columns[name])) != list(map(len, columns[other])):
+            raise BadCellError(name, f"as long as {other}")
+    if not kinds.keys() >= set(chain.from_iterable(columns["violated"])):
+        raise BadCellError("violated", f"names of {', '.join(kinds)}")
+
+
+class Rows:
+    """Makes outcomes of rows.
+
+    Args:
+        kinds: kind of each requirement, by its name.
+        axes: the axes of the situations.
+    """
+
+    def __init__(self, kinds: Mapping[str, Kind], axes: Sequence[str]) -> None:
+        self._kinds, self._axes = kinds, axes
+        self._subjects: dict[str, Subject] = {}
+
+    def __call__(self, row: Mapping[str, Any]) -> Outcome:
+        """The outcome of a row with the columns of `_CHECKS` and, for each requirement, its robustness."""
+        invalid, baseline = row["invalid"], row["mutant"] == BASELINE
+        at = dict(zip(row["violated"], row["violation_times_s"], strict=True))
+        episodes = dict(zip(row["triggered"], row["episodes"], strict=True))
+        places = zip(row["violation_x"], row["violation_y"], row["violation_z"], row["violation_bodies"], strict=True)
+        readings = [
+            Reading(
+                name,
+                kind,
+                row[RHO + name] or 0.0,
+                at.get(name),
+                episodes.get(name, 0),
+                open=name not in at and name not in row["held"],
+            )
+            for name, kind in self._kinds.items()
+        ]
+        came_true = ((axis, axis in row["realised"]) for axis in self._axes)
+        return Outcome(
+            subject=self._subject(row["mutant"]),
+            situation=intern(row["situation"]),
+            seed=row["seed"],
+            ending=intern(row["ending"]),
+            invalid=invalid,
+            readings=() if invalid else tuple(readings),
+            violations=tuple(
+                Violation(name, self._kinds[name], t_s, x, y, z, intern(body))
+                for (name, t_s), (x, y, z, body) in zip(at.items(), places, strict=True)
+            ),
+            carried=row["carried"],
+            altered=row["altered"],
+            infected_at_s=row["infected_at_s"],
+            struck=intern(row["ended_by"]),
+            duration_s=row["duration_s"],
+            digest=row["digest"],
+            perceived_digest=row["perceived_digest"],
+            stack_error=row["stack_error"],
+            realised=tuple(came_true) if baseline and not invalid else (),
+        )
+
+    def _subject(self, id_: str) -> Subject:
+        if id_ not in self._subjects:
+            try:
+                name = parse(id_)
+                self._subjects[id_] = Subject(id_, name.guideword, name.parameter, name.magnitude)
+            except InputError:  # the baseline and PLACEBO
+                self._subjects[id_] = Subject(id_)
+        return self._subjects[id_]
+
+
+class Trajectories:
+    """The trajectories in a file, by the digest of the flights that flew them; each is packed when it is asked for.
+
+    Args:
+        path: path of the file, for messages.
+        content: its bytes.
+
+    Raises:
+        InputError: pyarrow is not installed, or the file is damaged or has columns of unequal length.
+    """
+
+    def __init__(self, path: Path, content: bytes) -> None:
+        import numpy as np
+
+        table = read_columns(path, content, TRACK_TYPES).combine_chunks()
+        self._rows = {digest: row for row, digest in enumerate(table.column("digest").to_pylist())}
+        lists = [table.column(name).combine_chunks() for name in TRACK_COLUMNS]
+        if any(one.null_count or one.values.null_count or not one.offsets.equals(lists[0].offsets) for one in lists):
+            raise InputError(f"{path}: the columns of a trajectory must be numbers and of equal length")
+        self._ends = lists[0].offsets.to_pylist()
+        # Arrow's own way to an array imports pandas, which takes a second
+        self._values = [np.frombuffer(one.values.buffers()[1] or b"", np.float32)[one.values.offset :] for one in lists]
+
+    def of(self, digest: str) -> bytes:
+        """The packed track of the flights with a digest; empty without one."""
+        import numpy as np
+
+        row = self._rows.get(digest)
+        if row is None or not digest:
+            return b""
+        start, end = self._ends[row], self._ends[row + 1]
+        samples = np.column_stack([values[start:end] for values in self._values]).astype(np.float32)
+        return zlib.compress(samples.tobytes(), _LEVEL)
+
 
 OUTCOMES, TRACKS = "outcomes.parquet", "tracks.parquet"
 VERSION = 1
 """Version of the files; an archive of another version is refused."""
 MOST_FILES = 10_000
 """Greatest number of files of an archive."""
-_SHOWN = 200
-"""Characters of another module's message that a message shows."""
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from scaloft_fi.campaign.store.archive import Archive
-from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder, existing, is_archive
+from scaloft_fi.campaign.store.archive import STORE_NAME, Archive, campaign_folder, existing, is_archive
 from scaloft_fi.campaign.store.store import EmptyError, Store
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.sim.grids import grid_names

@@ -1,29 +1,94 @@
-"""The current and the stale outcomes of a campaign.
+"""The current and the stale outcomes of a campaign, by the keys of their flights.
 
 An outcome is current if its flight has the same key in the study as it is now; otherwise it is stale, for a reason.
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
+import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.store.origin import Origin
-from scaloft_fi.campaign.store.selection import Flown
-from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.campaign.store.record import Planned
+from scaloft_fi.campaign.store.store import Flown, Store
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.outcome import BASELINE, TRACK_EVERY, Outcome, track_values
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
+
+
+class Keys:
+    """The keys of a study's flights; each mutant and each situation is hashed once.
+
+    Args:
+        study: the current study; later changes of its files are not noticed.
+    """
+
+    def __init__(self, study: Study) -> None:
+        self._study = study
+        self._mutants: dict[Mutant, str] = {}
+        self._situations: dict[str, tuple[str, str]] = {}
+
+    def origin(self, flight: Flight) -> Origin:
+        """The origin of the flight's outcome.
+
+        Values of an axis that the situation does not have, other mutants and comments do not count.
+        """
+        situation, realised = self._situation(flight)
+        inputs = self._study.inputs
+        return Origin(
+            sim=inputs["sim"],
+            requirements=inputs["requirements"],
+            code=inputs["code"],
+            mutant=self._mutant(flight.mutant) if flight.mutant else "",
+            situation=situation,
+            realised="" if flight.mutant else realised,
+            operator=inputs[f"operator {flight.mutant.operator}"] if flight.mutant else "",
+        )
+
+    def key(self, flight: Flight) -> str:
+        """The key of a flight."""
+        return self.origin(flight).key(flight.seed)
+
+    def planned(self, flight: Flight, *, canary: bool = False) -> Planned:
+        """The entry of a flight in the plan of the store."""
+        origin = self.origin(flight)
+        return Planned(origin.key(flight.seed), flight.subject.id, flight.situation.key, flight.seed, canary, origin)
+
+    def _mutant(self, mutant: Mutant) -> str:
+        if mutant not in self._mutants:
+            self._mutants[mutant] = digest(mutant.to_json())
+        return self._mutants[mutant]
+
+    def _situation(self, flight: Flight) -> tuple[str, str]:
+        """Hashes of the values that the situation sets, and of the predicates of its values."""
+        key = flight.situation.key
+        if key not in self._situations:
+            changes, realised = self._study.changes(flight.situation), self._study.realised(flight.situation)
+            self._situations[key] = digest([key, changes]), digest(realised)
+        return self._situations[key]
+
+
+def flight_key(study: Study, flight: Flight) -> str:
+    """The key of one flight; for many flights `Keys` is faster."""
+    return Keys(study).key(flight)
+
+
+def digest(content: Any) -> str:
+    """A hash of plain JSON values, independent of the order of keys."""
+    text = json.dumps(content, sort_keys=True, ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -216,3 +281,49 @@ _PARTS = {
     "realised": "how the situation's values come true",
 }
 """Names of the parts of an origin for messages; a mutant and an operator have names of their own."""
+
+
+def with_tracks(
+    study: Study,
+    store: Store,
+    outcomes: Iterable[Outcome],
+    mutants: Collection[str],
+    seeds: Collection[int] | None = None,
+) -> tuple[Outcome, ...]:
+    """Add tracks to the outcomes of `mutants`; `baseline` is a valid id.
+
+    Args:
+        study: the current study.
+        store: an open store.
+        outcomes: current outcomes.
+        mutants: ids whose outcomes get their tracks.
+        seeds: seeds whose outcomes get their tracks; None = all.
+
+    Raises:
+        InputError: a track is damaged, or longer than a flight in its situation.
+    """
+    wanted, keys, most = set(mutants), Keys(study), dict[str, int]()
+
+    def tracked(outcome: Outcome) -> Outcome:
+        if outcome.mutant not in wanted or (seeds is not None and outcome.seed not in seeds):
+            return outcome
+        flight = flight_named(study, outcome.mutant, outcome.situation, outcome.seed)
+        found = store.get(keys.key(flight))
+        if found is None or not found.track:
+            return outcome
+        if outcome.situation not in most:
+            most[outcome.situation] = _most_rows(study.limit_s(flight.situation))
+        try:
+            track_values(found.track, most[outcome.situation])
+        except ValueError as error:
+            raise InputError(f"{store.path}: table tracks: the track of {outcome.name} is {error}") from error
+        return replace(outcome, track=found.track)
+
+    return tuple(tracked(outcome) for outcome in outcomes)
+
+
+def _most_rows(limit_s: float) -> int:
+    """The greatest number of rows of a flight's track: one for every `TRACK_EVERY` samples, the first and the last."""
+    from scaloft_fi.sim.log import SAMPLE_HZ  # most verbs read no track
+
+    return math.ceil(limit_s * SAMPLE_HZ / TRACK_EVERY) + 3

@@ -13,11 +13,9 @@ from collections.abc import Iterable, Mapping
 from hashlib import sha256
 from typing import TypeVar
 
-from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
-from scaloft_fi.campaign.store.origin import Origin
-from scaloft_fi.campaign.store.selection import Flown
-from scaloft_fi.campaign.store.store import NOTE, Store
-from scaloft_fi.campaign.store.tables import Planned
+from scaloft_fi.campaign.store.origin import Origin, differences, fingerprint
+from scaloft_fi.campaign.store.record import Planned
+from scaloft_fi.campaign.store.store import NOTE, Flown, Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 

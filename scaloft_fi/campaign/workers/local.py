@@ -1,18 +1,182 @@
-"""Worker processes on this machine."""
+"""Worker processes on this machine that fly a run, and the signals that let a run save and end."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+from typing import Any, Protocol
 
-from scaloft_fi.campaign.flights.worker import Flyer, Worker, left_of, lost
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.processes.patience import ATTEMPTS
-from scaloft_fi.campaign.processes.pool import WORKER_PATIENCE_S, Pool
-from scaloft_fi.campaign.workers.executor import Workers
+from scaloft_fi.campaign.flight import Batch
+from scaloft_fi.campaign.flights.fly import Flyer, Worker, left_of, lost
+from scaloft_fi.campaign.pool import WORKER_PATIENCE_S, Pool
+from scaloft_fi.campaign.processes import ATTEMPTS, HANGUP, started_clean
+from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
+
+
+class Workers(Protocol):
+    """The workers of one run."""
+
+    @property
+    def jobs(self) -> int:
+        """Number of processes for which batches are arranged."""
+        ...
+
+    def ready(self) -> None:
+        """Prepare the workers for flights; `map` calls it if necessary.
+
+        Raises:
+            InputError: the study cannot be flown.
+        """
+        ...
+
+    def map(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
+        """Yield the outcomes of `batches` as they arrive, in any order.
+
+        A batch whose worker dies is tried again in another worker; flights that fail every time are `invalid`.
+
+        Raises:
+            ScaloftError: the study cannot be flown, or no worker is left.
+        """
+        ...
+
+
+class Executor(Protocol):
+    """Starts workers."""
+
+    def workers(
+        self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
+    ) -> AbstractContextManager[Workers]:
+        """Start workers for `study`; they end with the context.
+
+        Args:
+            study: the study.
+            flyer: flies.
+            stop: polled; once true, no batch begins, and `map` ends soon.
+            say: prints a line for the user.
+
+        Raises:
+            InputError: no worker can be started.
+        """
+        ...
+
+
+ECHO_S = 1.0
+"""A second signal within this time is ignored, because terminal and wrapper may both pass on the first [s, wall]."""
+
+
+class Interrupted(ScaloftError):  # noqa: N818 - an event, not an error
+    """The user stopped the run; all outcomes are saved."""
+
+    exit_code = 130
+
+
+class Flag:
+    """Whether the user asked to stop."""
+
+    def __init__(self) -> None:
+        self._since_s: float | None = None
+
+    def __call__(self) -> bool:
+        """Whether a signal has arrived."""
+        return self._since_s is not None
+
+    def again(self) -> bool:
+        """Note a signal; returns whether the user asks for the second time."""
+        now_s = time.monotonic()
+        if self._since_s is None:
+            self._since_s = now_s
+            return False
+        return now_s - self._since_s > ECHO_S
+
+
+@contextmanager
+def interruptible(flag: Flag) -> Iterator[None]:
+    """In this context the first signal that asks to stop sets the flag, the second one does what it did before.
+
+    A SIGHUP that is ignored, as `nohup` has it, stays ignored.
+    """
+    if threading.current_thread() is not threading.main_thread():  # only the main thread can handle signals
+        yield
+        return
+    before: dict[int, Any] = {}
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        if flag.again():
+            if not callable(before[number]):
+                raise KeyboardInterrupt
+            before[number](number, frame)
+
+    hangup = [number for number in HANGUP if signal.getsignal(number) != signal.SIG_IGN]
+    for number in (signal.SIGINT, signal.SIGTERM, *hangup):
+        before[number] = signal.getsignal(number)
+        signal.signal(number, handle)
+    try:
+        yield
+    finally:
+        for changed, handler in before.items():
+            signal.signal(changed, handler)
+
+
+@dataclass
+class LateWorker:
+    """The work of a new process: it opens the study when it gets its first batch.
+
+    Attributes:
+        folder, grid_name: of the study.
+        flyer: flies.
+        inputs: hashes of the study that the run has read; None where others have compared them.
+    """
+
+    folder: Path
+    grid_name: str | None
+    flyer: Flyer
+    inputs: Mapping[str, str] | None = None
+    _worker: Worker | None = None
+
+    def __call__(self, batch: Batch, report: Callable[[Outcome], None]) -> None:
+        """Fly one batch.
+
+        Raises:
+            InputError: the study cannot be flown, or has changed since the run has read it.
+        """
+        if self._worker is None:
+            study = Study.open(self.folder, self.grid_name)
+            if self.inputs is not None and self.inputs != study.inputs:
+                raise InputError(f"{self.folder}: the study has changed since the run began; run again")
+            self.flyer.prepare(study, lambda _text: None)
+            self._worker = Worker(study, self.flyer)
+        self._worker(batch, report)
+
+
+@dataclass(frozen=True)
+class Clean:
+    """`jobs` new interpreters on this machine.
+
+    A fork of a process with threads may hang, and its numeric libraries may use more than one thread.  A new
+    interpreter has neither, and the module of the user's script is not imported again in it.
+    """
+
+    jobs: int
+
+    @contextmanager
+    def workers(
+        self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
+    ) -> Iterator[Workers]:
+        """Start a pool; each process reads the study and is prepared at its first task."""
+        work = LateWorker(study.folder, study.grid_name, flyer, study.inputs)
+        with Pool(
+            work, self.jobs, left=left_of, lost=lost, stop=stop, patience_s=patience_s(study), start=started_clean
+        ) as pool:
+            # an empty batch prepares the first process, which compiles the kernels for all of them
+            yield LocalWorkers(pool, lambda: list(pool.map([Batch(())])))
 
 
 @dataclass(frozen=True)

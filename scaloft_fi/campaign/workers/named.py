@@ -5,12 +5,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from scaloft_fi.campaign.processes.start import cores
-from scaloft_fi.campaign.workers.cluster import Cluster
-from scaloft_fi.campaign.workers.executor import Executor
-from scaloft_fi.campaign.workers.key import MAKE, VARIABLE, read_key
-from scaloft_fi.campaign.workers.local import Local
-from scaloft_fi.campaign.workers.security import check_certificates
+from scaloft_fi.campaign.processes import cores
+from scaloft_fi.campaign.workers.cluster import MAKE, VARIABLE, Cluster, check_certificates, read_key
+from scaloft_fi.campaign.workers.local import Executor, Local
 from scaloft_fi.errors import InputError
 
 LOCAL = "local"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from scaloft_fi.campaign.flights.recorded import judged_record, known_of, mapping_of
+from scaloft_fi.campaign.flights.command import judged_record, known_of, mapping_of
 from scaloft_fi.study import Study
 from scaloft_fi.views.flights.judged import JUDGE, judged_table, judged_values
 from scaloft_fi.views.outputs.answer import Answer

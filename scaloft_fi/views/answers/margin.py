@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from scaloft_fi.analysis.margin import whens
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs import choice
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.margin import find, target
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.store.folder import campaign_folder
+from scaloft_fi.campaign.runs.request import choose_situations
+from scaloft_fi.campaign.store.archive import campaign_folder
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.requirement import Kind
@@ -57,7 +57,7 @@ def margin(
     targets = {one.subject: one for one in (target(study.matrix, text, tolerance) for text in mutants)}
     chosen = study.grid.select(situations)
     if not situations:
-        chosen = choice.choose(study.grid.choose, chosen, seeds, 0, study.space, study.grid.chosen_at).situations
+        chosen = choose_situations(study.grid.choose, chosen, seeds, 0, study.space, study.grid.chosen_at).situations
     by_fault = find(
         study,
         tuple(targets.values()),

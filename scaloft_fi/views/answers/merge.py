@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from scaloft_fi.campaign.runs.merge import merge as merged_into
-from scaloft_fi.campaign.store.folder import campaign_folder
+from scaloft_fi.campaign.store.archive import campaign_folder
 from scaloft_fi.console import line
 from scaloft_fi.study import Study
 from scaloft_fi.views.outputs.answer import Answer

@@ -6,18 +6,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from scaloft_fi.campaign.plan import choose
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.seeking.breaks import seek_breaks
-from scaloft_fi.campaign.runs.seeking.finds import break_saver, holding, keep, saver
-from scaloft_fi.campaign.runs.seeking.flights import Allowance
-from scaloft_fi.campaign.runs.seeking.proposals import require_optuna
-from scaloft_fi.campaign.runs.seeking.replicate import replicate
-from scaloft_fi.campaign.runs.seeking.seek import seek as seek_mutants
-from scaloft_fi.campaign.runs.seeking.sought import Unnamed, anew, interrupted
+from scaloft_fi.campaign.plan import parse_mutants
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.seeking.breaks import seek_breaks
+from scaloft_fi.campaign.seeking.finds import (
+    Allowance,
+    Unnamed,
+    anew,
+    break_saver,
+    holding,
+    interrupted,
+    keep,
+    replicate,
+    saver,
+)
+from scaloft_fi.campaign.seeking.proposals import require_optuna
+from scaloft_fi.campaign.seeking.seek import seek as seek_mutants
+from scaloft_fi.campaign.store.archive import campaign_folder
 from scaloft_fi.campaign.store.flown_grid import study_of
-from scaloft_fi.campaign.store.folder import campaign_folder
 from scaloft_fi.defaults import SEARCHED
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import find_study
@@ -137,7 +144,7 @@ def _replicated(study: Study, mutants: Sequence[str], search: Search) -> Answer:
     """Fly the finds of the study on fresh seeds, and keep those that hold."""
     folder = study.folder / "sim"
     found = read_finds(folder)
-    wanted = {mutant.id for mutant in choose.mutants(study, mutants)} if mutants else None
+    wanted = {mutant.id for mutant in parse_mutants(study, mutants)} if mutants else None
     finds = found.finds if found else ()
     ask = {find.name: [one for one in find.shows if wanted is None or one in wanted] for find in finds}
     if found is None or not any(ask.values()):
@@ -177,7 +184,7 @@ def _breaks(study: Study, search: Search) -> Answer:
 
 def _named(study: Study, mutants: Sequence[str]) -> Sequence[Mutant]:
     others = [text for text in mutants if text != PLACEBO.id]
-    return [*([PLACEBO] if len(others) < len(mutants) else []), *(choose.mutants(study, others) if others else ())]
+    return [*([PLACEBO] if len(others) < len(mutants) else []), *(parse_mutants(study, others) if others else ())]
 
 
 def _unnamed(study: Study, campaign: str, search: Search) -> Unnamed:

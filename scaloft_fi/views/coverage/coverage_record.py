@@ -7,7 +7,7 @@ from typing import Any
 
 from scaloft_fi.analysis.coverage import SHARES, STRENGTHS, Coverage, coverage_json
 from scaloft_fi.analysis.pool import State
-from scaloft_fi.campaign.runs.choice import Remembered
+from scaloft_fi.campaign.runs.request import Remembered
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import by_name, count, listing, ratio, record, text
 from scaloft_fi.views.stale import KEYS as STALE

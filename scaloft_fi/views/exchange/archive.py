@@ -13,10 +13,17 @@ from array import array
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from scaloft_fi.campaign.store.archive import OUTCOMES, TRACKS, VERSION, study_files
-from scaloft_fi.campaign.store.archived import EXTRA
-from scaloft_fi.campaign.store.folder import MANIFEST
-from scaloft_fi.campaign.store.parquet import NUMBERS, TEXT, WHOLES
+from scaloft_fi.campaign.store.archive import (
+    EXTRA,
+    MANIFEST,
+    NUMBERS,
+    OUTCOMES,
+    TEXT,
+    TRACKS,
+    VERSION,
+    WHOLES,
+    study_files,
+)
 from scaloft_fi.document import read_bytes
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, track_values
 from scaloft_fi.study import Study

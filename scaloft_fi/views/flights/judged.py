@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from scaloft_fi.campaign.flights.recorded import Finding, JudgedRecord
+from scaloft_fi.campaign.flights.command import Finding, JudgedRecord
 from scaloft_fi.judge.requirement import Compliance, measured_rho
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.views.outputs.output import Output

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.flights.commanded import Commanded
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.command import Commanded
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome

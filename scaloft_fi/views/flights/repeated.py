@@ -5,11 +5,11 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import NamedTuple
 
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.store.fingerprint import differences, fingerprint
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive
 from scaloft_fi.campaign.store.flown_grid import opened
-from scaloft_fi.campaign.store.folder import STORE_NAME, campaign_folder, is_archive
-from scaloft_fi.campaign.store.key import flight_key
+from scaloft_fi.campaign.store.held import flight_key
+from scaloft_fi.campaign.store.origin import differences, fingerprint
 from scaloft_fi.campaign.store.platforms import Platforms
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.status import APART_M, agreement, digests, in_step, parting_s

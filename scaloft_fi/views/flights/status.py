@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-from scaloft_fi.campaign.store.folder import MANIFEST
+from scaloft_fi.campaign.store.archive import MANIFEST
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.status import Status, baseline_status, flights_of
 from scaloft_fi.views.flights.export import WAITING, ordered

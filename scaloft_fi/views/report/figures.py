@@ -11,7 +11,7 @@ from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.pool import Finding, findings, tallies
 from scaloft_fi.analysis.roster import plain
 from scaloft_fi.analysis.score import Score, score_of
-from scaloft_fi.campaign.runs.gates import check
+from scaloft_fi.campaign.runs.gates import check_gates
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.judge.requirement import Kind
@@ -116,7 +116,7 @@ def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any
     outcomes, roster = evidence.outcomes, evidence.study.roster
     flown = {outcome.situation for outcome in outcomes}
     try:
-        check(
+        check_gates(
             outcomes,
             roster,
             canary=None,

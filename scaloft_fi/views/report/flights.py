@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import Any
 
 from scaloft_fi.console import all_printable
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, TRACK_COLUMNS, TRACK_EVERY, Outcome, unpack_track
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK_COLUMNS, TRACK_EVERY, Outcome, unpack_track
 from scaloft_fi.judge.requirement import Reading, measured_rho
 from scaloft_fi.judge.status import JudgedFlight, baseline_status, flight_of
 from scaloft_fi.sim.log import SAMPLE_HZ
@@ -86,7 +86,7 @@ def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Deta
     """
     by_situation: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
-        if outcome.mutant != PLACEBO:
+        if outcome.mutant != PLACEBO_ID:
             by_situation.setdefault(outcome.situation, []).append(outcome)
     seeds = {outcome.seed for listed in by_situation.values() for outcome in listed if outcome.mutant != BASELINE}
     kept = set(sorted(seeds)[: detail.seeds])

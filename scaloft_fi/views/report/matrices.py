@@ -9,7 +9,7 @@ from scaloft_fi.analysis.kill_matrix import Entry, KillMatrix, gray_order
 from scaloft_fi.analysis.pool import Pool
 from scaloft_fi.analysis.roster import Ratio, Roster, plain
 from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score
-from scaloft_fi.campaign.runs.seeking.finds import words_of
+from scaloft_fi.campaign.seeking.finds import words_of
 from scaloft_fi.hazop.matrix import Matrix, class_of
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.requirement import Kind

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scaloft_fi.campaign.runs.seeking.breaks import BreaksReport
+from scaloft_fi.campaign.seeking.breaks import BreaksReport
 from scaloft_fi.sim.found import Break
 from scaloft_fi.views.tables.table import Table
 

@@ -8,8 +8,8 @@ from importlib.metadata import PackageNotFoundError, distribution, entry_points,
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.campaign.processes.start import THREAD_SETTINGS, cores
-from scaloft_fi.campaign.store.fingerprint import DECIDES, fingerprint
+from scaloft_fi.campaign.processes import THREAD_SETTINGS, cores
+from scaloft_fi.campaign.store.origin import DECIDES, fingerprint
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.hazop.load import find_study
 from scaloft_fi.registry import PLUGIN_GROUP, in_one_line

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from scaloft_fi.analysis.detection import Verdict
-from scaloft_fi.campaign.runs.looks import Look
+from scaloft_fi.campaign.runs.request import Look
 from scaloft_fi.views.tables.table import Table
 
 

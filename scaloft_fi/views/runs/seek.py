@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from scaloft_fi.campaign.runs.seeking.replicate import ReplicationReport
-from scaloft_fi.campaign.runs.seeking.seek import SeekReport, Sought
+from scaloft_fi.campaign.seeking.finds import ReplicationReport
+from scaloft_fi.campaign.seeking.seek import SeekReport, Sought
 from scaloft_fi.sim.found import FILE
 from scaloft_fi.views.score.finds import words
 from scaloft_fi.views.tables.table import Table

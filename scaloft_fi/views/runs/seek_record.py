@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from scaloft_fi.analysis.roster import by_field, plain
-from scaloft_fi.campaign.runs.seeking.breaks import BreaksReport
-from scaloft_fi.campaign.runs.seeking.replicate import ReplicationReport
-from scaloft_fi.campaign.runs.seeking.seek import SeekReport
+from scaloft_fi.campaign.seeking.breaks import BreaksReport
+from scaloft_fi.campaign.seeking.finds import ReplicationReport
+from scaloft_fi.campaign.seeking.seek import SeekReport
 from scaloft_fi.sim.found import Break, Find
 from scaloft_fi.views.outputs.output import Output
 from scaloft_fi.views.outputs.shape import count, flag, listing, number, optional, record, text, texts

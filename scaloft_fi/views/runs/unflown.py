@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import Plan
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.plan import Plan
 from scaloft_fi.views.tables.table import Table
 
 

@@ -10,7 +10,7 @@ from scaloft_fi.analysis.detection import Firmness
 from scaloft_fi.analysis.pool import Finding, Pool, State, Tally, findings, tallies
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import EARLY_S, By, MutantScore, Score, groups
-from scaloft_fi.judge.outcome import PLACEBO
+from scaloft_fi.judge.outcome import PLACEBO_ID
 from scaloft_fi.judge.requirement import Compliance, rho_text
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Rulings, Status
@@ -123,7 +123,7 @@ def stage_table(scored: Score) -> Table:
     else:
         names = dict.fromkeys(mutant.subject.parameter for mutant in scored.mutants)
         parts = [(name, [m for m in scored.mutants if m.subject.parameter == name]) for name in names]
-        parts = [*((PLACEBO, [entry]) for entry in placebo), *parts, ("controls", list(scored.controls))]
+        parts = [*((PLACEBO_ID, [entry]) for entry in placebo), *parts, ("controls", list(scored.controls))]
     if len(entries) > 1:
         parts.append(("all", entries))
     rows = [_stages(name, members) for name, members in parts if members]

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.kill_matrix import NOT_FLOWN, KillMatrix, kill_matrix
 from scaloft_fi.analysis.score import score
-from scaloft_fi.judge.outcome import PLACEBO, Outcome
+from scaloft_fi.judge.outcome import PLACEBO_ID, Outcome
 
 LATE, NO, CONTROL = "LATE-human@3s", "NO-human@100%", "REVERSE-human"
 HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T1O0W0D1H0"
@@ -22,7 +22,7 @@ def matrix_of(outcomes: list[Outcome]) -> KillMatrix:
 CAMPAIGN = [
     *pool(HUMAN, NOBODY),
     *pool(DARK, red=10, violated={"SR1": 30.0}, struck="bar"),
-    outcome(PLACEBO, HUMAN, altered=0),
+    outcome(PLACEBO_ID, HUMAN, altered=0),
     *thrice(CONTROL, HUMAN, violated={"SR2": 9.0}),
     *thrice(LATE, HUMAN, violated={"SR2": 12.35}),
     *thrice(LATE, NOBODY, carried=0, altered=0),

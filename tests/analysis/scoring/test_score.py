@@ -12,7 +12,7 @@ from scaloft_fi.analysis.detection import Spending, Verdict
 from scaloft_fi.analysis.pool import State, findings
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Score, score
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import Status
 from scaloft_fi.views.score.score_record import score_json
 
@@ -36,7 +36,7 @@ def campaign() -> list[Outcome]:
         outcome(LATE, DARK_CORNER, violated={"SR1": 20.0}, struck="wall"),
         *(outcome(GOAL, key, violated={"OP1": 60.0}) for key in (*HUMAN, NOBODY)),
         *(outcome(CONTROL, key, violated={"SR1": 5.0}, struck="wall") for key in HUMAN),
-        outcome(PLACEBO, NOBODY, altered=0),
+        outcome(PLACEBO_ID, NOBODY, altered=0),
     ]
 
 
@@ -196,8 +196,8 @@ def test_an_invalid_flight_never_changes_a_score(outcomes: list[Outcome], more: 
 @given(seeded())
 @settings(deadline=None)
 def test_placebo_and_controls_are_in_no_ratio(outcomes: list[Outcome]) -> None:
-    flown = {one.situation for one in outcomes if one.altered and one.mutant not in (PLACEBO, CONTROL)}
-    without = [one for one in outcomes if one.mutant not in (PLACEBO, CONTROL)]
+    flown = {one.situation for one in outcomes if one.altered and one.mutant not in (PLACEBO_ID, CONTROL)}
+    without = [one for one in outcomes if one.mutant not in (PLACEBO_ID, CONTROL)]
     if flown:  # a control that infects where no mutant does asks for a pool of its own
         assert ratios(score(outcomes, ROSTER, GRID))[:3] == ratios(score(without, ROSTER, GRID))[:3]
 

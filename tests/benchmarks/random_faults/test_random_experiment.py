@@ -17,8 +17,8 @@ from random_faults.plan import FAULTS, FLIGHTS, KNOWN, LEAST, MOST, PLAN, POOL, 
 from scipy.stats import fisher_exact
 
 from scaloft_fi.analysis.pool import State
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.store.fingerprint import fingerprint
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.store.origin import fingerprint
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import Mutant

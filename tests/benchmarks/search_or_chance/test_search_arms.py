@@ -13,7 +13,7 @@ from search_or_chance.pairs import array
 from search_or_chance.proposers import ARMS, SEARCH, with_ends
 
 from scaloft_fi.analysis.seeking import brief
-from scaloft_fi.campaign.runs.seeking.proposals import Parameters, Proposal, Proposer, at_shares, placed
+from scaloft_fi.campaign.seeking.proposals import Parameters, Proposal, Proposer, at_shares, placed
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.sim.situation import DEVIATES, Situation
 

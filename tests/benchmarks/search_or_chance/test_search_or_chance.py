@@ -25,10 +25,9 @@ from search_or_chance.sample import FEWEST, FILE, MOST, Block, at_risk, blocks_o
 from search_or_chance.searches import Search, Sought, read_searches, write_searches
 from wide_plan import halves
 
-from scaloft_fi.campaign.runs.seeking.family import GENERATION
-from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON
-from scaloft_fi.campaign.runs.seeking.proposals import OPENING
-from scaloft_fi.campaign.runs.seeking.seek import CHUNK
+from scaloft_fi.campaign.seeking.finds import SEEN_ON
+from scaloft_fi.campaign.seeking.proposals import OPENING
+from scaloft_fi.campaign.seeking.seek import CHUNK, GENERATION
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim.found import Evidence as Shown

@@ -8,12 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.flights.commanded import Commanded
-from scaloft_fi.campaign.flights.worker import Worker
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.store.held import flight_named
-from scaloft_fi.campaign.store.key import flight_key
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flights.command import Commanded
+from scaloft_fi.campaign.flights.fly import Worker
+from scaloft_fi.campaign.store.held import flight_key, flight_named
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant

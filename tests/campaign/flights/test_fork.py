@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import invalid
 from scaloft_fi.campaign.flights.fork import CAN_FORK, Fork
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.processes.patience import ATTEMPTS
+from scaloft_fi.campaign.processes import ATTEMPTS
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.mutant import Mutant
 

@@ -13,13 +13,11 @@ from effort import usually
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.campaign.flights.fly import fly_log
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flights.fly import Worker, fly_log
 from scaloft_fi.campaign.flights.fork import CAN_FORK
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.flights.worker import Worker
-from scaloft_fi.campaign.plan.arrange import alone
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.plan import alone
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO

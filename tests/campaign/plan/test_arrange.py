@@ -9,9 +9,8 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.arrange import LEAST_SHARING, alone, together
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.plan import LEAST_SHARING, alone, together
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 
 

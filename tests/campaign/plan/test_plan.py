@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.analysis.pool import LEAST
-from scaloft_fi.campaign.plan import choose
-from scaloft_fi.campaign.plan.plan import plan
+from scaloft_fi.campaign.plan import parse_seeds, plan
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 
@@ -38,18 +37,18 @@ def test_placebo_is_flown_once_even_when_asked_for(study: Any) -> None:
 
 @pytest.mark.parametrize(("text", "meant"), [("1", (0,)), ("3", (0, 1, 2)), ("4-6", (4, 5, 6)), ("7-7", (7,))])
 def test_seeds_are_a_number_or_a_range(text: str, meant: tuple[int, ...]) -> None:
-    assert choose.seeds(text) == meant
+    assert parse_seeds(text) == meant
 
 
 @pytest.mark.parametrize("text", ["0", "-1", "5-4", "a", "", "1,2", "1-", "999999999"])
 def test_other_seeds_are_refused(text: str) -> None:
     with pytest.raises(InputError, match="--seeds="):
-        choose.seeds(text)
+        parse_seeds(text)
 
 
 @given(st.integers(0, 500), st.integers(0, 50))
 def test_a_range_of_seeds_has_both_ends(first: int, more: int) -> None:
-    meant = choose.seeds(f"{first}-{first + more}")
+    meant = parse_seeds(f"{first}-{first + more}")
     assert (meant[0], meant[-1], len(meant)) == (first, first + more, more + 1)
 
 

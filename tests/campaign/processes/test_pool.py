@@ -13,9 +13,8 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.processes.patience import ATTEMPTS
-from scaloft_fi.campaign.processes.pool import Pool
-from scaloft_fi.campaign.processes.start import cores, started_clean
+from scaloft_fi.campaign.pool import Pool
+from scaloft_fi.campaign.processes import ATTEMPTS, cores, started_clean
 
 
 def _square(number: int, home: Callable[[Any], None]) -> None:
@@ -191,7 +190,7 @@ def test_what_raises_in_a_worker_started_clean_reaches_the_caller(work: Any) -> 
 
 def test_a_worker_started_clean_ends_with_the_process_that_started_it(work: Any) -> None:
     program = (
-        "import os, clean_work; from scaloft_fi.campaign.processes.start import started_clean\n"
+        "import os, clean_work; from scaloft_fi.campaign.processes import started_clean\n"
         "started = started_clean(clean_work.work, ()); started.connection.send(('pid', 1))\n"
         "print(started.connection.recv()[1][1], flush=True); os.kill(os.getpid(), 9)"
     )

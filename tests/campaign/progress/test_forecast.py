@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import plan
-from scaloft_fi.campaign.progress.forecast import FLIGHT_S, SHARE, Forecast
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.plan import plan
+from scaloft_fi.campaign.progress import FLIGHT_S, SHARE, Forecast
 from scaloft_fi.mutants.catalogue import defaults
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from scaloft_fi.campaign.progress.progress import LINE_EVERY_S, TALLY_EVERY_S, TALLY_SHARE, Progress, Silence, duration
+from scaloft_fi.campaign.progress import LINE_EVERY_S, TALLY_EVERY_S, TALLY_SHARE, Progress, Silence, duration
 
 
 class Terminal(io.StringIO):

@@ -10,11 +10,9 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import plan
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.progress.reporter import Reporter
-from scaloft_fi.campaign.progress.violations import Violations
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.plan import plan
+from scaloft_fi.campaign.progress import Progress, Reporter, Violations
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import realise

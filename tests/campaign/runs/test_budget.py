@@ -12,14 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.campaign.plan.arrange import together
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import Plan, plan
-from scaloft_fi.campaign.progress.progress import Silence
-from scaloft_fi.campaign.runs.budget import Budget, budget_s, fair_order, interleaved
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.run import Report, run
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.plan import Plan, plan, together
+from scaloft_fi.campaign.progress import Silence
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.run import Budget, Report, budget_s, fair_order, interleaved, run
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import defaults, realise

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from ranges import with_range
 
 from scaloft_fi.analysis.coverage import t_way
-from scaloft_fi.campaign.runs.choice import Choice, choose, remember, remembered
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.runs.request import Choice, choose_situations, remember_choice, remembered
+from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
@@ -21,7 +21,7 @@ GRID, SPACE = STUDY.grid, STUDY.space
 
 
 def chosen(text: str, seeds: tuple[int, ...] = (0,), seed: int = 0, pool: tuple[str, ...] = ()) -> Choice:
-    return choose(text, GRID.select(pool), seeds, seed, SPACE)
+    return choose_situations(text, GRID.select(pool), seeds, seed, SPACE)
 
 
 def keys(choice: Choice) -> list[str]:
@@ -71,7 +71,7 @@ def test_draws_stop_when_the_share_is_drawn(share: str, distinct: int) -> None:
 
 def test_a_share_is_exact() -> None:
     # as floating-point numbers 55 % of 20 would be a little more than 11
-    assert len(choose("draws:55%", GRID.situations[:20], (0,), 0, SPACE).situations) == 11
+    assert len(choose_situations("draws:55%", GRID.situations[:20], (0,), 0, SPACE).situations) == 11
 
 
 def test_on_average_as_many_draws_are_distinct_as_the_closed_form_says() -> None:
@@ -124,7 +124,7 @@ def test_drawn_numbers_are_the_same_for_a_seed_and_follow_the_range(ranged: Stud
     grid = ranged.grid
 
     def of(count: int, seed: int = 0) -> list[str]:
-        return [s.key for s, _ in choose(f"{how}:{count}", grid.situations, (0,), seed, ranged.space).draws]
+        return [s.key for s, _ in choose_situations(f"{how}:{count}", grid.situations, (0,), seed, ranged.space).draws]
 
     keys = of(100)
     assert keys[:30] == of(30)
@@ -139,7 +139,7 @@ def test_drawn_numbers_are_the_same_for_a_seed_and_follow_the_range(ranged: Stud
 
 def test_a_low_discrepancy_choice_spreads_over_every_axis(ranged: Study) -> None:
     for count in (8, 32, 64):
-        some = choose(f"sobol:{count}", ranged.grid.situations, (0,), 0, ranged.space).situations
+        some = choose_situations(f"sobol:{count}", ranged.grid.situations, (0,), 0, ranged.space).situations
         for axis, values in zip(ranged.space.axes, ranged.space.values, strict=True):
             times = Counter(situation[axis] for situation in some)
             assert {times[int(value)] for value in values} == {count // len(values)}
@@ -148,15 +148,15 @@ def test_a_low_discrepancy_choice_spreads_over_every_axis(ranged: Study) -> None
 def test_a_low_discrepancy_choice_keeps_to_the_situations_asked_for(ranged: Study) -> None:
     grid, space = ranged.grid, ranged.space
     pool = grid.select(["T1O0*C1", "T0O0W0*C3"])
-    some = choose("sobol:40", pool, (0,), 0, space).situations
+    some = choose_situations("sobol:40", pool, (0,), 0, space).situations
     assert {situation.point for situation in some} == set(pool)
     assert len(keys(chosen("sobol:32"))) == 32
     with pytest.raises(InputError, match="must ask for at most 32"):
         chosen("sobol:33")
     narrow = grid.select(["T1O0W0D0H0C1=0.7"])
     with pytest.raises(InputError, match=r"must name none, as in 'T1O0W0D0H0C1=0\.7'"):
-        choose("sobol:2", narrow, (0,), 0, space)
-    assert choose("random:1", narrow, (0,), 0, space).situations == narrow
+        choose_situations("sobol:2", narrow, (0,), 0, space)
+    assert choose_situations("random:1", narrow, (0,), 0, space).situations == narrow
 
 
 def test_draws_take_one_seed() -> None:
@@ -167,7 +167,7 @@ def test_draws_take_one_seed() -> None:
 def test_the_choices_of_a_campaign_are_remembered_once_each(tmp_path: Path) -> None:
     first, second = chosen("draws:7"), chosen("2-way", (0, 1), seed=3)
     for choice in (first, second, first, chosen("all")):
-        remember(STUDY, tmp_path, choice)
+        remember_choice(STUDY, tmp_path, choice)
     with Store(tmp_path / STORE_NAME, create=False) as store:
         assert store.meta() == {}
         found = remembered(store)
@@ -176,5 +176,5 @@ def test_the_choices_of_a_campaign_are_remembered_once_each(tmp_path: Path) -> N
 
 
 def test_that_all_are_flown_is_no_choice_to_remember(tmp_path: Path) -> None:
-    remember(STUDY, tmp_path / "none", chosen("all"))
+    remember_choice(STUDY, tmp_path / "none", chosen("all"))
     assert not (tmp_path / "none").exists()

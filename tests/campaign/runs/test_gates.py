@@ -9,11 +9,10 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import Plan, plan
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.gates import RISE_M, check
-from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.plan import Plan, plan
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RISE_M, RunOptions, check_gates
 from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
@@ -91,7 +90,7 @@ def test_a_baseline_without_a_track_is_believed_to_have_flown(study: Any, log: A
 def test_outcomes_that_come_with_their_tracks_are_judged_without_a_store(study: Any, log: Any) -> None:
     clean = [replace(log(study, flight), **GROUNDED) for flight in _plan(study).baselines[:1]]
     with pytest.raises(GateError, match="the drone never leaves the ground without any fault: baseline/D0H0/0"):
-        check(clean, study.roster, canary=None, whole_grid=False)
+        check_gates(clean, study.roster, canary=None, whole_grid=False)
 
 
 def test_the_ground_is_left_at_the_height_from_which_a_touch_down_counts() -> None:

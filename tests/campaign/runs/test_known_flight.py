@@ -11,10 +11,9 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.runs.known_flight import fly_again, packaged_study, published
-from scaloft_fi.campaign.store.fingerprint import DECIDES, fingerprint
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.runs.gates import fly_again, packaged_study, published
+from scaloft_fi.campaign.store.origin import DECIDES, fingerprint
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
@@ -40,7 +39,7 @@ class Recorded:
 
 def _fly(monkeypatch: pytest.MonkeyPatch, platform: dict[str, str], **changes: Any) -> str:
     known = published()
-    monkeypatch.setattr("scaloft_fi.campaign.store.fingerprint.fingerprint", lambda: platform)
+    monkeypatch.setattr("scaloft_fi.campaign.store.origin.fingerprint", lambda: platform)
     study = packaged_study()
     mutant, situation, seed = known.name.split("/")
     assert mutant == "baseline"

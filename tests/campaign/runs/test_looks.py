@@ -11,13 +11,13 @@ import pytest
 
 from scaloft_fi.analysis.detection import LOOKS, Verdict
 from scaloft_fi.analysis.score import score
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import Plan, plan
-from scaloft_fi.campaign.progress.progress import Silence
-from scaloft_fi.campaign.runs.looks import Look, run_looks
-from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.plan import Plan, plan
+from scaloft_fi.campaign.progress import Silence
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.request import Look, run_looks
 from scaloft_fi.campaign.runs.run import Report
-from scaloft_fi.campaign.workers.interrupt import Interrupted
+from scaloft_fi.campaign.workers.local import Interrupted
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise

@@ -13,13 +13,13 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import plan
-from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.plan import plan
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.merge import merge
-from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import run
-from scaloft_fi.campaign.store.folder import LOG_NAME, STORE_NAME
+from scaloft_fi.campaign.store.archive import LOG_NAME, STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome

@@ -13,13 +13,13 @@ import pytest
 from scaloft_fi.analysis.margin import Margin, lowest, margins
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import PhasedFault, Reaction
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import plan
-from scaloft_fi.campaign.progress.progress import Progress
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.plan import plan
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.margin import find, target
-from scaloft_fi.campaign.runs.options import RunOptions
 from scaloft_fi.campaign.runs.run import run
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation

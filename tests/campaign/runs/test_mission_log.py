@@ -5,8 +5,8 @@ import json
 from builders import GRID, ROSTER, campaigns, outcome
 from hypothesis import given
 
-from scaloft_fi.campaign.progress.violations import violation_line
-from scaloft_fi.campaign.runs.mission_log import mission_log, to_json
+from scaloft_fi.campaign.progress import violation_line
+from scaloft_fi.campaign.runs.run import mission_log, to_json
 from scaloft_fi.judge.outcome import Outcome
 
 M = "LATE-human@3s"

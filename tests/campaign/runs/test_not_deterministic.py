@@ -11,16 +11,14 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import Plan, plan
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.campaign import opened
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.plan import Plan, plan
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.merge import merge
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.run import Report, run
+from scaloft_fi.campaign.runs.run import Report, opened, run
 from scaloft_fi.errors import GateError
-from scaloft_fi.judge.outcome import PLACEBO, Outcome, Violation
+from scaloft_fi.judge.outcome import PLACEBO_ID, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import Status, flights_of
 from scaloft_fi.mutants.catalogue import realise
@@ -40,7 +38,7 @@ def _bits(_flight: Flight, outcome: Outcome) -> Outcome:
 
 def _violating_placebo(flight: Flight, outcome: Outcome) -> Outcome:
     """PLACEBO violates SR2 wherever the baseline does not."""
-    if flight.subject.id != PLACEBO or outcome.violations:
+    if flight.subject.id != PLACEBO_ID or outcome.violations:
         return _bits(flight, outcome)
     violation = Violation("SR2", Kind.SAFETY, 7.0, 0.1, 1.0, 1.6, "")
     readings = tuple(
@@ -65,7 +63,7 @@ def test_flights_of_other_bits_pass_the_gates_and_placebo_is_held_against_the_po
     log.change = _bits
     report = _run(noisy, log)
     assert len({outcome.digest for outcome in report.outcomes}) == len(report.outcomes)
-    assert any(outcome.mutant == PLACEBO for outcome in report.outcomes)
+    assert any(outcome.mutant == PLACEBO_ID for outcome in report.outcomes)
 
 
 def test_the_same_flights_of_a_deterministic_stack_fail_them(study: Any, log: Any) -> None:
@@ -87,8 +85,8 @@ def test_no_flight_shares_a_baseline(noisy: Any, log: Any, monkeypatch: pytest.M
         batches.extend(made := [Batch((flight,)) for flight in flights])
         return made
 
-    monkeypatch.setattr("scaloft_fi.campaign.plan.arrange.alone", noted)
-    monkeypatch.setattr("scaloft_fi.campaign.plan.arrange.together", None)  # calling it would raise
+    monkeypatch.setattr("scaloft_fi.campaign.runs.run.alone", noted)
+    monkeypatch.setattr("scaloft_fi.campaign.runs.run.together", None)  # calling it would raise
     with opened(
         noisy, noisy.folder / "c", RunOptions(), progress=Progress(stream=io.StringIO()), flyer=log, first=()
     ) as campaign:
@@ -101,7 +99,7 @@ def test_a_mutant_is_infected_where_taps_altered_samples_whatever_its_bits(noisy
     log.change = _bits
     report = _run(noisy, log)
     for flight in flights_of(report.outcomes):
-        if flight.outcome.mutant == PLACEBO:
+        if flight.outcome.mutant == PLACEBO_ID:
             assert flight.status is Status.NOT_INFECTED
         elif flight.outcome.altered:
             assert flight.status.infected
@@ -136,7 +134,7 @@ def test_after_a_change_of_platform_no_flight_is_flown_again_to_compare(
     noisy: Any, log: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     def platform(numpy: str) -> None:
-        for module in ("runs.platform", "runs.campaign", "store.platforms"):
+        for module in ("runs.gates", "runs.run", "store.platforms"):
             monkeypatch.setattr(f"scaloft_fi.campaign.{module}.fingerprint", lambda: {"numpy": numpy})
 
     log.change = _bits

@@ -12,18 +12,16 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import Plan, plan
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.platform import BASELINES, MUTANTS, sample_of
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.plan import Plan, plan
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import BASELINES, MUTANTS, RunOptions, sample_of
 from scaloft_fi.campaign.runs.run import Report, run
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import Held, current_in, held_in
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
-from scaloft_fi.campaign.store.selection import Flown
-from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.workers.interrupt import Interrupted
+from scaloft_fi.campaign.store.store import Flown, Store
+from scaloft_fi.campaign.workers.local import Interrupted
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import flights_of
@@ -40,7 +38,7 @@ def move(monkeypatch: pytest.MonkeyPatch) -> Move:
     """Gives this process a platform that differs in the version of numpy."""
 
     def to(numpy: str) -> None:
-        for module in ("runs.platform", "runs.campaign", "store.platforms", "runs.baseline_pool"):
+        for module in ("runs.gates", "runs.run", "store.platforms"):
             monkeypatch.setattr(f"scaloft_fi.campaign.{module}.fingerprint", lambda: {"numpy": numpy})
 
     to("1")

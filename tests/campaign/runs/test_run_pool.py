@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from scaloft_fi.analysis.detection import Spending
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.plan.plan import Plan, plan
-from scaloft_fi.campaign.progress.progress import Silence
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.plan import Plan, plan
+from scaloft_fi.campaign.progress import Silence
 from scaloft_fi.campaign.runs.run import Report, run
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.archive import STORE_NAME
 
 ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.flight

@@ -13,9 +13,8 @@ import pytest
 from crafted import campaign
 
 from scaloft_fi.campaign.store import archive
-from scaloft_fi.campaign.store.archive import Archive
+from scaloft_fi.campaign.store.archive import MANIFEST, STORE_NAME, Archive, existing, is_archive, promising, writable
 from scaloft_fi.campaign.store.flown_grid import opened, study_of
-from scaloft_fi.campaign.store.folder import MANIFEST, STORE_NAME, existing, is_archive, promising, writable
 from scaloft_fi.campaign.store.held import held_in
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study

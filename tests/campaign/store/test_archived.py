@@ -16,8 +16,8 @@ import pytest
 from builders import AXES, GRID, KINDS, ROSTER, campaigns, outcome
 from hypothesis import given
 
-from scaloft_fi.campaign.store.archived import Trajectories, read_outcomes
-from scaloft_fi.campaign.store.cells import MOST_FLIGHTS
+from scaloft_fi.campaign.store.archive import Trajectories, read_outcomes
+from scaloft_fi.campaign.store.record import MOST_FLIGHTS
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, track_values
 from scaloft_fi.judge.requirement import measured_rho

@@ -10,8 +10,7 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from scaloft_fi.campaign.store.checked import MOST_TRACK_BYTES, checked
-from scaloft_fi.campaign.store.record import COLUMNS, to_row
+from scaloft_fi.campaign.store.record import COLUMNS, MOST_TRACK_BYTES, checked, to_row
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading

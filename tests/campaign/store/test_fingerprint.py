@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.store.fingerprint import BRING_OPENBLAS, differences, fingerprint
+from scaloft_fi.campaign.store.origin import BRING_OPENBLAS, differences, fingerprint
 
 CPUINFO = Path("/proc/cpuinfo")
-PROGRAM = "from scaloft_fi.campaign.store.fingerprint import fingerprint as f; print(f()['{package} kernels'])"
+PROGRAM = "from scaloft_fi.campaign.store.origin import fingerprint as f; print(f()['{package} kernels'])"
 
 
 def test_a_fingerprint_differs_by_what_changed() -> None:
@@ -36,6 +36,6 @@ def test_a_fingerprint_names_the_kernels_that_each_package_multiplies_with(packa
 
 
 def test_kernels_of_a_library_that_does_not_tell_are_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.store.fingerprint.find_spec", lambda _package: None)
+    monkeypatch.setattr("scaloft_fi.campaign.store.origin.find_spec", lambda _package: None)
     here = fingerprint()
     assert (here["numpy kernels"], here["scipy kernels"]) == ("unknown", "unknown")

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.flown_grid import remember_grid, study_of, study_of_all, with_grid
-from scaloft_fi.campaign.store.folder import STORE_NAME
-from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.store.held import Keys
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from scaloft_fi.campaign.store.folder import campaign_folder
+from scaloft_fi.campaign.store.archive import campaign_folder
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
 

@@ -12,13 +12,12 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.plan import plan
-from scaloft_fi.campaign.progress.progress import Silence
-from scaloft_fi.campaign.runs.options import RunOptions
+from scaloft_fi.campaign.plan import plan
+from scaloft_fi.campaign.progress import Silence
+from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import run
-from scaloft_fi.campaign.store.folder import STORE_NAME
-from scaloft_fi.campaign.store.held import Held, current_in, held_in
-from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.store.archive import STORE_NAME
+from scaloft_fi.campaign.store.held import Held, Keys, current_in, held_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix

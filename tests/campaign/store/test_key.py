@@ -12,9 +12,8 @@ import pytest
 from ranges import with_range
 
 from scaloft_fi import sources
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.store.held import flight_named
-from scaloft_fi.campaign.store.key import Keys, flight_key
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.store.held import Keys, flight_key, flight_named
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.study import PACKAGE, Study
 
@@ -120,9 +119,8 @@ SOURCES = {
     "mutants/operators/presence": (IDENTITY,),
     "mutants/operators/timing": (LATE,),
     "mutants/reference/route": (ROUTE,),
-    "mutants/sample": (LATE, ROUTE),
-    "mutants/sent": (IDENTITY, LATE),
-    "analysis/scoring/score": (),
+    "mutants/sample": (IDENTITY, LATE, ROUTE),
+    "analysis/score": (),
     "views/tables/table": (),
 }
 """Modules of the package, and the subjects whose flights an edit of them can change."""

@@ -11,9 +11,8 @@ from pathlib import Path
 import pytest
 from builders import outcome
 
-from scaloft_fi.campaign.store import place
-from scaloft_fi.campaign.store.place import told_when_slow
-from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.campaign.store import store
+from scaloft_fi.campaign.store.store import Store, told_when_slow
 from scaloft_fi.errors import InputError
 
 M = "LATE-human@3s"
@@ -75,7 +74,7 @@ def test_where_no_copy_fits_beside_it_is_made_in_the_temporary_folder(
 ) -> None:
     temporary = tmp_path / "tmp"
     temporary.mkdir()
-    monkeypatch.setattr(place.tempfile, "tempdir", str(temporary))
+    monkeypatch.setattr("tempfile.tempdir", str(temporary))
     path = tmp_path / "results" / "mine" / NAME
     with Store(path) as store:
         shutil.rmtree(tmp_path / "results")
@@ -139,7 +138,7 @@ def test_an_error_of_the_disk_is_one_sentence_that_says_what_is_kept(tmp_path: P
 
 def test_a_save_that_takes_long_is_said_while_it_takes_long(monkeypatch: pytest.MonkeyPatch) -> None:
     said, told = list[str](), threading.Event()
-    monkeypatch.setattr(place, "SLOW_S", 0.01)
+    monkeypatch.setattr(store, "SLOW_S", 0.01)
 
     def say(text: str) -> None:
         said.append(text)
@@ -149,7 +148,7 @@ def test_a_save_that_takes_long_is_said_while_it_takes_long(monkeypatch: pytest.
         assert told.wait(10)
     (line,) = said
     assert line.startswith("warning: mine: a save has taken 0.01 s so far")
-    monkeypatch.setattr(place, "SLOW_S", 60.0)
+    monkeypatch.setattr(store, "SLOW_S", 60.0)
     before = threading.active_count()
     with told_when_slow(Path("mine"), say):
         pass

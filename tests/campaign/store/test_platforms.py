@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.platforms import BITS, FACTS, Platforms, claim, remember, set_apart
 from scaloft_fi.campaign.store.store import NOTE, Store
 from scaloft_fi.errors import InputError

@@ -11,9 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.campaign.store.origin import Origin
-from scaloft_fi.campaign.store.selection import Flown
-from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.store.tables import Planned
+from scaloft_fi.campaign.store.record import Planned
+from scaloft_fi.campaign.store.store import Flown, Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 

@@ -15,9 +15,8 @@ from builders import campaigns, outcome
 from hypothesis import HealthCheck, given, settings
 
 from scaloft_fi.campaign.store.origin import Origin
-from scaloft_fi.campaign.store.schema import SCHEMA
-from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.store.tables import Planned
+from scaloft_fi.campaign.store.record import Planned
+from scaloft_fi.campaign.store.store import SCHEMA, Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 

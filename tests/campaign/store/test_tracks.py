@@ -2,11 +2,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from scaloft_fi.campaign.store.folder import STORE_NAME
-from scaloft_fi.campaign.store.held import current_in, flight_named
-from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.store.archive import STORE_NAME
+from scaloft_fi.campaign.store.held import Keys, current_in, flight_named, with_tracks
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.store.tracks import with_tracks
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
 from scaloft_fi.study import Study
 

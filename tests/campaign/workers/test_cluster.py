@@ -16,10 +16,9 @@ from typing import Any
 import distributed
 import pytest
 
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.workers.cluster import Cluster
-from scaloft_fi.campaign.workers.interrupt import Interrupted
+from scaloft_fi.campaign.workers.local import Interrupted
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
@@ -106,8 +105,8 @@ def test_what_flies_for_a_run_that_is_killed_ends_with_it(
     program = (
         "import cluster_flyer\n"
         "from scaloft_fi.campaign.workers.cluster import Cluster\n"
-        "from scaloft_fi.campaign.plan.plan import Flight\n"
-        "from scaloft_fi.campaign.plan.batch import Batch\n"
+        "from scaloft_fi.campaign.flight import Flight\n"
+        "from scaloft_fi.campaign.flight import Batch\n"
         "from scaloft_fi.study import Study\n"
         f"study, flyer = Study.open({str(ROOT)!r}), cluster_flyer.Flyer(slow_s=300.0, mark={str(tmp_path / 'pid')!r})\n"
         f"with Cluster({address!r}, {KEY!r}).workers(study, flyer, stop=lambda: False, say=print) as workers:\n"
@@ -131,7 +130,7 @@ def test_a_further_grid_is_flown_by_its_own_situations(address: str, flyer: Any)
 
 
 def test_another_platform_is_said(address: str, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.store.fingerprint.fingerprint", lambda: {"machine": "PDP-11"})
+    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.fingerprint", lambda: {"machine": "PDP-11"})
     home, said = _flown(address, reference, flyer(), _flights(reference))
     assert len(home) == 3
     assert len(said) == 1
@@ -160,7 +159,7 @@ def test_a_worker_with_other_code_flies_nothing_while_others_do(
 def test_a_flight_over_which_every_worker_dies_is_invalid_with_the_reason(
     dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.processes.patience.ATTEMPTS", 1)  # a worker takes seconds to come back
+    monkeypatch.setattr("scaloft_fi.campaign.processes.ATTEMPTS", 1)  # a worker takes seconds to come back
     address = dask.scheduler(DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES="0")
     dask.worker(address, "--nanny")
     flights = _flights(reference, LATE, MORE)

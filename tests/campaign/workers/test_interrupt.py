@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from scaloft_fi.campaign.processes.start import HANGUP
-from scaloft_fi.campaign.workers.interrupt import ECHO_S, Flag, interruptible
+from scaloft_fi.campaign.processes import HANGUP
+from scaloft_fi.campaign.workers.local import ECHO_S, Flag, interruptible
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def test_the_second_signal_does_what_it_did_before_and_an_echo_of_the_first_does
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     now_s = 100.0
-    monkeypatch.setattr("scaloft_fi.campaign.workers.interrupt.time.monotonic", lambda: now_s)
+    monkeypatch.setattr("scaloft_fi.campaign.workers.local.time.monotonic", lambda: now_s)
     stopped = Flag()
     with interruptible(stopped):
         signal.raise_signal(signal.SIGINT)

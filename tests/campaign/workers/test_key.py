@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.campaign.workers.inbox import Inbox
-from scaloft_fi.campaign.workers.key import MOST_MESSAGE, Message, sealed, unsealed
+from scaloft_fi.campaign.workers.cluster import MOST_MESSAGE, Inbox, Message, sealed, unsealed
 
 KEY, OTHER = b"k" * 32, b"o" * 32
 PLAIN = st.recursive(
@@ -78,7 +77,7 @@ def test_a_message_is_bounded() -> None:
 
 
 def test_a_signed_message_of_other_parts_is_refused() -> None:
-    from scaloft_fi.campaign.workers.key import _mac
+    from scaloft_fi.campaign.workers.cluster import _mac
 
     for parts in ([], {}, ["run", "1", "w", 1, "kind", None], ["run", True, "w", 1, "kind", None], ["run", 1]):
         body = json.dumps(parts)

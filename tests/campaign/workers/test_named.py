@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.workers.cluster import Cluster
-from scaloft_fi.campaign.workers.key import MAKE
+from scaloft_fi.campaign.workers.cluster import MAKE, Cluster
 from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.campaign.workers.named import executor_named
 from scaloft_fi.errors import InputError

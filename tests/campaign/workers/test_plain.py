@@ -5,10 +5,9 @@ from typing import Any
 
 import pytest
 
+from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.flights.fly import invalid
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
 from scaloft_fi.campaign.workers.plain import (
     batch_from_plain,
     batch_to_plain,

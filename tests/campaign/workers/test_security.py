@@ -9,10 +9,8 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.workers.cluster import Cluster
-from scaloft_fi.campaign.workers.security import check_certificates
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.workers.cluster import Cluster, check_certificates
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
 

@@ -12,12 +12,9 @@ from typing import Any, NamedTuple
 import distributed
 import pytest
 
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.workers.cluster import Cluster
-from scaloft_fi.campaign.workers.inbox import Inbox
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.workers.cluster import Cluster, Inbox, fly_batch
 from scaloft_fi.campaign.workers.plain import batch_to_plain, flyer_to_plain
-from scaloft_fi.campaign.workers.slot import fly_batch
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
@@ -40,35 +37,35 @@ class Twice:  # its pickle makes the scheduler hold, and pass on, what is evil
 """
 WITHOUT_KEY = """
 from evil import Evil
-from scaloft_fi.campaign.workers import slot
+from scaloft_fi.campaign.workers import cluster
 
 def join(order, bundle):
     raise Evil
 
-slot.join = join
+cluster.join = join
 """
 LIAR = """
 from itertools import count
-from scaloft_fi.campaign.workers import slot
+from scaloft_fi.campaign.workers import cluster
 
-slot.honest, turn = getattr(slot, "honest", slot.outcome_to_plain), count()  # a preload is run twice
+cluster.honest, turn = getattr(cluster, "honest", cluster.outcome_to_plain), count()  # a preload is run twice
 
 def nonsense(outcome):
-    right = dict(slot.honest(outcome))
+    right = dict(cluster.honest(outcome))
     wrong_digest = right["row"][:13] + ["f" * 64 + "nonsense"] + right["row"][14:]
     wrong_seed = right["row"][:5] + [right["row"][5] + 1] + right["row"][6:]
     wrong = ["nonsense", {}, right | {"row": wrong_digest}, right | {"row": wrong_seed}, right | {"track": "eA=="}]
     return wrong[next(turn) % len(wrong)]
 
-slot.outcome_to_plain = nonsense
+cluster.outcome_to_plain = nonsense
 """
 STRANGER = """
 import pickle, sys, time
 import distributed
 from distributed.protocol import to_serialize
 from evil import Evil, Twice
-from scaloft_fi.campaign.workers.key import Message, sealed, topic_of
-from scaloft_fi.campaign.workers.slot import fly_batch
+from scaloft_fi.campaign.workers.cluster import Message, sealed, topic_of
+from scaloft_fi.campaign.workers.cluster import fly_batch
 
 address, done, huge_mb = sys.argv[1:]
 with distributed.Client(f"tcp://{address}", set_as_default=False) as client:

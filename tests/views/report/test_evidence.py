@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 from papers import campaign
 
-from scaloft_fi.campaign.runs.spending import remember_seeds
-from scaloft_fi.campaign.store.folder import STORE_NAME
-from scaloft_fi.campaign.store.held import flight_named
-from scaloft_fi.campaign.store.key import Keys
+from scaloft_fi.campaign.runs.run import remember_seeds
+from scaloft_fi.campaign.store.archive import STORE_NAME
+from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study

@@ -11,7 +11,7 @@ import pytest
 from papers import column
 from reading import unpacked
 
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome, unpack_track
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, unpack_track
 from scaloft_fi.views.report.evidence import Evidence
 from scaloft_fi.views.report.flights import DETAILS, Detail, columns, packs, record, rows_of
 
@@ -25,13 +25,13 @@ def _read(evidence: Evidence, detail: Detail) -> dict[str, list[dict[str, object
 
 def test_every_flight_but_placebo_is_there_once(evidence: Evidence) -> None:
     found = [(f["mutant"], key, f["seed"]) for key, flights in _read(evidence, DETAILS[0]).items() for f in flights]
-    assert sorted(found) == sorted((o.mutant, o.situation, o.seed) for o in evidence.outcomes if o.mutant != PLACEBO)
+    assert sorted(found) == sorted((o.mutant, o.situation, o.seed) for o in evidence.outcomes if o.mutant != PLACEBO_ID)
 
 
 def test_a_track_of_the_page_is_the_flights_to_half_a_step(evidence: Evidence) -> None:
     read = _read(evidence, DETAILS[0])
     for outcome in evidence.outcomes:
-        if outcome.mutant == PLACEBO or not outcome.track:
+        if outcome.mutant == PLACEBO_ID or not outcome.track:
             continue
         (flight,) = (f for f in read[outcome.situation] if (f["mutant"], f["seed"]) == (outcome.mutant, outcome.seed))
         rows = unpack_track(outcome.track)
@@ -73,7 +73,7 @@ def test_the_page_says_of_which_flights_it_has_tracks(evidence: Evidence) -> Non
     assert says(only(lambda _: False)) == "Tracks: of no flight; `replay` flies each again."
     published = says(only(lambda o: o.seed < (5 if o.mutant == BASELINE else 1)))
     counts, every, none, *_ = published.split(".  ")
-    valid = [o for o in evidence.outcomes if o.mutant != PLACEBO and not o.invalid]
+    valid = [o for o in evidence.outcomes if o.mutant != PLACEBO_ID and not o.invalid]
     with_track = sum(o.seed < (5 if o.mutant == BASELINE else 1) for o in valid)
     assert counts == f"Tracks: {with_track} of {len(valid)} flights, 5 Hz, in steps of 0.01 m and 0.01 m/s"
     assert every == "Every flight of the unmutated drone with seeds 0-4, mutants with seed 0"

@@ -12,7 +12,7 @@ from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import Background
 from scaloft_fi.console import PIPED, wrapped
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.views.score.answers import NAMES, answers
 from scaloft_fi.views.score.commands import MOST_NAMED, command
 from scaloft_fi.views.score.first_screen import LEGEND, MANY, SHOWN, WITH_FIND, first_screen, screen_text
@@ -25,7 +25,7 @@ NOBODY = "T0O0W0D0H0"
 CAMPAIGN = [
     *pool(*HUMAN),
     *pool(NOBODY, vacuous=("SR2",)),
-    outcome(PLACEBO, HUMAN[0], altered=0),
+    outcome(PLACEBO_ID, HUMAN[0], altered=0),
     *(outcome(LATE, key, violated={"SR2": 12.35}) for key in HUMAN),
     outcome(LATE, NOBODY, carried=0, altered=0),
     outcome(NO, HUMAN[0], violated={"SR1": 14.0}, struck="person"),

@@ -15,7 +15,7 @@ from scaloft_fi.analysis.pool import findings, tallies
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import By, groups, score
 from scaloft_fi.console import PIPED
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO, Outcome
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.views.score.tables import MANY, tables_behind
 from scaloft_fi.views.tables.table import Format, Table, render
@@ -28,7 +28,7 @@ CAMPAIGN = [
     *pool(*HUMAN),
     *pool(NOBODY, vacuous=("SR2",)),
     *pool(DARK, red=9, violated={"SR1": 30.0}, struck="bar"),
-    outcome(PLACEBO, HUMAN[0], altered=0),
+    outcome(PLACEBO_ID, HUMAN[0], altered=0),
     *(outcome(LATE, key, violated={"SR2": 12.35}) for key in HUMAN),
     outcome(LATE, NOBODY, carried=0, altered=0),
     *(outcome(NO, key, violated={"SR1": 14.0}, struck="person") for key in HUMAN),
@@ -64,9 +64,9 @@ def test_the_pairs_that_put_no_fault_to_the_test_say_why() -> None:
 
 def test_of_many_mutants_the_stages_are_summed_by_parameter() -> None:
     ids = [f"LATE-{parameter}@{n}s" for parameter in ("human", "depth") for n in range(MANY)]
-    flown = [outcome(), outcome(PLACEBO, altered=0), *(outcome(id_) for id_ in ids)]
+    flown = [outcome(), outcome(PLACEBO_ID, altered=0), *(outcome(id_) for id_ in ids)]
     table = tables(flown)["Where the faults stopped (flights)"]
-    assert [(row[0], row[-1]) for row in table.rows] == [(PLACEBO, 1), ("human", MANY), ("depth", MANY), ("all", 49)]
+    assert [(row[0], row[-1]) for row in table.rows] == [(PLACEBO_ID, 1), ("human", MANY), ("depth", MANY), ("all", 49)]
 
 
 @pytest.mark.parametrize("by", [None, *By])

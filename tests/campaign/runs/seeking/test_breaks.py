@@ -13,13 +13,13 @@ from finding import Ruled, everywhere, number, small_study
 
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.seeking import WORST, Breach, Signature
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.seeking.breaks import BreaksReport, seek_breaks
-from scaloft_fi.campaign.runs.seeking.family import GENERATION
-from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance
-from scaloft_fi.campaign.runs.seeking.proposals import OPENING, Proposal, Proposals
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.seeking.breaks import BreaksReport, seek_breaks
+from scaloft_fi.campaign.seeking.finds import SEEN_ON, Allowance
+from scaloft_fi.campaign.seeking.proposals import OPENING, Proposal, Proposals
+from scaloft_fi.campaign.seeking.seek import GENERATION
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.sim.found import Break
@@ -152,7 +152,7 @@ def test_what_was_found_repels_the_search(
     def red(situation: Situation) -> bool:
         return situation["D"] == 1 and situation["T"] == 0
 
-    monkeypatch.setattr("scaloft_fi.campaign.runs.seeking.proposals.Proposals", Spied)
+    monkeypatch.setattr("scaloft_fi.campaign.seeking.breaks.Proposals", Spied)
     flyer.baseline = lambda one: -0.2 if red(one) else 0.1 if one["T"] == 1 and one["H"] == 1 else 0.5
     report, _ = search(tmp_path, flyer)
     assert len(report.breaks) == 1

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from scaloft_fi.campaign.runs.seeking.family import EACH, GENERATION, LONGEST_REST, families
-from scaloft_fi.campaign.runs.seeking.proposals import Proposals
-from scaloft_fi.campaign.runs.seeking.quest import Quest
+from scaloft_fi.campaign.seeking.proposals import Proposals
+from scaloft_fi.campaign.seeking.seek import EACH, GENERATION, LONGEST_REST, Quest, families
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 

@@ -16,12 +16,11 @@ import pytest
 from effort import usually
 from finding import small_study
 
-from scaloft_fi.campaign.plan.batch import Batch
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.seeking.flights import Allowance
-from scaloft_fi.campaign.runs.seeking.seek import SeekReport, seek
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.seeking.finds import Allowance
+from scaloft_fi.campaign.seeking.seek import SeekReport, seek
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.catalogue import realise

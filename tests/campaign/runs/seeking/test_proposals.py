@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import islice
 from pathlib import Path
 
-from scaloft_fi.campaign.runs.seeking.proposals import OPENING, Proposals, draws, opening
+from scaloft_fi.campaign.seeking.proposals import OPENING, Proposals, draws, opening
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.sim.situation import Situation
 

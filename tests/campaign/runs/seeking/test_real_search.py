@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.seeking.flights import Allowance
-from scaloft_fi.campaign.runs.seeking.seek import seek
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.seeking.finds import Allowance
+from scaloft_fi.campaign.seeking.seek import seek
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import fly_log, judged
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.runs.seeking.recall import ListeningWire, recalled
+from scaloft_fi.campaign.seeking.finds import ListeningWire, recalled
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.study import Study

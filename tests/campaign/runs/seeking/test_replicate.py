@@ -9,10 +9,18 @@ import pytest
 from finding import BAR, Ruled, fast, found, never, small_study
 
 from scaloft_fi.analysis.seeking import POOL, SEEDS
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.seeking.finds import break_saver, holding, keep, saver
-from scaloft_fi.campaign.runs.seeking.replicate import BLOCK, FRESH, ReplicationReport, replicate
-from scaloft_fi.campaign.workers.interrupt import Interrupted
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.seeking.finds import (
+    BLOCK,
+    FRESH,
+    ReplicationReport,
+    break_saver,
+    holding,
+    keep,
+    replicate,
+    saver,
+)
+from scaloft_fi.campaign.workers.local import Interrupted
 from scaloft_fi.sim.found import Find, read_finds
 from scaloft_fi.study import Study
 

@@ -11,15 +11,14 @@ from typing import Any
 import pytest
 from finding import Ruled, everywhere, fast, never
 
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.budget import Budget
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.seeking import flights
-from scaloft_fi.campaign.runs.seeking.flights import OTHER_SEEDS, SEEN_ON, Allowance
-from scaloft_fi.campaign.runs.seeking.proposals import Flyable, Proposal, Proposals, opening
-from scaloft_fi.campaign.runs.seeking.seek import SeekReport, seek
-from scaloft_fi.campaign.runs.seeking.sought import anew, interrupted
-from scaloft_fi.campaign.store.folder import STORE_NAME
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.run import Budget
+from scaloft_fi.campaign.seeking import finds
+from scaloft_fi.campaign.seeking.finds import OTHER_SEEDS, SEEN_ON, Allowance, anew, interrupted
+from scaloft_fi.campaign.seeking.proposals import Flyable, Proposal, Proposals, opening
+from scaloft_fi.campaign.seeking.seek import SeekReport, seek
+from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
@@ -182,7 +181,7 @@ def test_a_budget_of_time_ends_among_the_flights_that_were_asked_for_together(
     def second_per_flight(seconds: float | None) -> Budget:
         return Budget(seconds, clock=lambda: float(len(flyer.flown)))
 
-    monkeypatch.setattr("scaloft_fi.campaign.runs.budget.Budget", second_per_flight)
+    monkeypatch.setattr("scaloft_fi.campaign.seeking.finds.Budget", second_per_flight)
     report, _ = search(tmp_path, flyer, budget="5s")
     assert (report.spent, report.finds) == (True, ())
     assert 5 <= len(flyer.flown) < 10, "the opening asks for sixteen at once"
@@ -281,7 +280,7 @@ def test_a_candidate_spends_its_share_though_its_pool_is_not_fit(tmp_path: Path,
 def test_many_mutants_wait_for_the_baselines_and_do_not_fly_where_these_are_red(
     tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch, together: int
 ) -> None:
-    monkeypatch.setattr(flights, "TOGETHER", together)
+    monkeypatch.setattr(finds, "TOGETHER", together)
     flyer.baseline = flyer.first = lambda situation: -0.3 if situation["H"] == 1 else 0.4
     search(tmp_path, flyer, LATE, MORE, budget="70flights")
     opened = [one.situation.key for one in opening(STUDY.grid, 0, Flyable(STUDY))]

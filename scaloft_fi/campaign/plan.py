@@ -1,16 +1,22 @@
-"""The plan: the flights of a campaign in a stable order: baselines, PLACEBO, mutants, then the pool."""
+"""The plan: which flights are flown, in which order, in which batches; what the command line names is parsed here."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+import re
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import count, islice
 from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.plan.flight import Flight
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.mutants.catalogue import defaults, select
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
@@ -115,3 +121,119 @@ def held_requirements(baseline: Outcome) -> int:
     """The number of safety and operability requirements that the baseline held to its end."""
     counting = [reading for reading in baseline.readings if reading.kind is not Kind.REPORTED]
     return sum(not (reading.violated or reading.open) for reading in counting)
+
+
+MOST_SEEDS = 100_000
+
+
+def parse_seeds(text: str, option: str = "--seeds") -> tuple[int, ...]:
+    """`N` means 0..N-1, `A-B` means A to B, both included.
+
+    >>> seeds("3"), seeds("4-5")
+    ((0, 1, 2), (4, 5))
+
+    Raises:
+        InputError: the text has another form, or names no seed.
+    """
+    match = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", text.strip())
+    if match:
+        first, last = (0, int(match[1]) - 1) if match[2] is None else (int(match[1]), int(match[2]))
+        if 0 <= last - first < MOST_SEEDS:
+            return tuple(range(first, last + 1))
+    raise InputError(f"{option}={text!r} must be N for seeds 0..N-1 (N >= 1), or A-B with A <= B")
+
+
+def parse_shard(text: str) -> tuple[int, int]:
+    """`k/n`: the k-th of n shards.
+
+    >>> shard("2/3")
+    (2, 3)
+
+    Raises:
+        InputError: the text is no such pair.
+    """
+    match = re.fullmatch(r"(\d{1,6})/(\d{1,6})", text.strip())
+    if match and 1 <= int(match[1]) <= int(match[2]):
+        return int(match[1]), int(match[2])
+    raise InputError(f"--shard={text!r} must be K/N with 1 <= K <= N, as in 1/4")
+
+
+def parse_mutants(study: Study, patterns: Sequence[str]) -> tuple[Mutant, ...]:
+    """The mutants to fly in addition to PLACEBO: those that match, or by default every cell's default and the controls.
+
+    Raises:
+        InputError: a pattern matches no mutant.
+    """
+    if not patterns:
+        return defaults(study.matrix)
+    wanted = [pattern for pattern in patterns if pattern != PLACEBO.id]
+    return select(wanted, study.matrix, study.catalogue)
+
+
+def canary(study: Study) -> Mutant | None:
+    """The control whose flight proves that faults reach the drone; None in a study without controls."""
+    controls = [mutant for mutant in defaults(study.matrix) if is_control(study, mutant)]
+    seams = study.stack.canaries
+    steady = sorted((m for m in controls if m.seam in seams), key=lambda m: seams.index(m.seam))
+    return next(iter([*steady, *controls]), None)
+
+
+def is_control(study: Study, mutant: Mutant) -> bool:
+    """Whether the mutant realises a control cell."""
+    return study.matrix.cell(mutant.cell).status is CellStatus.CONTROL
+
+
+SHARES_PER_JOB = 2
+"""A batch is at most 1 / this of the remaining work of one process, so that all processes end at about one time."""
+LEAST_SHARING = 8
+"""A baseline is flown once more for another process only if at least this number of mutants share it."""
+
+
+def alone(flights: Iterable[Flight]) -> list[Batch]:
+    """One batch for each flight, flown whole."""
+    return [Batch((flight,)) for flight in flights]
+
+
+def together(flights: Sequence[Flight], weight_s: Callable[[Flight], float], jobs: int) -> list[Batch]:
+    """Batches of mutants with the baseline of their situation and seed; a baseline outside `flights` is flown again.
+
+    Batches get smaller towards the end (Polychronopoulos and Kuck, Guided self-scheduling, IEEE Trans. Computers
+    36(12), 1987): the duration of a flight is unknown beforehand, and small last batches balance the processes.
+
+    Args:
+        flights: the flights.
+        weight_s: expected duration of a flight [s].
+        jobs: number of processes; several processes fly a baseline with many mutants if that keeps them busy.
+
+    Returns:
+        The batches; the longest batch is first.
+    """
+    batches = alone(flight for flight in flights if flight.mutant == PLACEBO)
+    sharing: list[tuple[float, Flight, list[Flight]]] = []
+    for baseline, mutants in _by_baseline(flights).items():
+        if len(mutants) == 1 and baseline not in flights:  # the baseline would cost more than it saves
+            batches += alone(mutants)
+        else:
+            sharing.append((weight_s(baseline) * (1 + len(mutants)), baseline, mutants))
+
+    def whole_s(batch: Batch) -> float:
+        return sum(map(weight_s, batch.flights))
+
+    left_s = sum(map(whole_s, batches)) + sum(own_s for own_s, _, _ in sharing)
+    for own_s, baseline, mutants in sorted(sharing, key=lambda entry: entry[0], reverse=True):
+        most = len(mutants) // LEAST_SHARING if jobs > 1 else 1
+        pieces = max(1, min(most, math.ceil(own_s * SHARES_PER_JOB * jobs / left_s) if left_s else 1))
+        batches += [Batch((baseline, *mutants[piece::pieces]), shared=True) for piece in range(pieces)]
+        left_s -= own_s
+    return sorted(batches, key=whole_s, reverse=True)
+
+
+def _by_baseline(flights: Iterable[Flight]) -> dict[Flight, list[Flight]]:
+    """The mutants by their baseline, without PLACEBO, which shares no baseline."""
+    draws: dict[Flight, list[Flight]] = {}
+    for flight in flights:
+        if flight.mutant != PLACEBO:
+            mutants = draws.setdefault(Flight(None, flight.situation, flight.seed), [])
+            if flight.mutant is not None:
+                mutants.append(flight)
+    return draws

@@ -1,44 +1,204 @@
 """The search: families of mutants in turn, a generation each, until each mutant is shown or the budget is used up.
 
+A situation that is proposed for one of them is flown for all: they share its baseline, and a situation where the drone
+depends on what one of them changes is a good one for the others.
+
 Everything follows from the seed, the mutants asked for and the outcomes: an interrupted search asks for the same
 flights again, finds them in the store, and goes on where it stopped.  A budget decides only how far it goes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scaloft_fi.analysis.seeking import REJECTED, Effort
-from scaloft_fi.campaign.flights.worker import Flyer
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.campaign import Campaign, opened
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.run import write_log
-from scaloft_fi.campaign.runs.seeking.family import families
-from scaloft_fi.campaign.runs.seeking.finds import NAMED, words_of
-from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
-from scaloft_fi.campaign.runs.seeking.proposals import (
-    Flyable,
-    MakeProposer,
-    Opening,
-    Proposal,
-    Proposals,
-    opening,
+from scaloft_fi.analysis.pool import LEAST, Pool
+from scaloft_fi.analysis.seeking import (
+    REJECTED,
+    Effort,
+    confirmed,
+    does_mission,
+    safely_held,
+    seeds_for,
+    share_of,
+    shrunk,
 )
-from scaloft_fi.campaign.runs.seeking.quest import Quest
-from scaloft_fi.campaign.runs.seeking.sought import Unnamed
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.run import Campaign, opened, write_log
+from scaloft_fi.campaign.seeking.finds import NAMED, SEEN_ON, Allowance, SearchFlights, SpentError, Unnamed, words_of
+from scaloft_fi.campaign.seeking.proposals import Flyable, MakeProposer, Opening, Proposal, Proposals, Proposer, opening
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.sim.found import Evidence, Find
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
+    from scaloft_fi.judge.outcome import Outcome
     from scaloft_fi.sim.grid import Grid
     from scaloft_fi.sim.situation import Situation
+
+
+GENERATION = 8
+"""Situations that a family proposes at once, or more where `EACH` asks for it, whatever the number of processes."""
+EACH = 2
+"""Least number of situations that are proposed for each mutant at once."""
+NEARER = 0.01
+"""Least change of a distance that counts as progress."""
+LONGEST_REST = 8
+"""Turns that a family without progress pauses, at most."""
+
+
+@dataclass
+class Family:
+    """The mutants of one parameter.
+
+    Attributes:
+        quests: the search for each of them.
+        pauses: turns that the family still pauses.
+    """
+
+    quests: Sequence[Quest]
+    pauses: int = 0
+    _pause: int = 0
+
+    @property
+    def sought(self) -> list[Quest]:
+        """The mutants without a find."""
+        return [quest for quest in self.quests if quest.shown_in is None]
+
+    def ask(self) -> list[Proposal]:
+        """The next situations, each of them once."""
+        each = max(EACH, ceil(GENERATION / len(self.sought)))
+        proposed: dict[object, Proposal] = {}
+        for quest in self.sought:
+            for proposal in quest.proposals.ask(each):
+                proposed.setdefault(proposal.situation, proposal)
+        return list(proposed.values())
+
+    def rest_after(self, nearest: Sequence[float]) -> None:
+        """Pause twice as long as before where no mutant came nearer, or was found.
+
+        Args:
+            nearest: least distance of each of `quests` before the generation.
+        """
+        now = (quest.proposals.nearest for quest in self.quests)
+        nearer = any(old - new > NEARER for old, new in zip(nearest, now, strict=True))
+        self._pause = 0 if nearer else min(max(1, 2 * self._pause), LONGEST_REST)
+        self.pauses = self._pause
+
+    @property
+    def nearest(self) -> list[float]:
+        """Least distance for each mutant so far."""
+        return [quest.proposals.nearest for quest in self.quests]
+
+
+def families(quests: Iterable[Quest]) -> list[Family]:
+    """The families, in the order of their first mutants."""
+    by_parameter: dict[str, list[Quest]] = {}
+    for quest in quests:
+        by_parameter.setdefault(quest.mutant.parameter, []).append(quest)
+    return [Family(own) for own in by_parameter.values()]
+
+
+@dataclass
+class Quest:
+    """The search for one mutant.
+
+    Attributes:
+        mutant: the mutant.
+        proposals: what is proposed for it.
+        shrinks: whether a situation is shrunk before it is confirmed.
+        candidates: situations that spent a share of alpha, whether or not their pool was fit for the test.
+        spent: what they spent of alpha.
+        shown_in: the situation that shows it; None before it is found.
+        after: flights of the search when it was found.
+        rejected: situations that are not tested again.
+    """
+
+    mutant: Mutant
+    proposals: Proposer
+    shrinks: bool = True
+    candidates: int = 0
+    spent: float = 0.0
+    shown_in: Situation | None = None
+    after: int = 0
+    rejected: set[Situation] = field(default_factory=set)
+
+    def pursued(
+        self, situation: Situation, flights: SearchFlights, grid: Grid, alpha: float
+    ) -> tuple[Situation, Evidence] | None:
+        """The situation, shrunk if that is confirmed too, with the evidence; None where nothing is confirmed.
+
+        Args:
+            situation: shows the mutant with the first seed of the search.
+            flights: of the search.
+            grid: the grid.
+            alpha: the study's, of which each candidate spends its share.
+
+        Raises:
+            Interrupted, SpentError: as `SearchFlights.fly`.
+        """
+        flights.beside([self.mutant], [situation], SEEN_ON)
+        if not flights.shown_by(self.mutant, situation):
+            return None
+
+        def shows(asked: Sequence[Situation], every: bool) -> list[bool]:
+            flights.beside([self.mutant], asked, SEEN_ON if every else SEEN_ON[:1])
+            if every:
+                return [bool(flights.shown_by(self.mutant, one)) for one in asked]
+            return [flights.distance(self.mutant, one) < 0.0 for one in asked]
+
+        for one in dict.fromkeys((shrunk(situation, grid, shows), situation) if self.shrinks else (situation,)):
+            evidence = self.confirmation(one, flights, alpha)
+            if evidence is not None:
+                return one, evidence
+        return None
+
+    def confirmation(self, situation: Situation, flights: SearchFlights, alpha: float) -> Evidence | None:
+        """The evidence of seeds that the search never flew; None where they do not confirm the situation.
+
+        A candidate spends its share of alpha before its pool is looked at: one whose pool is not steady, or where the
+        unmutated drone does not do its mission, has spent it too.
+
+        Raises:
+            Interrupted, SpentError: as `SearchFlights.fly`.
+        """
+        names = flights.shown_by(self.mutant, situation)
+        if not names or situation in self.rejected:
+            return None
+        self.rejected.add(situation)
+        number = flights.candidate(self.mutant, situation)
+        share = share_of(alpha, number)
+        self.candidates += 1
+        self.spent += share
+        baselines = _flown(None, situation, LEAST, flights)
+        if not (flights.anyhow or does_mission(baselines)):
+            return None
+        pool = Pool.of(baselines)
+        steady = safely_held(pool, situation.key, names, baselines)
+        seeds = seeds_for(pool, situation.key, steady, share)
+        if seeds is None:
+            return None
+        if seeds > LEAST:
+            baselines = _flown(None, situation, seeds, flights)
+        evidence = confirmed(_flown(self.mutant, situation, seeds, flights), baselines, steady, number, share)
+        if evidence is not None:
+            self.shown_in, self.after = situation, flights.used
+        return evidence
+
+
+def _flown(mutant: Mutant | None, situation: Situation, seeds: int, flights: SearchFlights) -> list[Outcome]:
+    """The outcomes of the first seeds that no search flies."""
+    wanted = [Flight(mutant, situation, seed) for seed in range(seeds)]
+    flights.fly(wanted)
+    return [outcome for flight in wanted if (outcome := flights.outcome(flight)) is not None]
+
 
 IDLE = 20
 """Turns without a new situation or candidate, after which a search without a budget ends."""

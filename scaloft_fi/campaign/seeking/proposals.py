@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.grid import Grid
     from scaloft_fi.study import Study
 
+
 OPENING = 24
 """Situations that are flown for every mutant first; TPE proposes the others."""
 EDGES = 1 / 2

@@ -12,8 +12,7 @@ from multiprocessing.connection import wait as wait_for
 from types import TracebackType
 from typing import Generic, TypeVar
 
-from scaloft_fi.campaign.processes.patience import ATTEMPTS, PATIENCE_S
-from scaloft_fi.campaign.processes.start import Start, Started, forked
+from scaloft_fi.campaign.processes import ATTEMPTS, PATIENCE_S, Start, Started, forked
 
 TaskT = TypeVar("TaskT")
 ResultT = TypeVar("ResultT")

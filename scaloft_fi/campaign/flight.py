@@ -1,12 +1,40 @@
-"""A batch: the task of a worker, either one flight or flights that share the beginning of one baseline."""
+"""A planned flight (mutant, situation, seed), and a batch: one task of a worker."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.judge.outcome import Subject
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.situation import Situation
+
+
+@dataclass(frozen=True)
+class Flight:
+    """One planned flight.
+
+    Attributes:
+        mutant: the mutant; None = the baseline.
+        situation, seed: situation and seed of the flight.
+    """
+
+    mutant: Mutant | None
+    situation: Situation
+    seed: int
+
+    @property
+    def subject(self) -> Subject:
+        """The subject of the flight."""
+        return Subject.of(self.mutant)
+
+    @property
+    def name(self) -> str:
+        """`MUTANT/SITUATION/SEED`, the argument of `replay`."""
+        return f"{self.subject.id}/{self.situation.key}/{self.seed}"
 
 
 @dataclass(frozen=True)

@@ -16,17 +16,23 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.seeking import REJECTED, WORST, Breach, Signature, breaking, shrunk
-from scaloft_fi.campaign.flights.worker import Flyer
-from scaloft_fi.campaign.plan.flight import Flight
-from scaloft_fi.campaign.progress.progress import Progress
-from scaloft_fi.campaign.runs.campaign import Campaign, opened
-from scaloft_fi.campaign.runs.options import RunOptions
-from scaloft_fi.campaign.runs.run import write_log
-from scaloft_fi.campaign.runs.seeking.family import GENERATION
-from scaloft_fi.campaign.runs.seeking.finds import words_of
-from scaloft_fi.campaign.runs.seeking.flights import SEEN_ON, Allowance, SearchFlights, SpentError
-from scaloft_fi.campaign.runs.seeking.proposals import OPENING, Flyable, Proposal, Proposals, draws
-from scaloft_fi.campaign.runs.seeking.recall import Recall, Recalls, recalled
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.run import Campaign, opened, write_log
+from scaloft_fi.campaign.seeking.finds import (
+    SEEN_ON,
+    Allowance,
+    Recall,
+    Recalls,
+    SearchFlights,
+    SpentError,
+    recalled,
+    words_of,
+)
+from scaloft_fi.campaign.seeking.proposals import OPENING, Flyable, Proposal, Proposals, draws
+from scaloft_fi.campaign.seeking.seek import GENERATION
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
@@ -35,6 +41,7 @@ from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
+
 
 IDLE = 20
 """Turns without a new situation, after which a search without a budget ends."""

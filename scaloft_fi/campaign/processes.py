@@ -1,21 +1,66 @@
-"""Start worker processes: each receives tasks, returns results, uses one core, and ends with its parent."""
+"""Worker processes on this machine: each receives tasks, returns results, uses one core, and ends with its parent."""
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
 import os
 import signal
 import socket
 import subprocess
 import sys
+import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
+from multiprocessing import parent_process
+from multiprocessing.connection import Connection, wait
 from typing import Any, Protocol
 
-from scaloft_fi.campaign.processes.lifeline import die_with
+LINUX = sys.platform.startswith("linux")
+_PR_SET_PDEATHSIG = 1
+_prctl: Callable[..., int] | None = getattr(ctypes.CDLL(None), "prctl", None) if LINUX else None
+
+
+def die_with(parent: int, sentinel: int | None = None) -> None:
+    """End this process when its parent, which has the id `parent`, ends.
+
+    On Linux the kernel ends it.  On other systems a thread waits for `sentinel`, a descriptor that becomes readable
+    when the parent ends; None = the sentinel of `multiprocessing`.
+    """
+    if _prctl is not None:
+        _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+        if os.getppid() != parent:  # the parent ended before this call
+            os._exit(1)
+        return
+    process = parent_process()
+    if sentinel is None and process is not None:
+        sentinel = process.sentinel
+    if sentinel is not None:
+        threading.Thread(target=_end_after, args=(sentinel,), daemon=True).start()
+
+
+def _end_after(sentinel: int) -> None:
+    wait([sentinel])
+    os._exit(1)
+
+
+def cause_of_death(status: int) -> str:
+    """The exit code or the signal that ended a process, from its wait status.
+
+    >>> cause_of_death(9), cause_of_death(256)
+    ('SIGKILL', 'exit code 1')
+    """
+    code = os.waitstatus_to_exitcode(status)
+    return f"exit code {code}" if code >= 0 else signal.Signals(-code).name
+
+
+ATTEMPTS = 3
+"""Number of attempts for a flight that fails in the harness."""
+PATIENCE_S = 300.0
+"""A flight that takes longer is hung; a hundred times the usual time [s, wall]."""
+
 
 THREAD_SETTINGS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 """A worker uses one core, so numeric libraries must not start threads.  Set these before numpy is imported."""

@@ -1,0 +1,311 @@
+"""Flights that a command of the study flies, and records of flights from anywhere: read, checked, judged."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flights.fly import Worker, fly_log, judged
+from scaloft_fi.document import is_there
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Reading, Requirement, judge_signals
+from scaloft_fi.judge.stl import tokenize
+from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.outside.command import (
+    FAULT,
+    FLIGHT_FOLDER,
+    PYTHON,
+    RECORD,
+    SEED,
+    SITUATION,
+    STUDY,
+    CommandError,
+    FlightCommand,
+    Relays,
+    Told,
+    run_command,
+)
+from scaloft_fi.outside.records.record_map import RECORDS, RecordMap, kind_of, load_record_map, own_map
+from scaloft_fi.outside.records.recorded import Known, RecordCount, flight_log, lacking
+from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, Count, FlightLog
+from scaloft_fi.sim.patch import leaves
+from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.situation import Situation
+    from scaloft_fi.stack.declaration import Wire
+
+
+TRACK = {"speed_mps": "the track of a flight"}
+"""What a record needs beside what the requirements need."""
+FAR: Mapping[str, float] = {"clearance_m": CLEARANCE_CAP_M, "person_sight_m": FAR_M}
+"""What the track says where neither the record nor a requirement has the signal: that nothing is near."""
+
+
+def command_log(study: Study, command: FlightCommand, flight: Flight, wire: Wire) -> FlightLog:
+    """Run the command, with its relays, and read its record.
+
+    Args:
+        study: the study.
+        command: its command.
+        flight: the flight.
+        wire: carries the samples of the relays.
+
+    Raises:
+        BorderError: the command or a relay cannot be started, or a relay cannot carry what comes.
+        CommandError: the command fails, or its record cannot be read.
+        InputError: the command has a place for a value that there is not, or the mapping of its record is wrong.
+    """
+    if flight.mutant is not None and flight.mutant.event and not command.injects(flight.mutant.seam):
+        raise CommandError(f"{flight.mutant.id} strikes at an event, and a relay is told of none")
+    mapping, known = mapping_of(study), known_in(study, command, flight.situation)
+    with tempfile.TemporaryDirectory(prefix="scaloft-fi-", ignore_cleanup_errors=True) as made:
+        folder, beside = Path(made) / "flight", Path(made) / "beside"
+        folder.mkdir()
+        beside.mkdir()
+        values = values_of(study, flight, folder, command)
+        words = [word.filled(values) for word in command.run]
+        env = {name: text.filled(values) for name, text in command.env.items()}
+        relays = Relays(command.relays, study.stack, wire, beside, command.clock)
+        try:
+            env |= relays.begin()
+            attend = relays.attend if command.relays else None
+            told = run_command(words, env, study.folder.resolve(), command.limit_s, beside, attend)
+        finally:
+            relays.close()
+        try:
+            log = _read(study, _record_in(folder, command), mapping, known)
+        except InputError as error:
+            raise CommandError(f"its record: {error}") from error
+    carried = getattr(wire, "counts", {}) if command.relays else {}
+    return replace(log, stack_error=told.stack_error, counts=_counts(command, flight, log.counts, carried, told))
+
+
+def known_in(study: Study, command: FlightCommand, situation: Situation) -> Known:
+    """What is known of a flight of the command beside its record."""
+    known = known_of(study, situation)
+    return known if command.mission_s is None else replace(known, limit_s=command.mission_s)
+
+
+def needs_of(study: Study) -> Mapping[str, str]:
+    """The signals that a record of the command must have, each with who needs it."""
+    return {**TRACK, **needed_by(study)}
+
+
+def values_of(study: Study, flight: Flight, folder: Path, command: FlightCommand) -> dict[str, Any]:
+    """The values that a command may ask for: of the flight, of its axes, and of the documents of its situation."""
+    situation, grid = flight.situation, study.grid
+    mutant = flight.mutant
+    fault = mutant.to_json() if mutant is not None and command.injects(mutant.seam) else None
+    documents = grid.documents_with(grid.values(situation).values())
+    plain = {f"{name}.{path}": item.value for name, item in documents.items() for path, item in leaves(item)}
+    return {
+        **{path: value for path, value in plain.items() if not isinstance(value, float) or math.isfinite(value)},
+        **dict(situation.levels),
+        **dict(situation.numbers),
+        SITUATION: situation.key,
+        SEED: flight.seed,
+        FLIGHT_FOLDER: str(folder),
+        RECORD: str(folder / command.record),
+        PYTHON: sys.executable,
+        STUDY: str(study.folder.resolve()),
+        FAULT: json.dumps(fault, sort_keys=True),
+    }
+
+
+def _record_in(folder: Path, command: FlightCommand) -> Path:
+    """The record that the command wrote.
+
+    Raises:
+        InputError: there is none, or more than one fits.
+    """
+    found = sorted(folder.glob(command.record))
+    if len(found) != 1:
+        raise InputError(f"{len(found)} files {command.record!r} must be 1: the command writes it to {{record}}")
+    return found[0]
+
+
+def _read(study: Study, path: Path, mapping: RecordMap, known: Known) -> FlightLog:
+    log = flight_log(
+        path, mapping, known, needed=needs_of(study), wanted=mapping.signals, beliefs=study.stack.belief_names
+    )
+    count = len(log.signals["elapsed_s"])
+    far = {name: np.full(count, value) for name, value in FAR.items() if name not in log.signals}
+    return replace(log, signals={**log.signals, **far})
+
+
+def _counts(
+    command: FlightCommand,
+    flight: Flight,
+    recorded: Mapping[str, Count],
+    relayed: Mapping[str, Count],
+    told: Told,
+) -> Mapping[str, Count]:
+    """How many samples the fault altered: by the relays, the last line of output, or else by the record.
+
+    Raises:
+        CommandError: the simulator injected the fault, and nothing says it.
+    """
+    if flight.mutant is None:
+        return {}
+    seam = flight.mutant.seam
+    if not command.injects(seam):
+        return {name: count for name, count in relayed.items() if name in command.relays}
+    if told.altered is not None:
+        carried = max(told.carried or 0, told.altered)
+        return {seam: RecordCount(carried, told.altered, told.first_altered_s)}
+    if recorded or flight.mutant == PLACEBO:
+        return recorded
+    raise CommandError('neither a last line {"altered": COUNT} nor the record says how many samples the fault altered')
+
+
+@dataclass(frozen=True)
+class Commanded:
+    """Flies with the command of the study, each flight alone."""
+
+    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
+        """Prove before the first flight what would fail in each, and parse the formulas.
+
+        Raises:
+            InputError: the study cannot be flown.
+        """
+        assert study.command is not None
+        check_command(study, study.command, say)
+
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        """Fly and judge one flight; a failure of the command is raised."""
+        return judged(study, flight, fly_log(study, flight))
+
+    def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
+        """Fly each flight alone: nobody can fork a simulator of somebody else's."""
+        alone = Worker(study, self)
+        for flight in batch.flights:
+            alone(Batch((flight,)), report)
+
+
+def check_command(study: Study, command: FlightCommand, say: Callable[[str], None]) -> None:
+    """Check the program, the places of its words and the mapping of its record, and parse the formulas.
+
+    Args:
+        study: the study.
+        command: its command.
+        say: told which values of axes count as not met.
+
+    Raises:
+        InputError: the study cannot be flown.
+    """
+    first = Flight(None, study.grid.situations[0], 0)
+    values = values_of(study, first, Path("folder"), command)
+    program, *_ = [word.filled(values) for word in command.run]
+    for text in command.env.values():
+        text.filled(values)
+    if shutil.which(program) is None and not (study.folder / program).is_file():
+        raise InputError(f"{command.run[0].place}: there is no program {program!r} here")
+    if Path(command.record).suffix.lower() not in RECORDS and Path(command.record).suffix:
+        kind_of(Path(command.record))
+    mapping, known = mapping_of(study), known_in(study, command, first.situation)
+    for name, by in needs_of(study).items():
+        if lack := lacking(mapping, known, name):
+            raise InputError(f"{study.folder / 'sim' / 'record.yaml'}: {by} needs the signal {name!r}, and {lack}")
+    for sentence in _unmet(study, mapping, known):
+        say(sentence)
+    zeros = dict.fromkeys((*study.signals, "elapsed_s"), np.zeros(2))
+    for requirement in study.requirements:
+        judge_signals(requirement, zeros, cut_short=False)
+
+
+def _unmet(study: Study, mapping: RecordMap, known: Known) -> Iterator[str]:
+    """A sentence for each value of an axis of which no record can tell whether a flight met it."""
+    for axis in study.grid.axes:
+        for value in axis.values:
+            names = set(tokenize(value.realised)) & set(study.signals) if value.realised else set[str]()
+            lost = next((name for name in sorted(names) if lacking(mapping, known, name)), None)
+            if lost:
+                yield f"{axis.id}{value.id} counts as not met in every flight: {mapping.name} maps no signal {lost!r}"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a requirement says of a record.
+
+    Attributes:
+        reading: the reading.
+        place: where the requirement is first violated (x, y, z) [m, world]; None without a violation.
+    """
+
+    reading: Reading
+    place: tuple[float, float, float] | None
+
+
+@dataclass(frozen=True)
+class JudgedRecord:
+    """A record, its flight log, and a finding for each requirement of the study."""
+
+    path: Path
+    log: FlightLog
+    findings: tuple[Finding, ...]
+
+
+def mapping_of(study: Study, path: Path | None = None) -> RecordMap:
+    """The mapping in `path`, else the study's `sim/record.yaml`, else that of the records that we write ourselves.
+
+    Raises:
+        InputError: it is no mapping, or maps a signal that the study does not know.
+    """
+    own = study.folder / "sim" / "record.yaml"
+    if path is None and not is_there(own):
+        return own_map(study.signals)
+    return load_record_map(path or own, study.signals)
+
+
+def known_of(study: Study, situation: Situation | None) -> Known:
+    """What is known of a flight beside its record; without a `situation` neither route nor time limit."""
+    if situation is None:
+        world = study.grid.world()
+        return Known(world.surfaces, world.mission.home)
+    scenario = study.scenario(situation)
+    world = scenario.world
+    return Known(world.surfaces, world.mission.home, scenario.route, study.limit_s(situation))
+
+
+def needed_by(study: Study) -> Mapping[str, str]:
+    """The signals that the requirements need, each with the first requirement that needs it."""
+    names, needed = frozenset(study.signals), dict[str, str]()
+    for requirement in study.requirements:
+        for name in sorted(_words(requirement) & names):
+            needed.setdefault(name, f"requirement {requirement.name}")
+    return needed
+
+
+def _words(requirement: Requirement) -> set[str]:
+    texts = (requirement.text, requirement.trigger, *(text for _, text in requirement.definitions))
+    return {word for text in texts for word in tokenize(text)}
+
+
+def judged_record(study: Study, path: Path, mapping: RecordMap, known: Known) -> JudgedRecord:
+    """Judge a record with the study's requirements.
+
+    Raises:
+        InputError: the record cannot be read, or lacks what a requirement needs.
+    """
+    log = flight_log(path, mapping, known, needed=needed_by(study), beliefs=study.stack.belief_names)
+    return JudgedRecord(path, log, tuple(_finding(requirement, log) for requirement in study.requirements))
+
+
+def _finding(requirement: Requirement, log: FlightLog) -> Finding:
+    judgement = judge_signals(requirement, log.signals, cut_short=log.ending.cut_short)
+    if judgement.sample is None:
+        return Finding(judgement.reading, None)
+    x_m, y_m, z_m = (float(log.signals[name][judgement.sample]) for name in ("x_m", "y_m", "z_m"))
+    return Finding(judgement.reading, (x_m, y_m, z_m))

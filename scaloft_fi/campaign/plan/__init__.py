@@ -1,1 +1,0 @@
-"""What is flown, in which order, in which pieces."""

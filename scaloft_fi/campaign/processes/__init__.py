@@ -1,1 +1,0 @@
-"""Worker processes on this machine: start them, send them tasks, end them with their parent."""

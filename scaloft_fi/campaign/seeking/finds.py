@@ -1,0 +1,734 @@
+"""What a search flies, finds, writes to `sim/found.yaml`, remembers in the store, and flies again on fresh seeds.
+
+An interrupted search has written finds already.  If it left out the mutants that these show when it goes on, it would
+not find what it would have found without the interruption.
+
+The candidates of a mutant are numbered over all searches of a campaign: another seed is no new share of alpha.
+
+Outcomes do not keep what a stack believed; so a flight whose signature is asked for is flown once more and listened to.
+
+Each replication has a block of seeds of its own, which its campaign remembers: finds that fail once and are replicated
+again get other seeds.  An interrupted replication goes on with the seeds that it began with.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import yaml
+
+from scaloft_fi.analysis.seeking import (
+    POOL,
+    SEEDS,
+    Breach,
+    Effort,
+    Place,
+    Replica,
+    breaches,
+    distance,
+    effort_of,
+    is_of_use,
+    replicas,
+    shown_by,
+)
+from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.pool import Pool
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.run import Budget, Campaign, budget_s, opened, write_log
+from scaloft_fi.campaign.store.archive import STORE_NAME
+from scaloft_fi.campaign.store.held import current_in
+from scaloft_fi.campaign.store.store import EmptyError, Store
+from scaloft_fi.errors import InputError, ScaloftError
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Subject, Violation
+from scaloft_fi.mutants.catalogue import realise
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.output import write_whole
+from scaloft_fi.sim.found import FILE, Break, Find, Finds, read_finds
+from scaloft_fi.stack.declaration import PlainWire
+from scaloft_fi.study import Study
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.grid import Grid
+    from scaloft_fi.sim.situation import Situation
+
+
+SEARCH_BEGUN, SEARCH_ENDED, CANDIDATE = "seek begun", "seek ended", "seek candidate"
+"""Prefixes of the names of the notes."""
+
+
+@dataclass(frozen=True)
+class Unnamed:
+    """A search for which nobody named mutants.
+
+    Attributes:
+        seed: of the search.
+        campaign: the campaign whose score says what is not detected.
+        mutants: what is sought, in the order of the turns.
+        number: how many such searches of the store began before.
+    """
+
+    seed: int
+    campaign: str
+    mutants: tuple[str, ...]
+    number: int = 0
+
+    def begin(self, store: Store) -> None:
+        """Remember it.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        store.set_notes({f"{SEARCH_BEGUN} {self.number}": json.dumps(asdict(self))})
+
+    def end(self, store: Store) -> None:
+        """Remember that it came to its end, or used up its budget.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        store.set_notes({f"{SEARCH_ENDED} {self.number}": json.dumps(self.number)})
+
+
+def interrupted(folder: Path, seed: int, campaign: str) -> Unnamed | None:
+    """The last search of a folder if it did not end and had this seed and campaign.
+
+    Raises:
+        InputError: the store cannot be read.
+    """
+    begun, ended = _notes(folder)
+    last = begun[-1] if begun else None
+    return last if last and last.number not in ended and (last.seed, last.campaign) == (seed, campaign) else None
+
+
+def anew(folder: Path, seed: int, campaign: str, mutants: Sequence[str]) -> Unnamed:
+    """The next search of a folder.
+
+    Raises:
+        InputError: the store cannot be read.
+    """
+    return Unnamed(seed, campaign, tuple(mutants), len(_notes(folder)[0]))
+
+
+def _notes(folder: Path) -> tuple[list[Unnamed], set[int]]:
+    """The searches that began, in their order, and the numbers of those that ended."""
+    path = folder / STORE_NAME
+    if not path.is_file():
+        return [], set()
+    try:
+        with Store(path, create=False) as store:
+            begun, ended = store.records(SEARCH_BEGUN, _read), set(store.records(SEARCH_ENDED, int))
+    except EmptyError:
+        return [], set()
+    return sorted(begun, key=lambda one: one.number), ended
+
+
+class Candidates:
+    """The candidates of all searches of a campaign.
+
+    Args:
+        store: of the campaign.
+
+    Raises:
+        InputError: the store cannot be read.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        known = store.records(CANDIDATE, lambda one: (str(one["mutant"]), str(one["situation"]), int(one["number"])))
+        self._numbers = {(mutant, situation): number for mutant, situation, number in known}
+
+    def number(self, mutant: str, situation: str) -> int:
+        """Which candidate of the mutant a situation is, from 1; a new one is remembered.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        place = mutant, situation
+        if place not in self._numbers:
+            number = 1 + max((one for (other, _), one in self._numbers.items() if other == mutant), default=0)
+            self._numbers[place] = number
+            note = {"mutant": mutant, "situation": situation, "number": number}
+            self._store.set_notes({f"{CANDIDATE} {mutant} {situation}": json.dumps(note)})
+        return self._numbers[place]
+
+
+def _read(content: Any) -> Unnamed:
+    mutants = tuple(map(str, content["mutants"]))
+    return Unnamed(int(content["seed"]), str(content["campaign"]), mutants, int(content["number"]))
+
+
+SEEN_ON = (1_000, 1_001, 1_002)
+"""Seeds of the search; a situation is proposed and shrunk on the first one, and kept where all of them show the fault.
+The seeds that confirm it are 0, 1, ..., which the search never flies."""
+
+TOGETHER = 16
+"""Most mutants that fly together with a baseline not known yet.  A baseline's flight is shared by the mutants that fly
+with it, up to the first sample that each alters, and costs as much again where it flew before; where it turns out to be
+of no use, all of them flew in vain.  With 0.9 of the baselines of use and a mutant at 0.6 of a whole flight, both
+measured in a trial, waiting pays from 16 mutants on."""
+
+
+@dataclass(frozen=True)
+class Allowance:
+    """The budget of a search.
+
+    Attributes:
+        flights: number of flights, stored ones included; None = unlimited.
+        seconds: wall time [s]; None = unlimited.
+    """
+
+    flights: int | None = None
+    seconds: float | None = None
+
+    @classmethod
+    def parse(cls, text: str | None) -> Allowance:
+        """Parse `2000flights`, or a duration such as `10m`.
+
+        >>> Allowance.parse("2000flights"), Allowance.parse("10m")
+        (Allowance(flights=2000, seconds=None), Allowance(flights=None, seconds=600.0))
+
+        Raises:
+            InputError: the text is neither.
+        """
+        if text is None:
+            return cls()
+        if match := re.fullmatch(r"([1-9]\d{0,8}) ?flights?", text.strip()):
+            return cls(flights=int(match[1]))
+        try:
+            return cls(seconds=budget_s(text))
+        except InputError:
+            allowed = "a number of flights such as 2000flights, or a time with its unit such as 90s, 10m or 1h30m"
+            raise InputError(f"--budget={text!r} must be {allowed}") from None
+
+
+OTHER_SEEDS = 1_000_000
+"""What PLACEBO's seeds are shifted by: it stands for the unmutated drone under seeds of its own."""
+
+
+class SpentError(Exception):
+    """The budget is used up."""
+
+
+class SearchFlights:
+    """Flies for a search, and answers from outcomes.
+
+    PLACEBO stands for a fault that does nothing: the unmutated drone under other seeds.  A search that finds a
+    situation for it is wrong.
+
+    Args:
+        campaign: the open campaign.
+        allowance: the budget.
+        anyhow: whether a situation counts where the unmutated drone does not do its mission.
+
+    Attributes:
+        used: number of different flights that the search asked for, stored ones and unstored ones included.
+        anyhow: as the argument.
+    """
+
+    def __init__(self, campaign: Campaign, allowance: Allowance, *, anyhow: bool = False) -> None:
+        self._campaign, self._allowance, self.anyhow = campaign, allowance, anyhow
+        self._candidates = Candidates(campaign.store)
+        self._budget = Budget(allowance.seconds)
+        self._known: dict[str, Outcome | None] = {}
+        self._unstored = 0
+        campaign.reporter.progress.most_s = lambda: self._budget.left_s
+
+    @property
+    def used(self) -> int:
+        """Number of different flights of the search so far."""
+        return len(self._known) + self._unstored
+
+    def fly(self, flights: Iterable[Flight]) -> None:
+        """Fly what is not known yet.
+
+        Raises:
+            Interrupted: the user stopped the search; all outcomes are saved.
+            SpentError: the budget does not allow these flights.
+        """
+        new = {flight.name: flight for flight in flights if flight.name not in self._known}
+        if not new:
+            return
+        self._afford(len(new))
+        flown = {name: _flown_for(flight) for name, flight in new.items()}
+        self._campaign.plan(flown.values())
+        self._campaign.fly(flown.values(), self._in_time)
+        self.raise_if_stopped()
+        if self._budget.left_s <= 0.0 and self._campaign.missing(flown.values()):
+            raise SpentError
+        outcomes = {outcome.name: outcome for outcome in self._campaign.outcomes(flown.values())}
+        for name, flight in new.items():
+            outcome = outcomes.get(flown[name].name)
+            self._known[name] = outcome if outcome is None or flight.mutant != PLACEBO else _as_placebo(outcome)
+
+    def _in_time(self, flights: Sequence[Flight]) -> Iterable[Batch]:
+        return self._budget.while_it_lasts(self._campaign.arrange(flights))
+
+    def spend(self, count: int) -> None:
+        """Spend the budget on flights that the campaign does not store.
+
+        Raises:
+            SpentError: the budget does not allow them.
+        """
+        self._afford(count)
+        self._unstored += count
+
+    def raise_if_stopped(self) -> None:
+        """Raise if the user asked to stop.
+
+        Raises:
+            Interrupted: the user did.
+        """
+        self._campaign.raise_if_stopped("the flights of the search so far are")
+
+    def _afford(self, count: int) -> None:
+        most = math.inf if self._allowance.flights is None else self._allowance.flights
+        if self.used + count > most or self._budget.left_s <= 0.0:
+            raise SpentError
+
+    def outcome(self, flight: Flight) -> Outcome | None:
+        """The outcome of a known flight; None where the harness failed."""
+        return self._known.get(flight.name)
+
+    def beside(self, mutants: Sequence[Mutant], situations: Sequence[Situation], seeds: Sequence[int]) -> None:
+        """Fly baselines and mutants, without mutants where a known baseline holds no requirement with room.
+
+        Up to `TOGETHER` mutants fly with their baselines; before more of them, the baselines fly alone.
+
+        Raises:
+            Interrupted, SpentError: as `fly`.
+        """
+        baselines = [Flight(None, situation, seed) for situation in situations for seed in seeds]
+        if len(mutants) > TOGETHER:
+            self.fly(baselines)
+        of_use = [one for one in baselines if one.name not in self._known or self._is_of_use(one)]
+        theirs = (Flight(mutant, one.situation, one.seed) for one in of_use for mutant in mutants)
+        self.fly([*baselines, *theirs])
+
+    def distance(self, mutant: Mutant, situation: Situation) -> float:
+        """How far a situation is from showing a mutant, with the first seed of the search."""
+        return distance(*self._pair(mutant, situation, SEEN_ON[0]), anyhow=self.anyhow)
+
+    def shown_by(self, mutant: Mutant, situation: Situation) -> tuple[str, ...]:
+        """The requirements by which a situation shows a mutant with every seed of the search."""
+        pairs = (self._pair(mutant, situation, seed) for seed in SEEN_ON)
+        first, *others = (shown_by(*pair, anyhow=self.anyhow) for pair in pairs)
+        return tuple(name for name in first if all(name in names for names in others))
+
+    def candidate(self, mutant: Mutant, situation: Situation) -> int:
+        """Which candidate of the mutant a situation is, from 1, over all searches of the campaign.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        return self._candidates.number(mutant.id, situation.key)
+
+    def efforts(self) -> dict[str, Effort]:
+        """How far the search came with each mutant, by id; without mutants that were not flown."""
+        by_subject: dict[str, dict[str, Outcome]] = {}
+        for outcome in self._known.values():
+            if outcome is not None and outcome.seed == SEEN_ON[0]:
+                by_subject.setdefault(outcome.mutant, {})[outcome.situation] = outcome
+        baselines = by_subject.pop(BASELINE, {})
+        return {
+            mutant: effort_of(flights.values(), baselines, anyhow=self.anyhow) for mutant, flights in by_subject.items()
+        }
+
+    def _is_of_use(self, baseline: Flight) -> bool:
+        return is_of_use(self.outcome(baseline), anyhow=self.anyhow)
+
+    def _pair(self, mutant: Mutant, situation: Situation, seed: int) -> tuple[Outcome | None, Outcome | None]:
+        return self.outcome(Flight(mutant, situation, seed)), self.outcome(Flight(None, situation, seed))
+
+
+def _flown_for(flight: Flight) -> Flight:
+    """The flight that is flown for a flight of the search."""
+    return Flight(None, flight.situation, flight.seed + OTHER_SEEDS) if flight.mutant == PLACEBO else flight
+
+
+def _as_placebo(baseline: Outcome) -> Outcome:
+    """A baseline as if it were a mutant's flight that altered something."""
+    return replace(baseline, subject=Subject.of(PLACEBO), seed=baseline.seed - OTHER_SEEDS, altered=1)
+
+
+HEADER = """\
+# Situations that `scaloft-fi seek` found, named for the grid that was searched.
+#
+# finds: each shows mutants that the study's own grid does not detect: the mutant violates a safety requirement there
+# that the unmutated drone holds.  Evidence: flights with the seeds 0, 1, ..., which the search never flew, by the
+# score's own test; again: flights of `scaloft-fi seek --replicate`, with seeds that nothing before used.
+# `scaloft-fi run --grid NAME+found` flies them, NAME being the study's own grid.  They were chosen because of verdicts:
+# a score that uses them is called selected.
+#
+# breaks: in each the unmutated drone violates a safety requirement in most of its flights with the seeds 0, 1, ...
+# They put no mutant to the test, so NAME+found leaves them out.
+"""
+NAMED = "shows-"
+"""The name of a find is this and the mutant that it was found for."""
+DIGITS = 4
+"""Significant digits of numbers."""
+
+
+def saver(folder: Path, grid: str) -> Callable[[Sequence[Find]], None]:
+    """Returns a function that writes the situations that show mutants, found by a search over `grid`.
+
+    Finds of earlier searches stay, but for those of the same names.
+
+    Args:
+        folder: the study's `sim` folder.
+        grid: name of the grid that is searched.
+
+    Raises:
+        InputError: the file that is there cannot be read, or has finds of another grid.
+    """
+    earlier = _earlier(folder, grid)
+
+    def save(finds: Sequence[Find]) -> None:
+        told = [find for find in finds if find.mutant != PLACEBO_ID]  # a false find is told, and flown by nobody
+        _write(folder, replace(earlier, finds=_merged(earlier.finds, told)))
+
+    return save
+
+
+def break_saver(folder: Path, grid: str) -> Callable[[Sequence[Break]], None]:
+    """Returns a function that writes the situations that break the unmutated drone; all else is as for `saver`."""
+    earlier = _earlier(folder, grid)
+    return lambda breaks: _write(folder, replace(earlier, breaks=_merged(earlier.breaks, breaks)))
+
+
+def keep(folder: Path, grid: str, finds: Sequence[Find]) -> None:
+    """Write these situations that show mutants in the place of all that the file has.
+
+    Raises:
+        InputError: as `saver`.
+    """
+    _write(folder, replace(_earlier(folder, grid), finds=tuple(finds)))
+
+
+def holding(finds: Sequence[Find], replicas: Sequence[Replica]) -> tuple[Find, ...]:
+    """The finds after a replication: without the mutants that did not hold; what was not replicated stays.
+
+    A find whose own mutant did not hold is named for the first one that did, unless that name is taken.
+    """
+    told = {(one.find, one.mutant): one for one in replicas}
+    taken = {find.name for find in finds}
+    kept = []
+    for find in finds:
+        shows = {
+            mutant: replace(evidence, again=replica.again) if replica else evidence
+            for mutant, evidence in find.shows.items()
+            if (replica := told.get((find.name, mutant))) is None or replica.holds
+        }
+        if not shows:
+            continue
+        mutant = find.mutant if find.mutant in shows else next(iter(shows))
+        name = NAMED + mutant
+        same = mutant == find.mutant or name in taken
+        taken.add(name)
+        kept.append(replace(find, name=find.name if same else name, mutant=mutant, shows=shows))
+    return tuple(sorted(kept, key=lambda find: find.name))
+
+
+def _earlier(folder: Path, grid: str) -> Finds:
+    earlier = read_finds(folder) or Finds(grid, ())
+    if earlier.grid != grid:
+        sentence = f"{folder / FILE}: grid={earlier.grid!r} must be {grid!r}, the grid that is searched"
+        raise InputError(f"{sentence}; move the file away to begin another one")
+    return earlier
+
+
+def _write(folder: Path, finds: Finds) -> None:
+    path = folder / FILE
+    try:
+        write_whole(path, text(finds).encode())
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+_Named = TypeVar("_Named", Find, Break)
+
+
+def _merged(earlier: Sequence[_Named], newer: Sequence[_Named]) -> tuple[_Named, ...]:
+    """All of them in the order of their names."""
+    by_name = {one.name: one for one in chain(earlier, newer)}
+    return tuple(by_name[name] for name in sorted(by_name))
+
+
+def words_of(situation: Situation, grid: Grid) -> tuple[str, ...]:
+    """The values of a situation that are not benign, in words."""
+    numbers = dict(situation.numbers)
+    values = grid.values(situation).items()
+    return tuple(value.title for axis, value in values if axis in numbers or value.id != 0)
+
+
+def text(finds: Finds) -> str:
+    """The content of the file."""
+    plain = {
+        "grid": finds.grid,
+        "finds": {find.name: _plain(find) for find in finds.finds},
+        "breaks": {one.name: _broken(one) for one in finds.breaks},
+    }
+    dumped: str = yaml.safe_dump(plain, sort_keys=False, allow_unicode=False, width=110)
+    return f"{HEADER}\n{dumped}"
+
+
+def _plain(find: Find) -> dict[str, Any]:
+    shows = {mutant: _short(asdict(evidence)) for mutant, evidence in find.shows.items()}
+    return {
+        "situation": find.situation,
+        "words": list(find.words),
+        "mutant": find.mutant,
+        "seed": find.seed,
+        "shows": shows,
+    }
+
+
+def _broken(one: Break) -> dict[str, Any]:
+    values = asdict(one) | {"words": list(one.words), "place": [float(f"{metres:.3f}") for metres in one.place]}
+    return {key: value for key, value in _short(values).items() if key != "name"}
+
+
+def _short(values: dict[str, Any]) -> dict[str, Any]:
+    """Floats with few digits; what is empty left out."""
+    short = {key: float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value for key, value in values.items()}
+    short |= {key: _short(value) for key, value in values.items() if isinstance(value, dict)}
+    return {key: value for key, value in short.items() if value not in ("", None)}
+
+
+S = TypeVar("S")
+
+Told = tuple[Breach, ...]
+Recall = Callable[["Study", Flight, Sequence[Violation]], Told]
+"""Flies a baseline again, and tells what its violations of safety requirements say."""
+_Task = tuple[Flight, Sequence[Violation]]
+
+
+class ListeningWire(PlainWire):
+    """Delivers every sample unchanged, and keeps those of some seams.
+
+    Attributes:
+        kept: time [s] and sample of each delivery, by seam.
+    """
+
+    def __init__(self, seams: Iterable[str]) -> None:
+        self.kept: dict[str, list[tuple[float, Any]]] = {seam: [] for seam in seams}
+
+    def listens(self, seam: str) -> bool:
+        """Whether the samples of `seam` are kept."""
+        return seam in self.kept
+
+    def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
+        """Return `sample`."""
+        if sample is not None and seam in self.kept:
+            self.kept[seam].append((t_s, sample))
+        return sample
+
+
+def recalled(study: Study, flight: Flight, violations: Sequence[Violation]) -> Told:
+    """What the violations of a baseline say, the earliest first; it is flown up to the last of them.
+
+    Raises:
+        ScaloftError: the flight cannot be flown, or a claim of the stack fails.
+    """
+    from scaloft_fi.sim.flight import FlightLoop, physics_server
+    from scaloft_fi.sim.load import claims_of
+    from scaloft_fi.stack.declaration import TICK_HZ
+
+    claims = claims_of(study.stack, study.signals)
+    wire = ListeningWire(claim.seam for claim in claims if claim.seam)
+    scenario = study.scenario(flight.situation)
+    ticks = round(TICK_HZ * max(violation.t_s for violation in violations))
+    with physics_server() as client:
+        loop = FlightLoop(client, study.sim, scenario, flight.seed, wire)
+        while loop.ticks <= ticks and loop.tick():
+            loop.advance()
+        return breaches(loop.log(), violations, study.requirements, scenario.world, claims, wire.kept)
+
+
+class Recalls:
+    """What was recalled in a search.
+
+    Args:
+        campaign: the open campaign.
+        recall: flies a flight again.
+
+    Attributes:
+        count: number of flights that were flown again.
+    """
+
+    def __init__(self, campaign: Campaign, recall: Recall) -> None:
+        self._campaign, self._work = campaign, _Recalling(campaign.study, recall)
+        self._told: dict[str, Told] = {}
+        self.count = 0
+
+    def unknown(self, flights: Sequence[Flight]) -> tuple[Flight, ...]:
+        """Those of the flights that were not recalled yet."""
+        return tuple(flight for flight in flights if flight.name not in self._told)
+
+    def look(self, violations: Mapping[Flight, Sequence[Violation]]) -> None:
+        """Fly those of the flights again that were not recalled yet, side by side; fewer once the user stops.
+
+        The processes end here: if they lived on, they would hold on to the ends of others, and others to theirs.
+
+        Args:
+            violations: of safety requirements by flight, at least one each.
+        """
+        new = [(flight, violations[flight]) for flight in self.unknown(tuple(violations))]
+        if not new:
+            return
+        self._campaign.prepare()
+        jobs, stop = min(self._campaign.options.jobs, len(new)), self._campaign.stopped
+        with Pool(self._work, jobs, left=lambda task, _: task, lost=_lost, stop=stop, patient=False) as pool:
+            self._told |= dict(pool.map(new))
+        self.count += len(new)
+
+    def of(self, flight: Flight) -> Told:
+        """How a recalled flight violates the safety requirements; nothing where the harness failed."""
+        return self._told.get(flight.name, ())
+
+
+class _Recalling:
+    """The work of a process: raises what is the user's to mend, never for a failure of the harness."""
+
+    def __init__(self, study: Study, recall: Recall) -> None:
+        self._study, self._recall = study, recall
+
+    def __call__(self, task: _Task, report: Callable[[tuple[str, Told]], None]) -> None:
+        flight, violations = task
+        try:
+            told = self._recall(self._study, flight, violations)
+        except ScaloftError:
+            raise
+        except Exception:  # noqa: BLE001 - as for a flight that is invalid: it says nothing
+            told = ()
+        report((flight.name, told))
+
+
+def _lost(task: _Task, _: str) -> Iterable[tuple[str, Told]]:
+    return ((task[0].name, ()),)
+
+
+FRESH, BLOCK = 100_000, 100
+"""First seed of the first replication, and how far the next ones are apart."""
+REPLICATION_BEGUN, REPLICATION_ENDED = "replication begun", "replication ended"
+"""Prefixes of the names of the notes."""
+
+Ask = Mapping[str, Sequence[str]]
+"""The mutants that are replicated, by name of the find."""
+
+
+@dataclass(frozen=True)
+class ReplicationReport:
+    """The result of a replication.
+
+    Attributes:
+        replicas: each pair of find and mutant.
+        first: first seed.
+        used: different flights that it asked for; flown: flights that this run flew.
+        alpha: the study's.
+        anyhow: whether a pair may hold where the unmutated drone does not do its mission.
+    """
+
+    replicas: tuple[Replica, ...]
+    first: int
+    used: int
+    flown: int
+    alpha: float
+    anyhow: bool
+
+
+def replicate(
+    study: Study,
+    finds: Sequence[Find],
+    ask: Ask,
+    folder: Path,
+    options: RunOptions | None = None,
+    *,
+    progress: Progress,
+    flyer: Flyer | None = None,
+    anyhow: bool = False,
+) -> ReplicationReport:
+    """Fly pairs of find and mutant on fresh seeds.
+
+    Args:
+        study: the study, with the grid that was searched.
+        finds: all finds of the study.
+        ask: the pairs that are replicated.
+        folder: folder of the campaign that holds the flights.
+        options: options of the run; one process when None.
+        progress: progress display.
+        flyer: flies; PyBullet when None.
+        anyhow: whether a pair may hold where the unmutated drone does not do its mission.
+
+    Raises:
+        InputError: the folder or the store cannot be written, a find does not fit the study, or it cannot be flown.
+        Interrupted: the user stopped the replication; all outcomes are saved.
+    """
+    asked = [find for find in finds if ask.get(find.name)]
+    situations = {find.name: study.grid.situation(find.situation) for find in asked}
+    mutants = {mutant: realise(study.matrix, mutant) for find in asked for mutant in ask[find.name]}
+    begun = [Flight(None, situation, FRESH) for situation in situations.values()]
+    with opened(study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=begun[:1]) as campaign:
+        number = _begin(campaign.store, {find.name: list(ask[find.name]) for find in asked}, _block(finds))
+        first = FRESH + BLOCK * number
+        flights = SearchFlights(campaign, Allowance(), anyhow=anyhow)
+        progress.stage = f"{sum(map(len, ask.values()))} pairs of find and mutant, seeds from {first}"
+        pools = {
+            situation: [Flight(None, situation, first + seed) for seed in range(POOL)]
+            for situation in situations.values()
+        }
+        pairs: dict[Place, list[Flight]] = {
+            (find.name, mutant): [Flight(mutants[mutant], situations[find.name], first + seed) for seed in range(SEEDS)]
+            for find in asked
+            for mutant in ask[find.name]
+        }
+        try:
+            flights.fly([flight for some in (*pools.values(), *pairs.values()) for flight in some])
+        finally:
+            campaign.reporter.close()
+            write_log(study, folder, current_in(study, campaign.store))
+        campaign.store.set_notes({f"{REPLICATION_ENDED} {number}": json.dumps(number)})
+
+        def outcomes(wanted: Sequence[Flight]) -> list[Outcome]:
+            return [outcome for flight in wanted if (outcome := flights.outcome(flight)) is not None]
+
+        told = replicas(
+            asked,
+            {place: outcomes(some) for place, some in pairs.items()},
+            {situation.key: outcomes(some) for situation, some in pools.items()},
+            first,
+            study.alpha,
+            anyhow=anyhow,
+        )
+        return ReplicationReport(told, first, flights.used, campaign.flown, study.alpha, anyhow)
+
+
+def _block(finds: Sequence[Find]) -> int:
+    """The first block of seeds that no replication of these finds used."""
+    used = (evidence.again.seed for find in finds for evidence in find.shows.values() if evidence.again)
+    return max(((seed - FRESH) // BLOCK + 1 for seed in used), default=0)
+
+
+def _begin(store: Store, ask: Ask, least: int) -> int:
+    """The number of the replication: that of the last one if it did not end and asked for the same, else a new one."""
+    begun: list[tuple[int, Any]] = sorted(
+        store.records(REPLICATION_BEGUN, lambda one: (int(one["number"]), one["ask"])), key=_first
+    )
+    ended = set(store.records(REPLICATION_ENDED, int))
+    if begun and begun[-1][0] not in ended and begun[-1][1] == ask:
+        return begun[-1][0]
+    number = max([least, *(one + 1 for one, _ in begun)])
+    store.set_notes({f"{REPLICATION_BEGUN} {number}": json.dumps({"number": number, "ask": ask})})
+    return number
+
+
+def _first(record: tuple[int, Any]) -> int:
+    return record[0]
