@@ -30,7 +30,7 @@ PAGE = KEPT.with_suffix(".md")
 BORDERS = ("inside", "ros2")
 POOL = 20
 """Baseline seeds; redraws of the unmutated drone need that many."""
-STARTED = "import sys; sys.path.insert(0, sys.argv.pop(1)); import inside; from scaloft_fi.cli.main import main; main()"
+STARTED = "import sys; sys.path.insert(0, sys.argv.pop(1)); import inside; from scaloft_fi.cli import main; main()"
 """A start of the command that declares the stack `planner_inside`, which no installed package does."""
 HEAD = """# A planner over ROS 2, and the same planner inside
 

@@ -31,13 +31,13 @@ from click.testing import CliRunner
 from coverage_against_kills.__main__ import pages as of_situations
 
 from scaloft_fi.campaign.store.archive import MANIFEST, OUTCOMES, TRACKS
-from scaloft_fi.cli.main import main as scaloft_fi
+from scaloft_fi.cli import main as scaloft_fi
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, unpack_track
 from scaloft_fi.sim.log import FAR_M
 from scaloft_fi.study import Study
-from scaloft_fi.views import snapshot
-from scaloft_fi.views.exchange.archive import archive_files
-from scaloft_fi.views.report.tracks import FAR, quantised, quantum, thinned
+from scaloft_fi.verbs import snapshot
+from scaloft_fi.verbs.export.archive import archive_files
+from scaloft_fi.verbs.report.flights import FAR, quantised, quantum, thinned
 
 PUBLISHED = ROOT / "results" / "published"
 REFERENCE = PUBLISHED / "reference"

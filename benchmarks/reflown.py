@@ -38,7 +38,7 @@ from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.campaign.store.origin import fingerprint
 from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.study import Study
-from scaloft_fi.views.flights.export import export_rows
+from scaloft_fi.verbs.export.rows import export_rows
 
 PUBLISHED = {
     "paper": ROOT / "results" / "published" / "reference" / "outcomes.parquet",

@@ -40,7 +40,7 @@ from scaloft_fi.campaign.processes import cores
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.study import Study
-from scaloft_fi.views.kills.survivors import short_units, survivors
+from scaloft_fi.verbs.survivors import short_units, survivors
 
 PAPER = ROOT / "results" / "published" / "reference" / "outcomes.parquet"
 OUTPUT = ROOT / "results" / "published" / "wide.md"

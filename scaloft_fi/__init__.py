@@ -19,15 +19,12 @@ if TYPE_CHECKING:
     from scaloft_fi.analysis.roster import Ratio
     from scaloft_fi.campaign.workers.local import Interrupted
     from scaloft_fi.errors import GateError, InputError, ScaloftError
-    from scaloft_fi.scripting.campaign import OpenCampaign
-    from scaloft_fi.scripting.figure import Figure
-    from scaloft_fi.scripting.flight import FlownFlight, Log
-    from scaloft_fi.scripting.score import CampaignScore
+    from scaloft_fi.scripting.campaign import CampaignScore, OpenCampaign
+    from scaloft_fi.scripting.flight import Figure, FlownFlight, Log
     from scaloft_fi.scripting.study import OpenStudy
     from scaloft_fi.scripting.study import open_study as open  # noqa: A004 - who writes `scaloft_fi.open` means this
-    from scaloft_fi.views.answers.worksheet import Worksheet
-    from scaloft_fi.views.columns import Columns, ColumnType
-    from scaloft_fi.views.outputs.answer import Answer
+    from scaloft_fi.verbs.worksheet import Worksheet
+    from scaloft_fi.views.output import Answer, Columns, ColumnType
 
 __all__ = [
     "Answer",
@@ -50,11 +47,11 @@ __all__ = [
 ]
 
 _LATE = {
-    "Answer": "scaloft_fi.views.outputs.answer",
-    "CampaignScore": "scaloft_fi.scripting.score",
-    "ColumnType": "scaloft_fi.views.columns",
-    "Columns": "scaloft_fi.views.columns",
-    "Figure": "scaloft_fi.scripting.figure",
+    "Answer": "scaloft_fi.views.output",
+    "CampaignScore": "scaloft_fi.scripting.campaign",
+    "ColumnType": "scaloft_fi.views.output",
+    "Columns": "scaloft_fi.views.output",
+    "Figure": "scaloft_fi.scripting.flight",
     "FlownFlight": "scaloft_fi.scripting.flight",
     "GateError": "scaloft_fi.errors",
     "InputError": "scaloft_fi.errors",
@@ -64,7 +61,7 @@ _LATE = {
     "OpenStudy": "scaloft_fi.scripting.study",
     "Ratio": "scaloft_fi.analysis.roster",
     "ScaloftError": "scaloft_fi.errors",
-    "Worksheet": "scaloft_fi.views.answers.worksheet",
+    "Worksheet": "scaloft_fi.verbs.worksheet",
     "open": "scaloft_fi.scripting.study",
 }
 """Where the names are; imported by whoever asks for one of them, so that a verb starts fast."""

@@ -12,7 +12,7 @@ def start() -> None:
     from scaloft_fi import output
 
     output.end_at_signals()
-    from scaloft_fi.cli.main import main
+    from scaloft_fi.cli import main
 
     try:
         main()

@@ -69,11 +69,11 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
     from scaloft_fi.sim.world import ROLES, Role
     from scaloft_fi.study import Study
-    from scaloft_fi.views.exchange import Dossier, export_format
+    from scaloft_fi.verbs.export.dossier import Dossier, export_format
 
 LATE = {
     "Asked": "scaloft_fi.campaign.runs.request",
-    "Dossier": "scaloft_fi.views.exchange",
+    "Dossier": "scaloft_fi.verbs.export",
     "Effect": "scaloft_fi.sim.happenings",
     "HAPPENINGS": "scaloft_fi.sim.happenings",
     "HappeningKind": "scaloft_fi.sim.happenings",
@@ -89,7 +89,7 @@ LATE = {
     "Study": "scaloft_fi.study",
     "check_operator": "scaloft_fi.mutants.check_operator",
     "check_stack": "scaloft_fi.campaign.flights.check_stack",
-    "export_format": "scaloft_fi.views.exchange",
+    "export_format": "scaloft_fi.verbs.export",
     "operators_of": "scaloft_fi.mutants.check_operator",
     "strategy": "scaloft_fi.campaign.runs.request",
 }

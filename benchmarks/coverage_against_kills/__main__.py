@@ -28,8 +28,8 @@ from coverage_against_kills.trial import trial
 from scaloft_fi.analysis.score import score_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
-from scaloft_fi.views.snapshot import snapshot
-from scaloft_fi.views.tables.table import Format, render
+from scaloft_fi.verbs.snapshot import snapshot
+from scaloft_fi.views.table import Format, render
 
 NAME = "coverage_against_kills"
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from html import escape
 
 from coverage_against_kills.curves import Curve, Curves
-from scaloft_fi.views.pictures.picture import text
-from scaloft_fi.views.pictures.symbols import FAINT, FONT, INK
+from scaloft_fi.views.picture import FAINT, FONT, INK, text
 
 WIDTH, HEIGHT, LEFT, TOP, GAP, LINE = 330.0, 260.0, 62.0, 108.0, 76.0, 19.0
 

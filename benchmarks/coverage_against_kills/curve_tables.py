@@ -8,7 +8,7 @@ from typing import Any
 from coverage_against_kills.curves import Band, Curve, Curves
 from coverage_against_kills.prediction import Prediction, interval
 from coverage_against_kills.redrawn import RESAMPLES
-from scaloft_fi.views.tables.table import Table
+from scaloft_fi.views.table import Table
 
 SHOWN = (1, 2, 4, 6, 8, 10, 16, 24, 32)
 """Sizes k in the tables; JSON has all."""

@@ -14,7 +14,7 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.sim.found import Evidence as Shown
 from scaloft_fi.sim.found import Find, Finds
 from scaloft_fi.study import Study
-from scaloft_fi.views.runs.seek import why_not
+from scaloft_fi.verbs.seek import why_not
 
 PLAN = """# Which tests are missing?
 

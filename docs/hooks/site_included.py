@@ -8,8 +8,8 @@ from pathlib import Path
 from posixpath import dirname, relpath
 
 from scaloft_fi.study import Study
-from scaloft_fi.views.report.evidence import gather
-from scaloft_fi.views.report.page import page
+from scaloft_fi.verbs.report.analyses import gather
+from scaloft_fi.verbs.report.page import page
 
 ROOT = Path(__file__).resolve().parents[2]
 PUBLISHED = ROOT / "results" / "published"

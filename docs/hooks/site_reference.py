@@ -17,26 +17,24 @@ from scaloft_fi.analysis.pool import State
 from scaloft_fi.analysis.score import By
 from scaloft_fi.analysis.survivor import Reaction, Standing
 from scaloft_fi.checks.finding import Severity
-from scaloft_fi.cli.reference import command_reference
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.status import Status
 from scaloft_fi.mutants.operator import Need
+from scaloft_fi.reference import command_reference, outputs_page, yaml_keys_page
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
-from scaloft_fi.views.exchange.format import FORMATS
-from scaloft_fi.views.flights.export import BASIS, HEAD, TAIL
+from scaloft_fi.verbs.export.dossier import FORMATS
+from scaloft_fi.verbs.export.rows import BASIS, HEAD, TAIL
+from scaloft_fi.verbs.listing import Listing, shown
+from scaloft_fi.verbs.operators import operator_list
+from scaloft_fi.verbs.report.matrices import Sign
+from scaloft_fi.verbs.seams import seam_list
+from scaloft_fi.verbs.signals import signal_list
+from scaloft_fi.verbs.survivors import Stage
+from scaloft_fi.verbs.verdict import Next
 from scaloft_fi.views.glossary import TERMS, term
-from scaloft_fi.views.kills.survivors import Stage
-from scaloft_fi.views.lists.listing import Listing, shown
-from scaloft_fi.views.lists.operators import operator_list
-from scaloft_fi.views.lists.seams import seam_list
-from scaloft_fi.views.lists.signals import signal_list
-from scaloft_fi.views.reference.outputs import outputs_page
-from scaloft_fi.views.reference.yaml_keys import yaml_keys_page
-from scaloft_fi.views.report.signs import Sign
-from scaloft_fi.views.score.next_step import Next
-from scaloft_fi.views.tables.table import Format
+from scaloft_fi.views.table import Format
 
 _MARKS = re.compile(r"\||\[(?!`)")
 SCRIPTS = "What `import scaloft_fi` offers to scripts and notebooks; [Scripts and notebooks](../api.md) shows how."

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from scaloft_fi.views.documents.declared import Declared
-from scaloft_fi.views.documents.listed import schema_texts as of_documents
-from scaloft_fi.views.outputs.listed import schema_texts as of_outputs
+from scaloft_fi.reference import schema_texts as of_outputs
+from scaloft_fi.verbs.documents.listed import schema_texts as of_documents
+from scaloft_fi.verbs.documents.schema import Declared
 
 HERE = Path(__file__).parent
 

@@ -1,26 +1,463 @@
-"""A campaign of an open study: what the verbs that fly for a campaign do, for scripts."""
+"""Progress of a run for scripts: nothing, lines on the standard error, or calls of a function.
+
+The score of a campaign, for scripts and notebooks.
+
+A campaign of an open study, read: what the verbs that fly nothing do with a campaign, for scripts.
+
+A campaign of an open study: what the verbs that fly for a campaign do, for scripts.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import date
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import By
+from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.defaults import SEARCHED
-from scaloft_fi.errors import InputError
-from scaloft_fi.scripting.arguments import Seeds, in_python, names, number
-from scaloft_fi.scripting.arguments import seeds as seeds_of
-from scaloft_fi.scripting.flight import FlownFlight
-from scaloft_fi.scripting.held import HeldCampaign
-from scaloft_fi.scripting.progress import Told, progress_of
-from scaloft_fi.scripting.score import CampaignScore
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.scripting.flight import FlownFlight, Seeds, in_python, names, number
+from scaloft_fi.scripting.flight import seeds as seeds_of
+from scaloft_fi.views.output import Columns, ColumnType
+from scaloft_fi.views.table import Format, html
 
 if TYPE_CHECKING:
+    from scaloft_fi.analysis.score import MutantScore
     from scaloft_fi.campaign.runs.gates import RunOptions
     from scaloft_fi.campaign.workers.local import Executor
-    from scaloft_fi.views.outputs.answer import Answer
+    from scaloft_fi.study import Study
+    from scaloft_fi.verbs.score import ScoredCampaign
+    from scaloft_fi.verbs.worksheet import Worksheet
+    from scaloft_fi.views.output import Answer
+
+
+Told = bool | Callable[[int, int], object]
+"""True for lines on the standard error, or a function of the flights flown and expected so far; False for nothing."""
+
+
+class Calls(Silence):
+    """Calls a function after each flight.
+
+    Args:
+        tell: the function; its arguments are the number of flights flown and that of flights expected.
+    """
+
+    def __init__(self, tell: Callable[[int, int], object]) -> None:
+        super().__init__()
+        self._tell = tell
+
+    def advance(self) -> None:
+        """Count one more flight, and call the function."""
+        super().advance()
+        self._tell(self.done, self.flights)
+
+
+def progress_of(told: Told) -> Progress:
+    """The progress display for the argument `progress`.
+
+    Raises:
+        InputError: it is neither a truth value nor a function.
+    """
+    if isinstance(told, bool):
+        return Progress() if told else Silence()
+    if not callable(told):
+        raise InputError(f"progress={told!r} must be True, False, or a function of two numbers")
+    return Calls(told)
+
+
+TEXT, WHOLE, NUMBER, TEXTS = ColumnType.TEXT, ColumnType.WHOLE, ColumnType.NUMBER, ColumnType.TEXTS
+MUTANT_COLUMNS = {
+    **dict.fromkeys(("mutant", "guideword", "parameter", "magnitude", "verdict", "firm", "status"), TEXT),
+    **dict.fromkeys(("killed_in", "tested_in", "flown_in"), WHOLE),
+    "killed_by": TEXTS,
+    **dict.fromkeys(("first_s", "seeds", "seeds_needed"), NUMBER),
+}
+PAIR_COLUMNS = {
+    **dict.fromkeys(("situation", "requirement", "kind", "state"), TEXT),
+    **dict.fromkeys(("violated", "flights"), WHOLE),
+}
+
+
+class CampaignScore:
+    """The score of a campaign; each ratio has `part`, `whole` and `value` (None for 0 of 0).
+
+    Args:
+        scored: the campaign with its score.
+    """
+
+    def __init__(self, scored: ScoredCampaign) -> None:
+        self._scored = scored
+
+    @property
+    def mutation_score(self) -> Ratio:
+        """Mutants that the safety requirements detect, of the credible cells' default mutants flown."""
+        return self._scored.score.mutation_score
+
+    @property
+    def firm(self) -> Ratio:
+        """Mutants detected whichever one seed is left out, of the same."""
+        return self._scored.score.firm
+
+    @property
+    def exercised(self) -> Ratio:
+        """Credible cells whose default mutant was flown, of all credible cells."""
+        return self._scored.score.exercised
+
+    @property
+    def infected(self) -> Ratio:
+        """Mutants that changed a sample, of those flown."""
+        return self._scored.score.infected
+
+    @property
+    def tested(self) -> Ratio:
+        """Mutants that were put to the test, of those flown."""
+        return self._scored.score.tested
+
+    @property
+    def operability(self) -> Ratio:
+        """Mutants that the operability requirements detect, of those flown."""
+        return self._scored.score.operability
+
+    @property
+    def alpha(self) -> float:
+        """Accepted chance 0..1 that a fault without effect is called detected."""
+        return self._scored.score.alpha
+
+    @property
+    def expected_false(self) -> float:
+        """Number of mutants without effect that are called detected, expected at most."""
+        return self._scored.score.expected_false
+
+    @cached_property
+    def mutants(self) -> Columns:
+        """One row for each mutant, ladders too, in the order of the catalogue.
+
+        `firm` says of a detected one whether it hangs on a seed; it is empty for the others.
+        `killed_in`, `tested_in` and `flown_in` count situations, `killed_by` has the requirements, `first_s` is the
+        earliest violation [s from the start], `seeds` is what the verdict rests on, `seeds_needed` what would decide.
+        """
+        return Columns("Mutants", MUTANT_COLUMNS, map(_mutant, self._scored.score.mutants))
+
+    @cached_property
+    def controls(self) -> Columns:
+        """The same of the controls, which are in no ratio."""
+        return Columns("Controls", MUTANT_COLUMNS, map(_mutant, self._scored.score.controls))
+
+    @cached_property
+    def pairs(self) -> Columns:
+        """One row for each situation with a requirement: of how many baseline flights how many violate, and its state.
+
+        The state is `steady`, `red`, `unsteady`, `open`, `vacuous` or `unknown`.
+        """
+        pairs = self._scored.score.pool.pairs.values()
+        rows = (
+            {
+                "situation": pair.situation,
+                "requirement": pair.requirement,
+                "kind": pair.kind.value,
+                "state": pair.state.value,
+                "violated": pair.violated,
+                "flights": pair.flights,
+            }
+            for pair in pairs
+        )
+        return Columns("Pairs", PAIR_COLUMNS, rows)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a reader must know beside the score, in sentences; often nothing."""
+        return self._scored.warnings
+
+    def record(self, by: str | None = None) -> dict[str, Any]:
+        """The score as plain JSON values: what `scaloft-fi score --format json` prints.
+
+        Args:
+            by: `guideword`, `parameter`, `severity`, `situation`, `requirement` or `axis`, to have the score part by
+                part too.
+
+        Raises:
+            InputError: there is no such grouping.
+        """
+        return self._scored.record(_by(by))
+
+    def text(self, *, by: str | None = None, everything: bool = False) -> str:
+        """What `scaloft-fi score` prints.
+
+        Args:
+            by: as for `record`.
+            everything: whether every mutant and every table is shown, not only the first screen.
+
+        Raises:
+            InputError: there is no such grouping.
+        """
+        with in_python():
+            return self._scored.text(Format.TABLE, by=_by(by), everything=everything)
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def __repr__(self) -> str:
+        return f"<score of campaign {self._scored.campaign!r}: {self.mutation_score} detected>"
+
+    def _repr_html_(self) -> str:
+        return html((*self._scored.screen(whole=False), *self._scored.run))
+
+
+def _mutant(mutant: MutantScore) -> Mapping[str, Any]:
+    rate, safety = mutant.kill_rate, mutant.safety
+    return {
+        "mutant": mutant.subject.id,
+        "guideword": mutant.subject.guideword,
+        "parameter": mutant.subject.parameter,
+        "magnitude": mutant.subject.magnitude,
+        "verdict": mutant.verdict.value,
+        "firm": mutant.firmness.value if mutant.firmness else "",
+        "status": mutant.status.value,
+        "killed_in": rate.part,
+        "tested_in": rate.whole,
+        "flown_in": mutant.kill_rate_flown.whole,
+        "killed_by": [name for name, _ in mutant.requirements],
+        "first_s": mutant.first.t_s if mutant.first else None,
+        "seeds": safety.seeds,
+        "seeds_needed": safety.needed,
+    }
+
+
+def _by(name: str | None) -> By | None:
+    if name is None:
+        return None
+    if name not in {by.value for by in By}:
+        raise InputError(f"by={name!r} must be a grouping of the score{did_you_mean(name, [by.value for by in By])}")
+    return By(name)
+
+
+REPORT_NAME = "report.html"
+
+
+@dataclass(frozen=True)
+class HeldCampaign:
+    """A campaign of a study, which need not exist yet.
+
+    Each method reads study and campaign as they are when it is called.
+
+    Attributes:
+        study_folder: folder of the study.
+        name: name of the campaign.
+        grid: name of the grid; None for that of the campaign.
+    """
+
+    study_folder: Path
+    name: str
+    grid: str | None = None
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the campaign."""
+        from scaloft_fi.campaign.store.archive import campaign_folder
+
+        with in_python():
+            return campaign_folder(self._study, self.name)
+
+    def score(self, *, baseline_from: str | None = None, today: date | None = None) -> CampaignScore:
+        """Score the flights that the campaign holds, without flying.
+
+        Args:
+            baseline_from: name of a campaign whose baselines join the pool.
+            today: day by which dispositions expire; by default the system's date.
+
+        Raises:
+            InputError: there is no campaign, or it holds no flight that counts.
+        """
+        from scaloft_fi.verbs.score import scored_campaign
+
+        with in_python():
+            return CampaignScore(scored_campaign(self._study, self.name, baseline_from, today))
+
+    def flights(self) -> Columns:
+        """The flights that count, one row each, with the columns of `scaloft-fi export`.
+
+        Raises:
+            InputError: there is no campaign, or it holds no flight that counts.
+        """
+        from scaloft_fi.verbs.export.archive import dossier
+        from scaloft_fi.verbs.export.rows import flight_columns
+
+        with in_python():
+            made = dossier(self._study, self.name)
+            return flight_columns(made.rows, made.columns)
+
+    def export(
+        self,
+        format: str = "json",  # noqa: A002 - the name of the option
+        *,
+        today: date | None = None,
+    ) -> bytes:
+        """The campaign in a format of `scaloft-fi export`, as the bytes of a file.
+
+        Args:
+            format: name of the format.
+            today: day by which dispositions expire; by default the system's date.
+
+        Raises:
+            InputError: there is no such format or campaign, or the campaign holds no flight that counts.
+        """
+        from scaloft_fi.verbs.export.archive import dossier
+        from scaloft_fi.verbs.export.dossier import FORMATS
+
+        with in_python():
+            chosen = FORMATS[format]
+            return chosen.content(dossier(self._study, self.name, today))
+
+    def report(self, path: Path | str | None = None, *, today: date | None = None) -> Path:
+        """Write one HTML file that tells the whole campaign; returns its path.
+
+        Args:
+            path: path of the file; by default `report.html` in the folder of the campaign.
+            today: day by which dispositions expire; by default none is judged.
+
+        Raises:
+            InputError: there is no campaign, it holds no flight that counts, or the file cannot be written.
+        """
+        from scaloft_fi.campaign.store.archive import is_archive
+        from scaloft_fi.output import write_named
+        from scaloft_fi.verbs.report.analyses import gather
+        from scaloft_fi.verbs.report.page import page
+
+        with in_python():
+            if path is None and is_archive(self.folder):
+                raise InputError(f"{self.folder}: an archive is a record, into which no report is written: give path")
+            content = page(gather(self._study, self.name, today)).encode()
+            file = self.folder / REPORT_NAME if path is None else Path(path)
+            write_named(file, content, "path")
+            return file
+
+    def status(self) -> Answer:
+        """How many flights the campaign holds, by status, and why those are stale that do not count any more.
+
+        Raises:
+            InputError: there is no campaign.
+        """
+        from scaloft_fi.verbs.status import status
+
+        with in_python():
+            return status(self._study, self.name)
+
+    def coverage(self) -> Answer:
+        """How much of the situations the campaign covers, number by number.
+
+        Raises:
+            InputError: there is no campaign, or it holds no flight that counts.
+        """
+        from scaloft_fi.verbs.coverage import coverage
+
+        with in_python():
+            return coverage(self._study, self.name)
+
+    def kills(
+        self,
+        mutants: str | Sequence[str] = (),
+        situations: str | Sequence[str] = (),
+        *,
+        show: str | Sequence[str] = (),
+        by_requirement: bool = False,
+    ) -> Answer:
+        """Where mutants are killed, which situations are needed, and what would change the survivors.
+
+        Args:
+            mutants: names, ids or patterns; by default every mutant flown but the controls.
+            situations: keys, aliases or patterns; `summary` tells what they kill together.
+            show: `conditions`, `situations`, `suite`, `subsumption` or `survivors`, at length; by default all, shortly.
+            by_requirement: whether subsumption tells kills by different requirements of a situation apart.
+
+        Raises:
+            InputError: there is no campaign, mutant, situation or part, or the campaign holds no such flight.
+        """
+        from scaloft_fi.verbs.kills import kills
+
+        with in_python():
+            return kills(
+                self._study,
+                self.name,
+                names(mutants, "mutants"),
+                show=names(show, "show"),
+                situations=names(situations, "situations"),
+                by_requirement=by_requirement,
+            )
+
+    def when(self, mutants: str | Sequence[str], *, operability: bool = False) -> Answer:
+        """At which times and events of the flight faults are killed: `scaloft-fi margin --when`; flies nothing.
+
+        Args:
+            mutants: names of cells, or ids.
+            operability: as for `margin`.
+
+        Raises:
+            InputError: a mutant has no phases, or the campaign fewer than two of them.
+        """
+        from scaloft_fi.verbs.margin import when_answer
+
+        with in_python():
+            return when_answer(self._study, self.name, names(mutants, "mutants"), operability=operability)
+
+    def worksheet(self) -> Worksheet:
+        """The HAZOP worksheet: every deviation beside what its default mutant did; `save` writes it for a meeting.
+
+        Raises:
+            InputError: there is no campaign, or it holds no flight that counts.
+        """
+        from scaloft_fi.verbs.worksheet import worksheet
+
+        with in_python():
+            return worksheet(self._study, self.name)
+
+    def dispositions(self, *, today: date | None = None) -> Answer:
+        """The survivors beside the study's dispositions; the column `fails` is what `score --ratchet` does not pass.
+
+        Args:
+            today: day by which dispositions expire; by default the system's date.
+
+        Raises:
+            InputError: there is no campaign, it holds no flight that counts, or no baseline pool to decide by.
+        """
+        from scaloft_fi.verbs.dispositions import dispositions
+
+        with in_python():
+            return dispositions(self._study, self.name, today)
+
+    def diff(self, other: str) -> Answer:
+        """The flights of which this campaign and another one do not say the same.
+
+        Args:
+            other: name of the other campaign.
+
+        Raises:
+            InputError: one of the campaigns does not exist, or they were flown over different grids.
+        """
+        from scaloft_fi.verbs.diff import diff
+
+        with in_python():
+            return diff(self._study, self.name, other)
+
+    @property
+    def _study(self) -> Study:
+        from scaloft_fi.campaign.store.flown_grid import study_of
+
+        return study_of(self.study_folder, self.name, self.grid)
+
+    def _repr_html_(self) -> str:
+        from scaloft_fi.campaign.store.archive import STORE_NAME, is_archive
+        from scaloft_fi.views.table import Table, html
+
+        if is_archive(self.folder) or (self.folder / STORE_NAME).is_file():
+            return self.status()._repr_html_()
+        return html((Table(f"Campaign {self.folder}", (), (), ("Nothing was flown here yet.",)),))
+
 
 MOST_JOBS = 1024
 MOST_SEED = 2**31 - 1
@@ -97,7 +534,7 @@ class OpenCampaign(HeldCampaign):
         from scaloft_fi.campaign.runs.gates import RunOptions
         from scaloft_fi.campaign.runs.request import Request, fly, planned_run
         from scaloft_fi.campaign.store.archive import campaign_folder
-        from scaloft_fi.views.scored_campaign import scored_run
+        from scaloft_fi.verbs.score import scored_run
 
         with in_python():
             request = Request(
@@ -136,8 +573,7 @@ class OpenCampaign(HeldCampaign):
             GateError: the flight differs from that of the campaign.
             InputError: there is no such mutant or situation, or the study cannot be flown.
         """
-        from scaloft_fi.views.flights.logged_flight import fly_with_log, ready_to_fly
-        from scaloft_fi.views.flights.repeated import compared
+        from scaloft_fi.verbs.replay import compared, fly_with_log, ready_to_fly
 
         with in_python():
             study = self._study
@@ -174,7 +610,7 @@ class OpenCampaign(HeldCampaign):
             InputError: an argument is not allowed, a fault has no order, or the study cannot be flown.
             Interrupted: the user stopped the search; every flight that ended is saved.
         """
-        from scaloft_fi.views.answers.margin import margin
+        from scaloft_fi.verbs.margin import margin
 
         with in_python():
             progress_of(progress)
@@ -225,7 +661,7 @@ class OpenCampaign(HeldCampaign):
             Interrupted: the user stopped the search; flights and finds are saved.
         """
         from scaloft_fi.campaign.seeking.finds import Allowance
-        from scaloft_fi.views.answers.seek import Search, seek, study_to_search
+        from scaloft_fi.verbs.seek import Search, seek, study_to_search
 
         with in_python(budget="budget"):
             options, allowance = _options(jobs, same_platform), Allowance.parse(budget)
@@ -253,7 +689,7 @@ class OpenCampaign(HeldCampaign):
             InputError: there is no such campaign, two have different grids, or the campaign cannot be written.
         """
         from scaloft_fi.campaign.store.flown_grid import study_of_all
-        from scaloft_fi.views.answers.merge import merge
+        from scaloft_fi.verbs.merge import merge
 
         with in_python():
             sources = names(others, "others")

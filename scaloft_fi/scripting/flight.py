@@ -1,25 +1,158 @@
-"""A flight that was flown in this process: status, requirements, log and map."""
+"""Arguments of the Python API: how they are read, and how an error names them.
+
+A picture that a notebook shows and a file keeps.
+
+A flight that was flown in this process: status, requirements, log and map.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.campaign.plan import MOST_SEEDS
+from scaloft_fi.campaign.plan import parse_seeds as seeds_in
+from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.status import baseline_status
-from scaloft_fi.scripting.arguments import in_python
-from scaloft_fi.scripting.figure import Figure
-from scaloft_fi.views.columns import Columns, ColumnType
-from scaloft_fi.views.lists.signals import signal_list
-from scaloft_fi.views.tables.html import html
-from scaloft_fi.views.tables.table import Format, Table, render
+from scaloft_fi.output import write_named
+from scaloft_fi.verbs.signals import signal_list
+from scaloft_fi.views.output import Columns, ColumnType
+from scaloft_fi.views.table import Format, Table, html, render
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from scaloft_fi.views.flights.logged_flight import LoggedFlight
+    from scaloft_fi.verbs.replay import LoggedFlight
+
+
+Seeds = int | str | range | list[int] | tuple[int, ...]
+"""`3` or `"3"` for seeds 0 to 2, `"4-6"` for seeds 4 to 6, or the seeds themselves."""
+NAMES = {"mutant": "mutants", "situation": "situations", "budget": "budget_s", "output": "path"}
+"""Arguments that have another name than the option of the verb."""
+_OPTION = re.compile(r"(?<![\w-])--([a-z]+(?:-[a-z]+)*)")
+
+
+@contextmanager
+def in_python(**names: str) -> Iterator[None]:
+    """In this context an error names arguments of Python, not options of the command line.
+
+    Args:
+        names: arguments by option, where they are not those of `NAMES`.
+    """
+    try:
+        yield
+    except ScaloftError as error:
+        error.args = (python_words(str(error), names),)
+        raise
+
+
+def python_words(sentence: str, names: Mapping[str, str] = NAMES) -> str:
+    """A sentence with arguments instead of options; commands, which stand in backticks, keep their options.
+
+    >>> python_words("--baseline-seeds='x' must be N; see `run --mutant ID`; another --mutant")
+    "baseline_seeds='x' must be N; see `run --mutant ID`; another mutants"
+    """
+    known = {**NAMES, **names}
+    parts = sentence.split("`")
+    parts[::2] = [_OPTION.sub(lambda it: known.get(it[1], it[1].replace("-", "_")), part) for part in parts[::2]]
+    return "`".join(parts)
+
+
+def names(given: str | Sequence[str], name: str) -> tuple[str, ...]:
+    """One text, or several.
+
+    Raises:
+        InputError: there is something else.
+    """
+    several: object = given  # whatever a script gives
+    listed = tuple(several) if isinstance(several, Iterable) and not isinstance(several, str) else (given,)
+    for one in listed:
+        if not isinstance(one, str):
+            raise InputError(f"{name}={one!r} must be a text, or a sequence of texts")
+    return listed
+
+
+def seeds(given: Seeds | None, name: str) -> tuple[int, ...] | None:
+    """The seeds; None stays None.
+
+    >>> seeds(3, "seeds"), seeds("4-6", "seeds"), seeds([7, 9], "seeds")
+    ((0, 1, 2), (4, 5, 6), (7, 9))
+
+    Raises:
+        InputError: the argument names no seeds.
+    """
+    if given is None:
+        return None
+    if isinstance(given, str):
+        return seeds_in(given, name)
+    allowed = f"a number of seeds from 1 to {MOST_SEEDS}, a text such as '4-6', or different seeds, none below 0"
+    if isinstance(given, int):
+        listed = () if isinstance(given, bool) else tuple(range(min(given, MOST_SEEDS + 1)))
+    else:
+        listed = tuple(given) if isinstance(given, range | list | tuple) else ()
+    whole = all(isinstance(one, int) and not isinstance(one, bool) and one >= 0 for one in listed)
+    if not 0 < len(set(listed)) == len(listed) <= MOST_SEEDS or not whole:
+        raise InputError(f"{name}={given!r} must be {allowed}")
+    return listed
+
+
+def number(given: float, name: str, least: float, most: float) -> float:
+    """A number from `least` to `most`.
+
+    Raises:
+        InputError: it is not.
+    """
+    if isinstance(given, bool) or not isinstance(given, int | float) or not least <= given <= most:
+        raise InputError(f"{name}={given!r} must be a number from {least:g} to {most:g}")
+    return given
+
+
+ENDS = (".svg", ".png")
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture.
+
+    Attributes:
+        title: what it shows.
+        svg: the text of an SVG file.
+    """
+
+    title: str
+    svg: str
+
+    def save(self, path: Path | str) -> Path:
+        """Write the picture; the end of the name decides the format.
+
+        Args:
+            path: a name that ends in `.svg` or `.png`.
+
+        Raises:
+            InputError: the name ends otherwise, or the file cannot be written.
+        """
+        from scaloft_fi.views.picture import png
+
+        file = Path(path)
+        end = file.suffix.lower()
+        if end not in ENDS:
+            raise InputError(f"path={str(path)!r} must end in {' or '.join(ENDS)}")
+        write_named(file, png(self.svg) if end == ".png" else self.svg.encode(), "path")
+        return file
+
+    def __repr__(self) -> str:
+        return f"<figure: {self.title}>"
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
 
 TIME = "elapsed_s"
 

@@ -7,19 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.scripting.arguments import in_python
 from scaloft_fi.scripting.campaign import OpenCampaign
-from scaloft_fi.scripting.figure import Figure
-from scaloft_fi.scripting.flight import FlownFlight
+from scaloft_fi.scripting.flight import Figure, FlownFlight, in_python
 from scaloft_fi.study import Study
-from scaloft_fi.views.columns import Columns, ColumnType
-from scaloft_fi.views.tables.html import html
-from scaloft_fi.views.tables.table import Table
+from scaloft_fi.views.output import Columns, ColumnType
+from scaloft_fi.views.table import Table, html
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from scaloft_fi.views.outputs.answer import Answer
+    from scaloft_fi.views.output import Answer
 
 TEXT, TEXTS = ColumnType.TEXT, ColumnType.TEXTS
 MUTANT_COLUMNS = {
@@ -132,7 +129,7 @@ class OpenStudy:
     @property
     def signals(self) -> Columns:
         """The signals that requirements and axes may use, one row each: name, unit, range (NaN: no bound), meaning."""
-        from scaloft_fi.views.lists.signals import signal_list
+        from scaloft_fi.verbs.signals import signal_list
 
         with in_python():
             records = signal_list(self.definition).records
@@ -175,7 +172,7 @@ class OpenStudy:
         Raises:
             InputError: there is no such mutant or situation, or the study cannot be flown.
         """
-        from scaloft_fi.views.flights.logged_flight import fly_with_log, ready_to_fly
+        from scaloft_fi.verbs.replay import fly_with_log, ready_to_fly
 
         with in_python():
             study = self.definition
@@ -190,8 +187,8 @@ class OpenStudy:
         Raises:
             InputError: there is no such situation, or the study cannot be read.
         """
-        from scaloft_fi.views.pictures.plan import draw_plan
-        from scaloft_fi.views.pictures.situation_plan import plan_of
+        from scaloft_fi.verbs.map import plan_of
+        from scaloft_fi.views.plan import draw_plan
 
         with in_python():
             study = self.definition
@@ -217,7 +214,7 @@ class OpenStudy:
         Raises:
             InputError: a file cannot be read, or there is no such situation.
         """
-        from scaloft_fi.views.answers.judge import judge
+        from scaloft_fi.verbs.judge import judge
 
         with in_python():
             listed = [files] if isinstance(files, Path | str) else files
@@ -232,7 +229,7 @@ class OpenStudy:
             fly: whether to fly one baseline flight too, which shows the seams that the stack polls.
         """
         from scaloft_fi.checks.check import check_study
-        from scaloft_fi.views.checks import check_values
+        from scaloft_fi.verbs.check import check_values
 
         with in_python():
             findings = check_values(check_study(self.folder, fly=fly))["findings"]

@@ -18,9 +18,7 @@ from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.stack.reference.stack import REFERENCE
-from scaloft_fi.views.worksheet.margin_record import margin_values
-from scaloft_fi.views.worksheet.margin_text import margin_text
-from scaloft_fi.views.worksheet.margins import LEGEND, cell_margins, margin_tables
+from scaloft_fi.verbs.margin import LEGEND, cell_margins, margin_tables, margin_text, margin_values
 
 MATRIX = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
 SECONDS = Scale("s", 1, 0.0)

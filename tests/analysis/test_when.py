@@ -13,9 +13,8 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.views.tables.table import Format, render
-from scaloft_fi.views.worksheet.margin_record import when_values
-from scaloft_fi.views.worksheet.when import when_tables
+from scaloft_fi.verbs.margin import when_tables, when_values
+from scaloft_fi.views.table import Format, render
 
 HUMAN, DARK = "T0O0W0D0H1", "T0O0W0D1H1"
 

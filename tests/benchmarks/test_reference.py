@@ -20,8 +20,8 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, pack_track
 from scaloft_fi.sim.log import FAR_M
 from scaloft_fi.study import Study
-from scaloft_fi.views.exchange.archive import outcome_file
-from scaloft_fi.views.snapshot import snapshot
+from scaloft_fi.verbs.export.archive import outcome_file
+from scaloft_fi.verbs.snapshot import snapshot
 
 MOST_BYTES = 15_000_000
 AGAIN = "python benchmarks/reference.py makes it again"

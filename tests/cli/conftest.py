@@ -12,7 +12,7 @@ from paper_flyer import Paper
 from papers import flight
 
 from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.cli.main import main
+from scaloft_fi.cli import main
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 

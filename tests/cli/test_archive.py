@@ -13,8 +13,8 @@ from refusal import sentence
 
 import scaloft_fi
 from scaloft_fi.campaign.store.archive import MANIFEST
-from scaloft_fi.cli.main import main
-from scaloft_fi.views.exchange import FORMATS
+from scaloft_fi.cli import main
+from scaloft_fi.verbs.export.dossier import FORMATS
 
 Call = Callable[..., Result]
 READS = (

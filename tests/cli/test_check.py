@@ -10,7 +10,7 @@ import pytest
 from click.testing import Result
 from jsonschema import Draft202012Validator
 
-from scaloft_fi.views.checks import CHECK
+from scaloft_fi.verbs.check import CHECK
 
 Call = Callable[..., Result]
 

@@ -20,18 +20,17 @@ from plugins import install
 from refusal import sentence
 
 from scaloft_fi.campaign.runs.request import STRATEGIES
-from scaloft_fi.cli.in_sources import OPERATOR, declared
-from scaloft_fi.cli.main import main
-from scaloft_fi.cli.shells import COMPLETION, SHELLS, answered
-from scaloft_fi.cli.verbs import VERBS
+from scaloft_fi.cli import VERBS, main
 from scaloft_fi.study import Study
-from scaloft_fi.views.documents.listed import DOCUMENTS
-from scaloft_fi.views.exchange.format import FORMATS
-from scaloft_fi.views.lists.axes import axis_list
-from scaloft_fi.views.lists.listing import Listing
-from scaloft_fi.views.lists.operators import operator_list
-from scaloft_fi.views.lists.seams import seam_list
-from scaloft_fi.views.lists.signals import signal_list
+from scaloft_fi.verbs.axes import axis_list
+from scaloft_fi.verbs.completion import COMPLETION, SHELLS, answered
+from scaloft_fi.verbs.documents.listed import DOCUMENTS
+from scaloft_fi.verbs.export.dossier import FORMATS
+from scaloft_fi.verbs.listing import Listing
+from scaloft_fi.verbs.names import OPERATOR, declared
+from scaloft_fi.verbs.operators import operator_list
+from scaloft_fi.verbs.seams import seam_list
+from scaloft_fi.verbs.signals import signal_list
 
 STUDY = Path(__file__).parents[2]
 BREAKS = " \t\n\"'@><=;|&(:"
@@ -286,7 +285,7 @@ def test_the_program_itself_answers_without_numpy_and_fast(tmp_path: Path) -> No
     program = (
         "import sys, time, atexit\n"
         "atexit.register(lambda: print(time.process_time(), 'numpy' in sys.modules))\n"
-        "from scaloft_fi.cli.main import main\nmain()"
+        "from scaloft_fi.cli import main\nmain()"
     )
     words = [sys.executable, "-c", program]
     done = [subprocess.run(words, cwd=STUDY, env=env, capture_output=True, text=True, check=True) for _ in range(3)]

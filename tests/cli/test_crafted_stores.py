@@ -12,7 +12,7 @@ from click.testing import CliRunner, Result
 from crafted import ONE, Crafted, campaign, crafted, sql
 
 from scaloft_fi.campaign.store.record import MOST_FLIGHTS
-from scaloft_fi.cli.main import main
+from scaloft_fi.cli import main
 from scaloft_fi.study import Study
 
 STUDY = Path(__file__).parents[2]

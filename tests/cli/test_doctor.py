@@ -11,8 +11,8 @@ from forms import of_form
 
 from scaloft_fi.campaign.runs.gates import published
 from scaloft_fi.campaign.store.origin import fingerprint
-from scaloft_fi.cli.options import FORMATS
 from scaloft_fi.errors import GateError
+from scaloft_fi.verbs.options import FORMATS
 
 Call = Callable[..., Result]
 
@@ -77,7 +77,7 @@ def test_a_plugin_that_does_not_load_is_named_and_everything_else_is_told(
     call: Call, answer: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     plugins = [EntryPoint("odd", "no_such_module_at_all", "g"), EntryPoint("well", "json", "g")]
-    monkeypatch.setattr("scaloft_fi.views.runs.installation.entry_points", lambda **_: plugins)
+    monkeypatch.setattr("scaloft_fi.verbs.doctor.entry_points", lambda **_: plugins)
     result = call("doctor", "--format", "json", campaign=False)
     assert result.exit_code == 2
     assert "plugin 'odd' of package 'no_such_module_at_all' cannot be loaded: ModuleNotFoundError" in result.stderr

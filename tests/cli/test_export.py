@@ -13,7 +13,7 @@ import pytest
 from click.testing import Result
 from refusal import sentence
 
-from scaloft_fi.views.exchange import FORMATS, Dossier, export_format
+from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, export_format
 
 Call = Callable[..., Result]
 
@@ -104,7 +104,7 @@ def test_a_plugin_of_another_package_adds_a_format(tmp_path: Path) -> None:
     (tmp_path / "loud-1.dist-info" / "entry_points.txt").write_text("[scaloft_fi.plugins]\nloud = loud\n")
     package.mkdir()
     (package / "__init__.py").write_text(
-        "from scaloft_fi.views.exchange import Dossier, export_format\n\n\n"
+        "from scaloft_fi.verbs.export import Dossier, export_format\n\n\n"
         "@export_format('loud', 'everything in capitals')\n"
         "def loud(dossier: Dossier) -> str:\n    return dossier.campaign.upper()\n"
     )

@@ -14,8 +14,8 @@ from refusal import sentence
 
 import scaloft_fi
 from scaloft_fi.analysis.score import By
-from scaloft_fi.cli.main import main
-from scaloft_fi.views.outputs.listed import output_of
+from scaloft_fi.cli import main
+from scaloft_fi.reference import output_of
 
 STUDY = Path(__file__).parents[2]
 Call = Callable[..., Result]

@@ -10,10 +10,9 @@ from forms import of_form
 from scaloft_fi.campaign.flights.command import judged_record, known_of, mapping_of
 from scaloft_fi.campaign.flights.fly import fly_log, judged
 from scaloft_fi.campaign.store.held import flight_named
-from scaloft_fi.cli.main import main
+from scaloft_fi.cli import main
 from scaloft_fi.study import Study
-from scaloft_fi.views.flights.log_table import log_table
-from scaloft_fi.views.flights.mcap import mcap
+from scaloft_fi.verbs.replay import log_table, mcap
 
 STUDY = Path(__file__).parents[2]
 FLIGHTS = ("LATE-human@3s/T0O0W0D0H1/0", "REVERSE-velcmd/T0O0W0D0H0/0")

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from plugins import ROOT, call, install_project
 
-from scaloft_fi.cli.main import main
+from scaloft_fi.cli import main
 
 VERBS = ("signals", "seams", "operators", "axes")
 

@@ -8,9 +8,7 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from scaloft_fi.cli import main as cli
-from scaloft_fi.cli.main import main
-from scaloft_fi.cli.verbs import GROUPS, VERBS
+from scaloft_fi.cli import GROUPS, VERBS, Pipeline, main
 from scaloft_fi.errors import GateError, InputError, ScaloftError
 from scaloft_fi.version import __version__
 
@@ -27,7 +25,7 @@ def _verb(monkeypatch: pytest.MonkeyPatch, raising: BaseException) -> None:
         raise raising
 
     command = click.Command("matrix", callback=fail)
-    monkeypatch.setattr(cli.Pipeline, "get_command", lambda *_: command)
+    monkeypatch.setattr(Pipeline, "get_command", lambda *_: command)
 
 
 def test_the_version_is_told() -> None:
@@ -103,7 +101,7 @@ def test_debugging_shows_where(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_matrix_starts_without_numpy() -> None:
     program = (
-        "import sys; from scaloft_fi.cli.main import main; sys.argv = ['scaloft-fi', 'matrix']\n"
+        "import sys; from scaloft_fi.cli import main; sys.argv = ['scaloft-fi', 'matrix']\n"
         "try: main()\n"
         "except SystemExit as done: assert done.code == 0\n"
         "heavy = {'numpy', 'numba', 'pybullet', 'scipy', 'sqlite3'} & set(sys.modules)\n"

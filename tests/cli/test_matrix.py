@@ -16,13 +16,13 @@ from click.testing import CliRunner, Result
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.cli.matrix import matrix_command
 from scaloft_fi.console import PIPED
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import FOLDERS, load_matrix
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Guideword, Matrix, Parameter
 from scaloft_fi.hazop.render import overview, sheet
 from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.verbs.matrix import matrix_command
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 MATRIX = load_matrix(CHECKOUT / "hazop", REFERENCE.by_name)
@@ -165,7 +165,7 @@ def test_a_broken_cell_ends_with_2_and_its_file_and_line(tmp_path: Path) -> None
 def test_the_matrix_is_printed_without_numpy_in_under_half_a_second() -> None:
     source = (
         "import sys\n"
-        "from scaloft_fi.cli.main import main\n"
+        "from scaloft_fi.cli import main\n"
         "sys.argv[1:] = ['matrix']\n"
         "try:\n    main()\n"
         "finally:\n    assert not {'numpy', 'numba', 'pybullet', 'tabulate'} & set(sys.modules)\n"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.cli.main import main
+from scaloft_fi.cli import main
 
 STUDY = Path(__file__).parents[2]
 

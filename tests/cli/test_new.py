@@ -14,11 +14,11 @@ from forms import of_form
 from jsonschema import Draft202012Validator
 from plugins import call, install_project
 
-from scaloft_fi.cli.main import main
+from scaloft_fi.cli import main
 from scaloft_fi.document import load
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.study import Study
-from scaloft_fi.views.documents.listed import DOCUMENTS
+from scaloft_fi.verbs.documents.listed import DOCUMENTS
 
 KEY = re.compile(r"^[ -]*([\w-]+):(?=\s|$)")
 NAMES = {

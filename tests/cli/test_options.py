@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from scaloft_fi.cli.options import typed
+from scaloft_fi.verbs.options import typed
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.cli.main import main
+from scaloft_fi.cli import main
 
 STUDY = Path(__file__).parents[2]
 SAYS = f"study: {STUDY}, the reference study of this installation; there is none here: make a study of your own with"

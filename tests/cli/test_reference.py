@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import pytest
 
-from scaloft_fi.cli.reference import command_reference
-from scaloft_fi.cli.verb import Page, Verb
-from scaloft_fi.cli.verbs import GROUPS, VERBS, command_of
+from scaloft_fi.cli import GROUPS, VERBS, command_of
+from scaloft_fi.reference import command_reference
+from scaloft_fi.verbs.verb import Page, Verb
 
 
 @pytest.fixture(scope="module")

@@ -18,10 +18,8 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.sim.log import NEVER_S, Ending, FlightLog
 from scaloft_fi.study import Study
-from scaloft_fi.views.flights.logged_flight import LoggedFlight
-from scaloft_fi.views.flights.repeated import Comparison, Likeness, compared
-from scaloft_fi.views.flights.replayed import REPLAY, replay_values
-from scaloft_fi.views.tables.table import Format, render
+from scaloft_fi.verbs.replay import REPLAY, Comparison, Likeness, LoggedFlight, compared, replay_values
+from scaloft_fi.views.table import Format, render
 
 STUDY = Path(__file__).parents[2]
 LOG = FlightLog({"elapsed_s": np.array([0.0, 40.0])}, Ending.LANDED, "", NEVER_S, "", {}, 60.0)
@@ -100,7 +98,7 @@ class _Replayed:
         """What `replay` says of `outcome` on the platform `numpy`, whose baseline has the digest `clean`."""
         self._monkeypatch.setattr("scaloft_fi.campaign.store.origin.fingerprint", lambda: {"numpy": numpy})
         again = LoggedFlight(self.study, self.clean, LOG, replace(self.baseline, digest=clean))
-        self._monkeypatch.setattr("scaloft_fi.views.flights.logged_flight.fly_with_log", lambda *_: again)
+        self._monkeypatch.setattr("scaloft_fi.verbs.replay.fly_with_log", lambda *_: again)
         flown = LoggedFlight(self.study, self.flight, LOG, outcome)
         return compared(flown, f"{self._folder}/", same_platform=same_platform)
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.cli.main import main
-from scaloft_fi.views.documents.listed import DOCUMENTS
+from scaloft_fi.cli import main
+from scaloft_fi.verbs.documents.listed import DOCUMENTS
 
 ROOT = Path(__file__).parents[2]
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 from click.testing import Result
 
-from scaloft_fi.cli.verbs import VERBS
+from scaloft_fi.cli import VERBS
 
 Call = Callable[..., Result]
 MARK = re.compile(r"\x1b\[[0-9;]*m")

@@ -13,7 +13,7 @@ STUDY = Path(__file__).parents[2]
 
 PROGRAM = """
 import sys
-from scaloft_fi.cli.main import main
+from scaloft_fi.cli import main
 try:
     main(sys.argv[1:])
 except SystemExit as done:

@@ -13,7 +13,7 @@ from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.platforms import claim
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.study import Study
-from scaloft_fi.views.snapshot import snapshot
+from scaloft_fi.verbs.snapshot import snapshot
 
 STUDY = Path(__file__).parents[2]
 

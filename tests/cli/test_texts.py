@@ -20,7 +20,7 @@ from obeyed import obeyed
 from papers import STUDY, flight
 
 from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.cli.main import main
+from scaloft_fi.cli import main
 from scaloft_fi.console import printable
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study

@@ -7,11 +7,10 @@ from pathlib import Path
 import click
 import pytest
 
-from scaloft_fi.cli.main import main
-from scaloft_fi.cli.verb import REST, HelpPage, Page, Verb, verb
-from scaloft_fi.cli.verbs import VERBS, command_of
+from scaloft_fi.cli import VERBS, command_of, main
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.study import Study
+from scaloft_fi.verbs.verb import REST, HelpPage, Page, Verb, verb
 
 ROOT = Path(__file__).parents[2]
 MANY = 10
@@ -25,7 +24,7 @@ def study() -> Study:
 
 def _command(name: str) -> Verb:
     command = command_of(name)
-    assert isinstance(command, Verb), f"{name} is not declared by @verb (scaloft_fi/cli/verb.py)"
+    assert isinstance(command, Verb), f"{name} is not declared by @verb (scaloft_fi/verbs/verb.py)"
     return command
 
 

@@ -13,7 +13,7 @@ from click.exceptions import Exit
 from plugins import ROOT, call
 from shown_commands import GUIDES, Shown, named_commands, shown_commands, stray_commands, update
 
-from scaloft_fi.cli.verbs import VERBS, command_of
+from scaloft_fi.cli import VERBS, command_of
 
 RUN_BY_GUIDES = {f"{name}.md" for name in GUIDES}
 """The pages whose commands `tests/test_guides.py` runs, with the packages that the pages show."""

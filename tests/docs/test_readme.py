@@ -11,7 +11,7 @@ from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.study import NO_FINDS, Study
-from scaloft_fi.views.score.first_screen import first_screen, screen_text
+from scaloft_fi.verbs.first_screen import first_screen, screen_text
 
 MUTANT, CONTROL = "LATE-human@3s", ("REVERSE-velcmd", "T0O0W0D0H0")
 

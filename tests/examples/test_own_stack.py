@@ -31,7 +31,7 @@ sys.meta_path.insert(0, Guard())
 
 RUNNER = """
 import contextlib, io, json, sys
-from scaloft_fi.cli.main import main
+from scaloft_fi.cli import main
 
 told = {}
 for words in json.loads(sys.argv[1]):

@@ -151,7 +151,7 @@ def test_the_catalogue_of_the_study_is_current(make_study: Callable[..., None], 
     make_study(tmp_path / "study", [EXAMPLE / "own_mission.py"], ROOT)
     from click.testing import CliRunner
 
-    from scaloft_fi.cli.main import main
+    from scaloft_fi.cli import main
 
     result = CliRunner().invoke(main, ["mutants", "--check", "--study", str(tmp_path / "study")])
     assert result.exit_code == 0, result.output

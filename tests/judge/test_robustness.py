@@ -19,11 +19,10 @@ from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.stack.reference.stack import REFERENCE
-from scaloft_fi.views.exchange.parquet import parquet
-from scaloft_fi.views.flights.export import columns, export_rows, to_csv, to_json
-from scaloft_fi.views.score.tables import requirement_table
-from scaloft_fi.views.worksheet.margin_record import margin_values
-from scaloft_fi.views.worksheet.margins import margin_tables
+from scaloft_fi.verbs.export.dossier import parquet
+from scaloft_fi.verbs.export.rows import columns, export_rows, to_csv, to_json
+from scaloft_fi.verbs.first_screen import requirement_table
+from scaloft_fi.verbs.margin import margin_tables, margin_values
 
 SENTINEL = 24.0
 HUMAN = "T0O0W0D0H1"

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from scaloft_fi.errors import GateError, InputError
-from scaloft_fi.scripting.arguments import in_python, names, number, python_words, seeds
+from scaloft_fi.scripting.flight import in_python, names, number, python_words, seeds
 
 
 @pytest.mark.parametrize("bad", [0, -1, 100_001, True, 2.5, (), [1, 1], [-1], ["1"], [True], "x", "3-1", {1}, None])

@@ -11,8 +11,8 @@ from click.testing import CliRunner
 from paper_flyer import Paper
 
 import scaloft_fi
-from scaloft_fi.cli.main import main
-from scaloft_fi.views.exchange import FORMATS
+from scaloft_fi.cli import main
+from scaloft_fi.verbs.export.dossier import FORMATS
 
 STUDY = Path(__file__).parents[2]
 

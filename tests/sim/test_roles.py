@@ -6,7 +6,7 @@ import pytest
 
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.world import ROLES, Role
-from scaloft_fi.views.pictures.symbols import body_style
+from scaloft_fi.views.picture import body_style
 
 
 @pytest.fixture

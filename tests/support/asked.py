@@ -15,8 +15,8 @@ from jsonschema import Draft202012Validator
 
 from scaloft_fi import document
 from scaloft_fi.document import LARGEST, Item
-from scaloft_fi.views.documents.build import Schema
-from scaloft_fi.views.documents.listed import DOCUMENTS
+from scaloft_fi.verbs.documents.listed import DOCUMENTS
+from scaloft_fi.verbs.documents.schema import Schema
 
 Path_ = tuple[str | int, ...]
 Pointer = tuple[str | int, ...]

@@ -7,8 +7,8 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import Any
 
-from scaloft_fi.views.flights.export import export_rows, to_json
-from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.verbs.export.rows import export_rows, to_json
+from scaloft_fi.verbs.report.analyses import Evidence
 
 Row = dict[str, Any]
 SAFETY = ("SR1", "SR2")

@@ -13,7 +13,7 @@ from scaloft_fi.hazop.matrix import Cell, CellStatus, Guideword, Matrix, Paramet
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.study import NO_FINDS, KnownFinds
-from scaloft_fi.views.exchange.dossier import Dossier
+from scaloft_fi.verbs.export.dossier import Dossier
 
 HOSTILE = "<script>alert('1')</script> \"&\" =cmd|' /C calc'!A0 ]]> 人 \\textbf{x} " + "long " * 60
 WORDS, PARAMETERS = ("NO", "LATE", "MORE", "REVERSE"), ("human", "goal")

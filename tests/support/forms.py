@@ -9,7 +9,7 @@ from typing import Any
 
 from jsonschema import Draft202012Validator
 
-from scaloft_fi.views.outputs.listed import output_of
+from scaloft_fi.reference import output_of
 
 
 def of_form(verb: str, text: str) -> dict[str, Any]:

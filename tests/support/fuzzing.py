@@ -22,7 +22,7 @@ from unittest import mock
 
 from click.testing import CliRunner
 
-from scaloft_fi.cli.main import main as command_line
+from scaloft_fi.cli import main as command_line
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants import catalogue
 from scaloft_fi.study import Study

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from click.testing import CliRunner
 
-from scaloft_fi.cli.main import main as scaloft_fi
+from scaloft_fi.cli import main as scaloft_fi
 
 ROOT = Path(__file__).resolve().parents[2]
 RECORD = Path(__file__).with_name("outputs.json.gz")

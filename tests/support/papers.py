@@ -11,7 +11,7 @@ from pathlib import Path
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK_COLUMNS, Outcome, Subject, Violation, pack_track
 from scaloft_fi.judge.requirement import Reading
 from scaloft_fi.study import Study
-from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.verbs.report.analyses import Evidence
 
 STUDY = Path(__file__).parents[2]
 MUTANTS = ("LATE-human@3s", "LATE-human@1s", "MORE-goal@0.6m", "NO-depth@3s", "REVERSE-velcmd", "LESS-goal@0.05m")

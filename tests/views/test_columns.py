@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from scaloft_fi.views.columns import Columns, ColumnType
-from scaloft_fi.views.exchange.parquet import parquet
-from scaloft_fi.views.flights.export import column_type
+from scaloft_fi.verbs.export.dossier import parquet
+from scaloft_fi.verbs.export.rows import column_type
+from scaloft_fi.views.output import Columns, ColumnType
 
 TYPES = {
     "mutant": ColumnType.TEXT,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from datetime import date
 
 from scaloft_fi.analysis.survivor import Disposition, Judged, Standing
-from scaloft_fi.views.dispositions import complaint, disposition_table
+from scaloft_fi.verbs.dispositions import complaint, disposition_table
 
 LATE, DAY = "LATE-human@3s", date(2027, 1, 31)
 

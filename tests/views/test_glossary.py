@@ -12,10 +12,11 @@ from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.score import By
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID
 from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.verbs import axes, first_screen, operators, seams, signals
+from scaloft_fi.verbs.first_screen import POPULATIONS
+from scaloft_fi.verbs.verdict import NAMES
+from scaloft_fi.verbs.worksheet import COLUMNS
 from scaloft_fi.views.glossary import TERMS, term
-from scaloft_fi.views.lists import axes, operators, seams, signals
-from scaloft_fi.views.score import answers, first_screen, tables
-from scaloft_fi.views.worksheet.worksheet import COLUMNS
 
 TOLD_BY_A_RUN = {
     "cli/matrix.py: (word.id for word in matrix.guidewords)": "guidewords of the study",
@@ -76,9 +77,9 @@ def test_every_value_that_is_printed_is_a_term() -> None:
 @pytest.mark.parametrize(
     "words",
     [
-        answers.NAMES,
-        [name.replace("_", " ") for name in tables.POPULATIONS],
-        tables.POPULATIONS,
+        NAMES,
+        [name.replace("_", " ") for name in POPULATIONS],
+        POPULATIONS,
         (BASELINE, PLACEBO_ID),
     ],
 )

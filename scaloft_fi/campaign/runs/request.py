@@ -561,7 +561,7 @@ class PlannedRun:
 
 
 @dataclass(frozen=True)
-class Flown:
+class FlownRun:
     """A run that ended.
 
     Attributes:
@@ -609,7 +609,7 @@ def planned_run(study: Study, request: Request) -> PlannedRun:
     return PlannedRun(study, request, chosen, plan, others)
 
 
-def fly(planned: PlannedRun, folder: Path, options: RunOptions, *, progress: Progress) -> Flown:
+def fly(planned: PlannedRun, folder: Path, options: RunOptions, *, progress: Progress) -> FlownRun:
     """Fly what the campaign in `folder` lacks of a planned run; the same call resumes a run that was interrupted.
 
     Args:
@@ -628,8 +628,8 @@ def fly(planned: PlannedRun, folder: Path, options: RunOptions, *, progress: Pro
     remember_choice(study, folder, planned.chosen)
     if asked.sequential:
         report, looks = run_looks(study, planned.plan, folder, options, others=planned.others, progress=progress)
-        return Flown(planned, report, looks)
-    return Flown(planned, run(study, planned.plan, folder, options, progress=progress))
+        return FlownRun(planned, report, looks)
+    return FlownRun(planned, run(study, planned.plan, folder, options, progress=progress))
 
 
 def _refuse_with_looks(request: Request, how: str) -> None:

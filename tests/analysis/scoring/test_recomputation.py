@@ -17,8 +17,8 @@ from scaloft_fi.analysis.pool import findings
 from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
-from scaloft_fi.views.flights.export import columns, export_rows, to_csv
-from scaloft_fi.views.score.score_record import score_json
+from scaloft_fi.verbs.export.rows import columns, export_rows, to_csv
+from scaloft_fi.verbs.score_record import score_json
 
 FLOWN = Path(__file__).parents[2] / "support" / "three_situations_ten_seeds.jsonl.gz"
 

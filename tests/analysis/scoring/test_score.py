@@ -14,7 +14,7 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Score, score
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import Status
-from scaloft_fi.views.score.score_record import score_json
+from scaloft_fi.verbs.score_record import score_json
 
 LATE, NO, GOAL, CONTROL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m", "REVERSE-human"
 HUMAN = ["T0O0W0D0H1", "T0O1W0D0H1", "T1O0W0D0H1"]

@@ -9,7 +9,7 @@ from coverage_against_kills.curves import Curves, curves
 from coverage_against_kills.trial import Trial
 from grids import FIVE, keys_of
 
-from scaloft_fi.views.pictures.picture import png
+from scaloft_fi.views.picture import png
 
 SVG = "{http://www.w3.org/2000/svg}"
 

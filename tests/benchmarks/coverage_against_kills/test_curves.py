@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.analysis.coverage import covering_array, t_way
 from scaloft_fi.judge.space import Space
-from scaloft_fi.views.tables.table import Format, render
+from scaloft_fi.views.table import Format, render
 
 KEYS = tuple(keys_of(FIVE))
 

@@ -14,7 +14,7 @@ from published_flights import PUBLISHED, ROOT, outcomes
 from scaloft_fi.analysis.score import score_of
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.study import Study
-from scaloft_fi.views.tables.table import Format, render
+from scaloft_fi.views.table import Format, render
 
 
 @cache

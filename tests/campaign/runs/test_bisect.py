@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scaloft_fi.analysis.margin import Margin, Scale, margin_of
 from scaloft_fi.analysis.survivor import Reaction, Tried
 from scaloft_fi.campaign.runs.margin import WIDENINGS, Search
-from scaloft_fi.views.worksheet.margin_text import margin_text
+from scaloft_fi.verbs.margin import margin_text
 
 SECONDS = Scale("s", 1, 0.0)
 LADDER = (0.5, 1.0, 3.0, 5.0)

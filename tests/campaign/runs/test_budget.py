@@ -20,8 +20,8 @@ from scaloft_fi.campaign.runs.run import Budget, Report, budget_s, fair_order, i
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import defaults, realise
-from scaloft_fi.views.flights.export import export_rows, to_json
-from scaloft_fi.views.runs.unflown import unflown, unflown_tables
+from scaloft_fi.verbs.export.rows import export_rows, to_json
+from scaloft_fi.verbs.score import unflown, unflown_tables
 
 CONTROL = "REVERSE-velcmd"
 

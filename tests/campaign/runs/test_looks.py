@@ -21,8 +21,8 @@ from scaloft_fi.campaign.workers.local import Interrupted
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
-from scaloft_fi.views.flights.export import export_rows, to_json
-from scaloft_fi.views.runs.looks import look_table
+from scaloft_fi.verbs.export.rows import export_rows, to_json
+from scaloft_fi.verbs.score import look_table
 
 LATE, MORE, CONTROL = "LATE-human@3s", "MORE-goal@1m", "REVERSE-velcmd"
 

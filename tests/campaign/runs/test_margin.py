@@ -26,8 +26,7 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.study import Study
-from scaloft_fi.views.worksheet.margin_text import margin_text
-from scaloft_fi.views.worksheet.margins import cell_margins
+from scaloft_fi.verbs.margin import cell_margins, margin_text
 
 LATE = PhasedFault("LATE-human", "s")
 THREE = (0, 1, 2)

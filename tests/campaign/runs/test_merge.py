@@ -23,7 +23,7 @@ from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import facts_of
 from scaloft_fi.mutants.catalogue import realise
-from scaloft_fi.views.flights.export import export_rows, to_json
+from scaloft_fi.verbs.export.rows import export_rows, to_json
 
 CONTROL, LATE = "REVERSE-velcmd", "LATE-human@3s"
 

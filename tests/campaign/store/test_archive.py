@@ -18,7 +18,7 @@ from scaloft_fi.campaign.store.flown_grid import opened, study_of
 from scaloft_fi.campaign.store.held import held_in
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
-from scaloft_fi.views.exchange.archive import archive_files, unzipped, zipped
+from scaloft_fi.verbs.export.archive import archive_files, unzipped, zipped
 
 STUDY = Path(__file__).parents[3]
 

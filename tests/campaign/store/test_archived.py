@@ -21,7 +21,7 @@ from scaloft_fi.campaign.store.record import MOST_FLIGHTS
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, track_values
 from scaloft_fi.judge.requirement import measured_rho
-from scaloft_fi.views.exchange.archive import outcome_file, track_file
+from scaloft_fi.verbs.export.archive import outcome_file, track_file
 
 PATH = Path("archive/outcomes.parquet")
 STUDY: Any = SimpleNamespace(

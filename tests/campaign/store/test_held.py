@@ -23,7 +23,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.stack.reference.stack import REFERENCE
-from scaloft_fi.views.snapshot import Snapshot, snapshot
+from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 
 CONTROL, LATE, MORE = "REVERSE-velcmd", "LATE-human@3s", "MORE-goal@1m"
 HAZOP = Path(__file__).parents[3] / "hazop"

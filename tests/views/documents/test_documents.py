@@ -23,9 +23,8 @@ from scaloft_fi.outside.command import load_command
 from scaloft_fi.outside.records.record_map import load_record_map
 from scaloft_fi.sim.grids import WITH_FOUND, grid_names
 from scaloft_fi.study import Study
-from scaloft_fi.views.documents.build import Schema
-from scaloft_fi.views.documents.declared import Declared
-from scaloft_fi.views.documents.listed import DOCUMENTS, PUBLISHED
+from scaloft_fi.verbs.documents.listed import DOCUMENTS, PUBLISHED
+from scaloft_fi.verbs.documents.schema import Declared, Schema
 
 ROOT = Path(__file__).parents[3]
 FILES = sorted(
@@ -218,8 +217,8 @@ from pathlib import Path
 from jsonschema import Draft202012Validator
 from scaloft_fi.document import load
 from scaloft_fi.registry import load_plugins
-from scaloft_fi.views.documents.declared import Declared
-from scaloft_fi.views.documents.listed import DOCUMENTS
+from scaloft_fi.verbs.documents.schema import Declared
+from scaloft_fi.verbs.documents.listed import DOCUMENTS
 
 load_plugins()
 every, own = Declared.everything(), Declared.everything(own=True)
@@ -244,8 +243,8 @@ def test_the_published_schemas_are_those_of_the_code() -> None:
     published = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / PUBLISHED).iterdir()}
     # in a process of its own, because other tests declare stacks in this one
     program = (
-        "import json; from scaloft_fi.views.documents.declared import Declared\n"
-        "from scaloft_fi.views.documents.listed import schema_texts\n"
+        "import json; from scaloft_fi.verbs.documents.schema import Declared\n"
+        "from scaloft_fi.verbs.documents.listed import schema_texts\n"
         "print(json.dumps(schema_texts(Declared.everything(own=True))))"
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)

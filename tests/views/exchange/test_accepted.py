@@ -12,13 +12,9 @@ from builders import outcome, pool
 from dossiers import dossier
 
 from scaloft_fi.analysis.survivor import Disposition
-from scaloft_fi.views.exchange.dossier import Dossier
-from scaloft_fi.views.exchange.gsn import gsn
-from scaloft_fi.views.exchange.junit import junit
-from scaloft_fi.views.exchange.mutation_testing import mutation_testing
-from scaloft_fi.views.exchange.sace import to_markdown, verification_log
-from scaloft_fi.views.exchange.sarif import sarif
-from scaloft_fi.views.exchange.summary import summary
+from scaloft_fi.verbs.export.assurance import gsn, to_markdown, verification_log
+from scaloft_fi.verbs.export.ci import junit, mutation_testing, sarif, summary
+from scaloft_fi.verbs.export.dossier import Dossier
 
 LATE, MORE, NO = "LATE-human@3s", "MORE-goal@0.6m", "NO-human@100%"
 LAST = date(2027, 1, 31)

@@ -9,7 +9,7 @@ from builders import outcome, pool
 from dossiers import dossier
 from finding import flies, found, known
 
-from scaloft_fi.views.exchange import FORMATS
+from scaloft_fi.verbs.export.dossier import FORMATS
 
 LATE, NO, HERE = "LATE-human@3s", "NO-human@100%", "T0O0W0D0H0"
 FLIGHTS = [*pool(HERE), *(outcome(id_, HERE, seed) for id_ in (LATE, NO) for seed in range(3))]

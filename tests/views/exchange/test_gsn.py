@@ -12,8 +12,8 @@ from dossiers import dossier, dossiers
 from hypothesis import given, settings
 
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.views.exchange.dossier import Dossier
-from scaloft_fi.views.exchange.gsn import gsn
+from scaloft_fi.verbs.export.assurance import gsn
+from scaloft_fi.verbs.export.dossier import Dossier
 
 PREFIX = re.compile(r"(CG|CSn|Sn|G|S|C|A|J)\d+")
 SUPPORTERS = {"G": {"G", "S", "Sn"}, "S": {"G", "S", "Sn"}, "CG": {"CG", "CSn", "S"}}

@@ -12,8 +12,8 @@ from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.console import line
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.views.exchange.dossier import Dossier
-from scaloft_fi.views.exchange.junit import junit
+from scaloft_fi.verbs.export.ci import junit
+from scaloft_fi.verbs.export.dossier import Dossier
 
 HERE = "T0O0W0D0H0"
 CONTROL = "REVERSE-human"

@@ -11,8 +11,8 @@ from dossiers import HOSTILE, LINES, dossier, dossiers
 from hypothesis import given, settings
 
 from scaloft_fi.analysis.roster import Ratio
-from scaloft_fi.views.exchange.dossier import Dossier
-from scaloft_fi.views.exchange.mutation_testing import mutation_testing
+from scaloft_fi.verbs.export.ci import mutation_testing
+from scaloft_fi.verbs.export.dossier import Dossier
 
 SCHEMA = json.loads((Path(__file__).parents[2] / "support" / "mutation-testing-report-schema-3.8.4.json").read_text())
 HERE, THERE = "T0O0W0D0H0", "T0O0W0D0H1"

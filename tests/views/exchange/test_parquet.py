@@ -7,8 +7,8 @@ from builders import GRID, KINDS, ROSTER, campaigns
 from hypothesis import given
 
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.views.exchange.parquet import parquet
-from scaloft_fi.views.flights.export import columns, export_rows
+from scaloft_fi.verbs.export.dossier import parquet
+from scaloft_fi.verbs.export.rows import columns, export_rows
 
 
 @given(campaigns())

@@ -7,8 +7,8 @@ from builders import outcome, pool
 from dossiers import dossier, dossiers
 from hypothesis import given, settings
 
-from scaloft_fi.views.exchange.dossier import Dossier
-from scaloft_fi.views.exchange.sace import EDGES, to_json, to_markdown
+from scaloft_fi.verbs.export.assurance import EDGES, to_json, to_markdown
+from scaloft_fi.verbs.export.dossier import Dossier
 
 HEADINGS = [
     "Test case details",

@@ -8,8 +8,8 @@ from dossiers import HOSTILE, LINES, dossier, dossiers
 from hypothesis import given, settings
 from sarif_pydantic import Sarif
 
-from scaloft_fi.views.exchange.dossier import Dossier
-from scaloft_fi.views.exchange.sarif import sarif
+from scaloft_fi.verbs.export.ci import sarif
+from scaloft_fi.verbs.export.dossier import Dossier
 
 
 @settings(deadline=None, max_examples=50)

@@ -5,7 +5,7 @@ from dataclasses import replace
 from builders import CLASSED, outcome, pool
 from dossiers import dossier
 
-from scaloft_fi.views.exchange.summary import summary
+from scaloft_fi.verbs.export.ci import summary
 
 HERE, RED = "T0O0W0D0H0", "T0O0W0D1H1"
 

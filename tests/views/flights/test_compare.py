@@ -9,7 +9,7 @@ from hypothesis import given
 
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import Facts
-from scaloft_fi.views.flights.compare import Comparison, Difference, compare, comparison_table
+from scaloft_fi.verbs.diff import Comparison, Difference, compare, comparison_table
 
 M = "LATE-human@3s"
 

@@ -8,7 +8,7 @@ import numpy as np
 from mcap.reader import make_reader
 
 from scaloft_fi.sim.log import Ending, Event, FlightLog
-from scaloft_fi.views.flights.mcap import mcap
+from scaloft_fi.verbs.replay import mcap
 
 NAMES = ("elapsed_s", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw", "speed_mps", "told_person")
 

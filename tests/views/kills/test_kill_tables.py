@@ -17,8 +17,17 @@ from scaloft_fi.analysis.suite import (
 )
 from scaloft_fi.console import PIPED
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.views.kills import kill_tables as tables
-from scaloft_fi.views.tables.table import Format, Table, render
+from scaloft_fi.verbs.kills import (
+    chosen_table,
+    interaction_table,
+    order_table,
+    redundancy_table,
+    situation_table,
+    subsumption_table,
+    suite_table,
+    with_detected,
+)
+from scaloft_fi.views.table import Format, Table, render
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T0O0W0D1H0"
@@ -33,13 +42,13 @@ def all_tables(outcomes: list[Outcome]) -> list[Table]:
     found, graph, situations = interactions(matrix), subsumption(matrix.kills), situation_kills(matrix)
     suite = minimal_suite(matrix.kills, matrix.flown)
     return [
-        tables.interaction_table(found),
-        tables.order_table(orders(found, GRID)),
-        *(tables.situation_table(situations, GRID, short=short) for short in (True, False)),
-        tables.suite_table(suite, matrix),
-        *(tables.subsumption_table(graph, short=short) for short in (True, False)),
-        tables.redundancy_table(redundancies(graph)),
-        tables.chosen_table(chosen_kills(matrix, [HUMAN, DARK])),
+        interaction_table(found),
+        order_table(orders(found, GRID)),
+        *(situation_table(situations, GRID, short=short) for short in (True, False)),
+        suite_table(suite, matrix),
+        *(subsumption_table(graph, short=short) for short in (True, False)),
+        redundancy_table(redundancies(graph)),
+        chosen_table(chosen_kills(matrix, [HUMAN, DARK])),
     ]
 
 
@@ -88,20 +97,20 @@ def test_the_first_table_names_what_is_detected_without_a_kill() -> None:
     spread = [outcome(LATE, key, 1, violated={"SR2": 9.0}) for key in keys]
     calm = [outcome(LATE, key, seed) for key in keys for seed in (0, 2)]
     matrix = matrix_of([*pool(*keys), *spread, *calm])
-    shown = tables.with_detected([tables.interaction_table(interactions(matrix))] * 2, matrix)
+    shown = with_detected([interaction_table(interactions(matrix))] * 2, matrix)
     assert f"Detected without a kill, so in no table of kills: {LATE}." in shown[0].notes[-1]
-    assert shown[1].notes == tables.interaction_table(()).notes
+    assert shown[1].notes == interaction_table(()).notes
     assert (
         f"Detected mutants: 1, of them 0 firmly: whichever one seed is left out.  Not firm: {LATE}." in shown[0].notes
     )
-    assert tables.with_detected([], matrix) == []
-    assert not any("without a kill" in note for note in tables.with_detected(shown[1:], matrix_of(CAMPAIGN))[0].notes)
+    assert with_detected([], matrix) == []
+    assert not any("without a kill" in note for note in with_detected(shown[1:], matrix_of(CAMPAIGN))[0].notes)
 
 
 def test_a_greedy_suite_says_at_most() -> None:
     matrix = matrix_of(CAMPAIGN)
     suite = minimal_suite(matrix.kills, matrix.flown, most_entries=0)
-    assert "at most 2;" in render([tables.suite_table(suite, matrix)], Format.TABLE)
+    assert "at most 2;" in render([suite_table(suite, matrix)], Format.TABLE)
 
 
 @settings(deadline=None, max_examples=12)
@@ -110,7 +119,7 @@ def test_every_table_of_every_campaign_fits_a_terminal_and_every_node_is_listed_
     text = render(all_tables(outcomes), Format.TABLE)
     assert max(len(line) for line in text.splitlines()) <= PIPED
     graph = subsumption(matrix_of(outcomes).kills)
-    listed = [str(row[0]).replace("> ", "") for row in tables.subsumption_table(graph).rows]
+    listed = [str(row[0]).replace("> ", "") for row in subsumption_table(graph).rows]
     assert sorted(listed) == sorted(", ".join(node.mutants) for node in graph.nodes)
 
 

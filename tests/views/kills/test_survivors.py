@@ -18,9 +18,9 @@ from scaloft_fi.analysis.survivor import Background, backgrounds
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, pack_track
 from scaloft_fi.sim.found import Find
 from scaloft_fi.study import Study
-from scaloft_fi.views.kills.kill_tables import survivor_table
-from scaloft_fi.views.kills.survivors import Stage, Survivor, survivors
-from scaloft_fi.views.score.next_step import Next
+from scaloft_fi.verbs.kills import survivor_table
+from scaloft_fi.verbs.survivors import Stage, Survivor, survivors
+from scaloft_fi.verbs.verdict import Next
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T1O0W0D1H0"

@@ -16,15 +16,13 @@ from scaloft_fi.judge.stl import Formula
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.log import SIGNALS, TRUTH_NAMES
 from scaloft_fi.study import Study
-from scaloft_fi.views.lists.axes import axis_list
-from scaloft_fi.views.lists.listing import Listing, shown
-from scaloft_fi.views.lists.operators import operator_list
-from scaloft_fi.views.lists.samples import sample_text
-from scaloft_fi.views.lists.seams import acted_on, seam_list
-from scaloft_fi.views.lists.signal_facts import FACTS
-from scaloft_fi.views.lists.signals import BOTH, REALISED, TO_ASK, signal_list
-from scaloft_fi.views.outputs.csv_tables import csv_tables
-from scaloft_fi.views.tables.table import Format
+from scaloft_fi.verbs.axes import axis_list
+from scaloft_fi.verbs.listing import Listing, shown
+from scaloft_fi.verbs.operators import operator_list, sample_text
+from scaloft_fi.verbs.seams import acted_on, seam_list
+from scaloft_fi.verbs.signals import BOTH, FACTS, REALISED, TO_ASK, signal_list
+from scaloft_fi.views.output import csv_tables
+from scaloft_fi.views.table import Format
 
 STUDY = Path(__file__).parents[3]
 

@@ -8,12 +8,23 @@ from typing import Any
 import pytest
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.views.columns import ColumnType
-from scaloft_fi.views.outputs.answer import Answer
-from scaloft_fi.views.outputs.output import Output
-from scaloft_fi.views.outputs.shape import by_name, count, flag, listing, number, optional, ratio, record, text, texts
-from scaloft_fi.views.tables.table import Table
-from scaloft_fi.views.worksheet.margin_record import magnitude
+from scaloft_fi.verbs.margin import magnitude
+from scaloft_fi.views.output import (
+    Answer,
+    ColumnType,
+    Output,
+    by_name,
+    count,
+    flag,
+    listing,
+    number,
+    optional,
+    ratio,
+    record,
+    text,
+    texts,
+)
+from scaloft_fi.views.table import Table
 
 FORM = Output(
     "doors",

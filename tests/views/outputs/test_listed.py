@@ -6,11 +6,10 @@ import pytest
 from forms import of_form
 from jsonschema import Draft202012Validator
 
-from scaloft_fi.cli.verbs import VERBS
+from scaloft_fi.cli import VERBS
 from scaloft_fi.errors import ExitCode
-from scaloft_fi.views.outputs.listed import OUTPUTS, output_of, schema_texts
-from scaloft_fi.views.outputs.shape import Shape, inner
-from scaloft_fi.views.reference.outputs import outputs_page
+from scaloft_fi.reference import OUTPUTS, output_of, outputs_page, schema_texts
+from scaloft_fi.views.output import Shape, inner
 
 SCORE = Path(__file__).parents[3] / "results" / "published" / "reference" / "score.json"
 PUBLISHED = Path(__file__).parents[3] / "docs" / "schemas" / "output"

@@ -10,10 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.views.pictures.map import BodyOutline, MapScene, Mark, Track, draw
-from scaloft_fi.views.pictures.picture import Frame, png
-from scaloft_fi.views.pictures.scene import hull, rings
-from scaloft_fi.views.pictures.symbols import RAMP, shade
+from scaloft_fi.views.picture import RAMP, BodyOutline, Frame, MapScene, Mark, Track, draw, hull, png, rings, shade
 
 SVG = "{http://www.w3.org/2000/svg}"
 SQUARE = ((-2.0, -1.0), (2.0, -1.0), (2.0, 5.0), (-2.0, 5.0))

@@ -11,11 +11,11 @@ import pytest
 from every_key import every_key_study
 from jsonschema import Draft202012Validator
 
-from scaloft_fi.cli.main import main
+from scaloft_fi.cli import main
 from scaloft_fi.study import Study
-from scaloft_fi.views.pictures.map import MapScene
-from scaloft_fi.views.pictures.plan import Happens, Plan, draw_plan
-from scaloft_fi.views.pictures.situation_plan import MAP, map_values, plan_of
+from scaloft_fi.verbs.map import MAP, map_values, plan_of
+from scaloft_fi.views.picture import MapScene
+from scaloft_fi.views.plan import Happens, Plan, draw_plan
 
 ROOT = Path(__file__).parents[3]
 SVG = "{http://www.w3.org/2000/svg}"

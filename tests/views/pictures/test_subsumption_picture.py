@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.analysis.suite import subsumption
-from scaloft_fi.views.pictures.picture import png
-from scaloft_fi.views.pictures.subsumption_picture import dot, draw_subsumption
+from scaloft_fi.views.picture import png
+from scaloft_fi.views.subsumption import dot, draw_subsumption
 
 SVG = "{http://www.w3.org/2000/svg}"
 matrices = st.dictionaries(

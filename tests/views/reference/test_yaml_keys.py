@@ -7,9 +7,9 @@ import re
 
 from asked import keys_of
 
-from scaloft_fi.views.documents.declared import Declared
-from scaloft_fi.views.documents.listed import DOCUMENTS
-from scaloft_fi.views.reference.yaml_keys import yaml_keys_page
+from scaloft_fi.reference import yaml_keys_page
+from scaloft_fi.verbs.documents.listed import DOCUMENTS
+from scaloft_fi.verbs.documents.schema import Declared
 
 
 def test_every_document_and_every_key_is_on_the_page() -> None:

@@ -14,9 +14,8 @@ from papers import HOSTILE, STUDY, campaign, evidence_of
 
 from scaloft_fi.document import load
 from scaloft_fi.study import NO_FINDS, Study
-from scaloft_fi.views.report.evidence import Evidence
-from scaloft_fi.views.report.figures import figures
-from scaloft_fi.views.report.page import page
+from scaloft_fi.verbs.report.analyses import Evidence
+from scaloft_fi.verbs.report.page import figures, page
 
 
 @pytest.fixture(scope="session")
@@ -83,7 +82,7 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> Callable[[Evidence], dict[str, Any]]:
     """The figures without what follows from the flights, which takes longest."""
-    monkeypatch.setattr("scaloft_fi.views.report.analyses.analyses", lambda *_: {})
+    monkeypatch.setattr("scaloft_fi.verbs.report.analyses.analyses", lambda *_: {})
     return figures
 
 

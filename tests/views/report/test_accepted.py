@@ -14,8 +14,8 @@ from papers import STUDY, campaign, evidence_of
 
 from scaloft_fi.analysis.score import score
 from scaloft_fi.study import Study
-from scaloft_fi.views.report.accepted import accepted
-from scaloft_fi.views.report.evidence import Evidence
+from scaloft_fi.verbs.report.analyses import Evidence
+from scaloft_fi.verbs.report.matrices import accepted
 
 ACCEPTED = """\
 MORE-goal:

@@ -14,8 +14,8 @@ from reading import embedded
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.study import KnownFinds
-from scaloft_fi.views.report.breaks import broken
-from scaloft_fi.views.report.page import html
+from scaloft_fi.verbs.report.finds import broken
+from scaloft_fi.verbs.report.page import html
 
 FLIES = f"scaloft-fi run --grid search --mutant PLACEBO --situation {BAR.name} --baseline-seeds 10"
 BLIND = replace(BAR, name="breaks-SR2", requirement="SR2", struck="", near="home", leg="corner to home", belief="")
@@ -36,7 +36,7 @@ def test_a_break_whose_values_do_not_go_together_any_more_is_left_out(monkeypatc
     def refuse(*_: object) -> None:
         raise InputError("the person would stand in the wall")
 
-    monkeypatch.setattr("scaloft_fi.views.report.scenes.scene", refuse)
+    monkeypatch.setattr("scaloft_fi.verbs.report.flights.scene", refuse)
     assert broken(KNOWN, []) == []
 
 

@@ -11,8 +11,8 @@ from papers import BAR, HOSTILE, SHAKY
 from reading import embedded, unpacked
 
 from scaloft_fi.console import printable
-from scaloft_fi.views.report.evidence import Evidence
-from scaloft_fi.views.report.page import page as page_of
+from scaloft_fi.verbs.report.analyses import Evidence
+from scaloft_fi.verbs.report.page import page as page_of
 
 FLIGHT = "#flight=LATE-human%403s/T0O0W0D0H1/1"
 

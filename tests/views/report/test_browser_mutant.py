@@ -13,10 +13,10 @@ from reading import embedded
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.judge.space import Space
 from scaloft_fi.study import Study
-from scaloft_fi.views.report.evidence import Evidence
-from scaloft_fi.views.report.karnaugh import folding
-from scaloft_fi.views.report.page import html
-from scaloft_fi.views.report.page import page as page_of
+from scaloft_fi.verbs.report.analyses import Evidence
+from scaloft_fi.verbs.report.matrices import folding
+from scaloft_fi.verbs.report.page import html
+from scaloft_fi.verbs.report.page import page as page_of
 
 
 def test_a_click_on_a_mutant_shows_its_karnaugh_map_and_a_cell_of_it_the_flight(visit: Opened, text: str) -> None:

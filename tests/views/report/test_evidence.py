@@ -14,7 +14,7 @@ from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
-from scaloft_fi.views.report.evidence import gather
+from scaloft_fi.verbs.report.analyses import gather
 
 MUTANT = "LATE-human@3s"
 

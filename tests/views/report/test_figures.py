@@ -16,9 +16,9 @@ from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
-from scaloft_fi.views.report.evidence import Evidence
-from scaloft_fi.views.report.page import page
-from scaloft_fi.views.score.answers import answers
+from scaloft_fi.verbs.report.analyses import Evidence
+from scaloft_fi.verbs.report.page import page
+from scaloft_fi.verbs.verdict import answers
 
 VERDICTS = {
     "LATE-human@1s": "detected",

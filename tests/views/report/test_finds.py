@@ -18,10 +18,10 @@ from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.sim.found import Find
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.study import KnownFinds, Study
-from scaloft_fi.views.report.evidence import Evidence
-from scaloft_fi.views.report.finds import STEP_M
-from scaloft_fi.views.report.finds import found as told_finds
-from scaloft_fi.views.report.page import html
+from scaloft_fi.verbs.report.analyses import Evidence
+from scaloft_fi.verbs.report.finds import STEP_M
+from scaloft_fi.verbs.report.finds import found as told_finds
+from scaloft_fi.verbs.report.page import html
 
 LATE, MORE, LESS = "LATE-human@3s", "MORE-goal@0.6m", "LESS-goal@0.05m"
 HERE, ELSEWHERE = "T0O0W0D0H1", "T1O1W0D0H2Cs=0.8"
@@ -87,7 +87,7 @@ def test_a_find_whose_values_do_not_go_together_any_more_is_named_and_left_out(
     def refuse(*_: object) -> None:
         raise InputError("the person would stand in the wall")
 
-    monkeypatch.setattr("scaloft_fi.views.report.scenes.scene", refuse)
+    monkeypatch.setattr("scaloft_fi.verbs.report.flights.scene", refuse)
     both = told(evidence, *FINDS)
     assert (both["finds"], both["misfits"]) == ([], ["lost", *(find.name for find in FINDS)])
 

@@ -12,8 +12,8 @@ from papers import column
 from reading import unpacked
 
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, unpack_track
-from scaloft_fi.views.report.evidence import Evidence
-from scaloft_fi.views.report.flights import DETAILS, Detail, columns, packs, record, rows_of
+from scaloft_fi.verbs.report.analyses import Evidence
+from scaloft_fi.verbs.report.flights import DETAILS, Detail, columns, packs, record, rows_of
 
 NAMES = ("SR1", "SR2", "SR2-literal", "OP1")
 

@@ -10,9 +10,9 @@ from papers import BAR, SHAKY, campaign
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Score, score
 from scaloft_fi.study import Study
-from scaloft_fi.views.report.evidence import Evidence
-from scaloft_fi.views.report.head import MODEL, NO_POOL, WHOLE, head
-from scaloft_fi.views.score.answers import NOT_COMPARED
+from scaloft_fi.verbs.report.analyses import Evidence
+from scaloft_fi.verbs.report.page import MODEL, NO_POOL, WHOLE, head
+from scaloft_fi.verbs.verdict import NOT_COMPARED
 
 ALL = Ratio(32, 32)
 

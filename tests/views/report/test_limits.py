@@ -7,7 +7,7 @@ import pytest
 from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.study import Study
-from scaloft_fi.views.report.limits import limits
+from scaloft_fi.verbs.report.analyses import limits
 
 
 def test_the_reference_study_limits_clearance_speed_and_the_distance_at_which_that_counts(study: Study) -> None:

@@ -15,9 +15,9 @@ from reading import embedded
 
 from scaloft_fi.console import all_printable, printable
 from scaloft_fi.study import Study
-from scaloft_fi.views.report.evidence import Evidence
-from scaloft_fi.views.report.flights import DETAILS
-from scaloft_fi.views.report.page import MOST_BYTES, SCRIPTS, STYLES, inert, page
+from scaloft_fi.verbs.report.analyses import Evidence
+from scaloft_fi.verbs.report.flights import DETAILS
+from scaloft_fi.verbs.report.page import MOST_BYTES, SCRIPTS, STYLES, inert, page
 
 json_values = st.recursive(
     st.text() | st.integers() | st.none(), lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner)
@@ -88,7 +88,7 @@ def test_nothing_in_the_page_names_another_file(text: str) -> None:
 def test_every_asset_is_part_of_the_page() -> None:
     from importlib.resources import files
 
-    names = {entry.name for entry in files("scaloft_fi.views.report").joinpath("assets").iterdir()}
+    names = {entry.name for entry in files("scaloft_fi.verbs.report").joinpath("assets").iterdir()}
     assert names == {*STYLES, *SCRIPTS, "page.html"}
 
 

@@ -15,11 +15,8 @@ from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import Outcome, Subject
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.study import Study
-from scaloft_fi.views.report.bounds import bounds_of
-from scaloft_fi.views.report.evidence import Evidence
-from scaloft_fi.views.report.ladder import by_ladder
-from scaloft_fi.views.report.page import page
-from scaloft_fi.views.report.thresholds import thresholds
+from scaloft_fi.verbs.report.analyses import Evidence, bounds_of, by_ladder, thresholds
+from scaloft_fi.verbs.report.page import page
 
 SEARCHED = "T0O0W0D0H1"
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.sim.log import FAR_M
-from scaloft_fi.views.report.tracks import FAR, coded, quantised, quantum, shared, thinned
+from scaloft_fi.verbs.report.flights import FAR, coded, quantised, quantum, shared, thinned
 
 values = st.floats(-150, 150, width=32)
 rows = st.lists(st.tuples(*[values] * len(TRACK_COLUMNS)), min_size=1, max_size=12)

@@ -6,7 +6,7 @@ import pytest
 
 from scaloft_fi.analysis.seeking import Effort
 from scaloft_fi.campaign.seeking.seek import SeekReport, Sought
-from scaloft_fi.views.runs.seek import seek_tables, why_not
+from scaloft_fi.verbs.seek import seek_tables, why_not
 
 NEAR = Effort(5, 4, 3, 2, 0, 0.83, "SR1", "T1O0W0D0H1")
 

@@ -11,7 +11,7 @@ from finding import found, known
 from scaloft_fi.analysis.score import MutantScore, score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.found import Again
-from scaloft_fi.views.score.finds import facts, flies, flown_in_vain, next_find
+from scaloft_fi.verbs.verdict import facts, flies, flown_in_vain, next_find
 
 LATE, NO = "LATE-human@3s", "NO-human@100%"
 HUMAN, NOBODY = "T0O0W0D0H1", "T0O0W0D0H0"

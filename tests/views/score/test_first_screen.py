@@ -13,10 +13,9 @@ from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import Background
 from scaloft_fi.console import PIPED, wrapped
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
-from scaloft_fi.views.score.answers import NAMES, answers
-from scaloft_fi.views.score.commands import MOST_NAMED, command
-from scaloft_fi.views.score.first_screen import LEGEND, MANY, SHOWN, WITH_FIND, first_screen, screen_text
-from scaloft_fi.views.tables.table import Table
+from scaloft_fi.verbs.first_screen import LEGEND, MANY_SHOWN, SHOWN, WITH_FIND, first_screen, screen_text
+from scaloft_fi.verbs.verdict import MOST_NAMED, NAMES, answers, command
+from scaloft_fi.views.table import Table
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN = ["T0O0W0D0H1", "T0O1W0D0H1", "T1O0W0D0H1"]
@@ -229,11 +228,11 @@ def many(count: int) -> list[Outcome]:
 
 
 def test_of_many_mutants_a_group_shows_its_first_and_says_where_the_rest_is() -> None:
-    _, group, _ = screen(many(MANY + 2))
+    _, group, _ = screen(many(MANY_SHOWN + 2))
     assert len(group.rows) == SHOWN
-    assert group.notes[0] == f"... and {MANY + 2 - SHOWN} more: `scaloft-fi score --all`"
-    _, group, _ = screen(many(MANY + 2), whole=True)
-    assert len(group.rows) == MANY + 2
+    assert group.notes[0] == f"... and {MANY_SHOWN + 2 - SHOWN} more: `scaloft-fi score --all`"
+    _, group, _ = screen(many(MANY_SHOWN + 2), whole=True)
+    assert len(group.rows) == MANY_SHOWN + 2
 
 
 def test_the_answers_count_defaults_and_the_groups_say_how_many_count() -> None:

@@ -13,9 +13,8 @@ from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import Background
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.views.kills.survivors import survivors
-from scaloft_fi.views.score.next_step import Next, next_steps, short_step
-from scaloft_fi.views.score.verdict import next_command
+from scaloft_fi.verbs.survivors import survivors
+from scaloft_fi.verbs.verdict import Next, next_command, next_steps, short_step
 
 LATE, STRONGER, HERE = "LATE-human@3s", "LATE-human@5s", "T0O0W0D0H1"
 WEAK, LAST = Background("person", ("SR2",), stronger=(STRONGER,), laddered=True), Background("person", ("SR2",))

@@ -17,8 +17,8 @@ from scaloft_fi.analysis.score import By, groups, score
 from scaloft_fi.console import PIPED
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import rulings_of
-from scaloft_fi.views.score.tables import MANY, tables_behind
-from scaloft_fi.views.tables.table import Format, Table, render
+from scaloft_fi.verbs.first_screen import MANY_ROWS, tables_behind
+from scaloft_fi.views.table import Format, Table, render
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN = ["T0O0W0D0H1", "T0O1W0D0H1", "T1O0W0D0H1"]
@@ -63,10 +63,15 @@ def test_the_pairs_that_put_no_fault_to_the_test_say_why() -> None:
 
 
 def test_of_many_mutants_the_stages_are_summed_by_parameter() -> None:
-    ids = [f"LATE-{parameter}@{n}s" for parameter in ("human", "depth") for n in range(MANY)]
+    ids = [f"LATE-{parameter}@{n}s" for parameter in ("human", "depth") for n in range(MANY_ROWS)]
     flown = [outcome(), outcome(PLACEBO_ID, altered=0), *(outcome(id_) for id_ in ids)]
     table = tables(flown)["Where the faults stopped (flights)"]
-    assert [(row[0], row[-1]) for row in table.rows] == [(PLACEBO_ID, 1), ("human", MANY), ("depth", MANY), ("all", 49)]
+    assert [(row[0], row[-1]) for row in table.rows] == [
+        (PLACEBO_ID, 1),
+        ("human", MANY_ROWS),
+        ("depth", MANY_ROWS),
+        ("all", 49),
+    ]
 
 
 @pytest.mark.parametrize("by", [None, *By])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scaloft_fi.analysis.detection import Spending, Verdict
 from scaloft_fi.analysis.score import Score, score
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.views.score.verdict import next_command, verdict, why, would_decide
+from scaloft_fi.verbs.verdict import next_command, verdict, why, would_decide
 
 M = "LATE-human@3s"
 HERE, THERE, RED = "T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H1"

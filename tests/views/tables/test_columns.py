@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.views.tables import columns
-from scaloft_fi.views.tables.columns import GAP, limits
+from scaloft_fi.views.table import GAP, _lines, limits
 
 WORDS = st.lists(st.text("ab-", min_size=1, max_size=12), max_size=30).map(" ".join)
 
@@ -15,7 +14,7 @@ WORDS = st.lists(st.text("ab-", min_size=1, max_size=12), max_size=30).map(" ".j
 @given(WORDS, st.integers(1, 40))
 def test_the_lines_of_a_cell_are_those_that_it_is_wrapped_into(cell, width):
     lines = wrap(cell, width, break_on_hyphens=False, break_long_words=False)
-    assert columns._lines(cell, width) == max(1, len(lines))
+    assert _lines(cell, width) == max(1, len(lines))
 
 
 @given(st.lists(st.tuples(WORDS, WORDS, WORDS), min_size=1, max_size=6), st.integers(20, 90))

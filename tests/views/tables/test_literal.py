@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.console import line, printable
-from scaloft_fi.views.tables.literal import _LATEX, FORMULA, latex, markdown, spreadsheet_text, xml
+from scaloft_fi.views.table import _LATEX, FORMULA, latex, markdown, spreadsheet_text, xml
 
 HOSTILE = (
     "<script>alert(1)</script>",

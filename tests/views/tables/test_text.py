@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.console import Marked
-from scaloft_fi.views.tables.table import Format, Table, render
+from scaloft_fi.views.table import Format, Table, render
 
 IDS = st.sampled_from(["LATE-human@3s", "NO-depth@3s#5s", "UNINTENDED-collision@20s#waypoint", "T0O0W0D0H1"])
 TEXTS = st.lists(st.sampled_from(["no", "contact", "LATE-human@3s", "results/campaigns", "violates"]), max_size=12)

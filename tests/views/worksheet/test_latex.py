@@ -17,8 +17,7 @@ from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import CellStatus, Matrix
 from scaloft_fi.mutants.catalogue import derive
 from scaloft_fi.stack.reference.stack import REFERENCE
-from scaloft_fi.views.worksheet.worksheet import worksheet
-from scaloft_fi.views.worksheet.worksheet_text import to_latex
+from scaloft_fi.verbs.worksheet import sheet_rows, to_latex
 
 MATRIX = load_matrix(Path(__file__).parents[3] / "hazop", REFERENCE.by_name)
 SOME = MATRIX.only(["LATE", "NO", "EARLY"], ["human", "collision"])
@@ -55,7 +54,7 @@ def sheet(matrix: Matrix) -> str:
     roster = Roster.of(matrix, [mutant.id for mutant in derive(matrix)])
     flown = pool(*(key for key, _ in GRID.points))
     flown += [outcome("LATE-human@3s", "T0O0W0D0H1", seed, violated={"SR2": 8.0}) for seed in range(3)]
-    return to_latex(worksheet(matrix, flown, score(flown, roster, GRID), GRID, ()))
+    return to_latex(sheet_rows(matrix, flown, score(flown, roster, GRID), GRID, ()))
 
 
 def compiled(fragments: list[str], engine: str, folder: Path) -> str:

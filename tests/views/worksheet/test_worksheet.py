@@ -27,11 +27,23 @@ from scaloft_fi.hazop.matrix import CellStatus, Matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import derive
 from scaloft_fi.stack.reference.stack import REFERENCE
-from scaloft_fi.views.tables.literal import FORMULA, latex, markdown
-from scaloft_fi.views.worksheet.spreadsheet import LONGEST, to_xlsx
-from scaloft_fi.views.worksheet.worksheet import COLUMNS, FINDINGS, TEAM, SheetRow, population, worksheet
-from scaloft_fi.views.worksheet.worksheet_record import worksheet_values
-from scaloft_fi.views.worksheet.worksheet_text import survivors, to_csv, to_latex, to_markdown, to_text
+from scaloft_fi.verbs.worksheet import (
+    COLUMNS,
+    FINDINGS,
+    LONGEST,
+    TEAM,
+    SheetRow,
+    population,
+    sheet_rows,
+    survivors,
+    to_csv,
+    to_latex,
+    to_markdown,
+    to_text,
+    to_xlsx,
+    worksheet_values,
+)
+from scaloft_fi.views.table import FORMULA, latex, markdown
 
 MATRIX = load_matrix(Path(__file__).parents[3] / "hazop", REFERENCE.by_name).only(
     ["LATE", "NO", "EARLY", "REVERSE"], ["human", "collision"]
@@ -67,7 +79,7 @@ hostile = st.text(min_size=1, max_size=30) | st.sampled_from(HOSTILE)
 def rows(
     outcomes: list[Outcome], matrix: Matrix = MATRIX, dispositions: tuple[Disposition, ...] = ()
 ) -> tuple[SheetRow, ...]:
-    return worksheet(matrix, outcomes, score(outcomes, ROSTER, GRID), GRID, dispositions)
+    return sheet_rows(matrix, outcomes, score(outcomes, ROSTER, GRID), GRID, dispositions)
 
 
 def named(found: tuple[SheetRow, ...], cell: str) -> SheetRow:
@@ -143,7 +155,7 @@ def test_an_accepted_survivor_stands_with_owner_day_and_reason() -> None:
 def test_a_survivor_with_a_find_names_it_and_the_command_that_flies_it_in_every_format() -> None:
     survivor, finds = "NO-human@100%", known(found("NO-human@100%", struck="person"), found("LATE-human@3s"))
     flown = [*FLOWN, *(outcome(survivor, HUMAN, seed) for seed in SEEDS)]
-    told = worksheet(MATRIX, flown, score(flown, ROSTER, GRID), GRID, (), finds, "mine")
+    told = sheet_rows(MATRIX, flown, score(flown, ROSTER, GRID), GRID, (), finds, "mine")
     said = "shows-NO-human@100%: human walks, cruise speed 0.8 m/s (violates SR2 and strikes person)"
     values = named(told, "NO-human").values
     assert (values["find"], values["flies_find"]) == (said, flies(survivor))

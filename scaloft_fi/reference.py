@@ -1,0 +1,333 @@
+"""Every form of JSON that a verb prints, by verb; a verb with a form of its own gets a line here.
+
+The reference page of what verbs print for programs: every key of every JSON, the CSV tables, the exit codes.
+
+The reference page of the YAML documents of a study: every key, its type, unit, range and meaning.
+
+The reference of all verbs in Markdown, made of their declarations.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from importlib import import_module
+from inspect import cleandoc
+from typing import Any
+
+import click
+
+from scaloft_fi.cli import GROUPS, command_of
+from scaloft_fi.errors import ExitCode
+from scaloft_fi.verbs.documents.listed import DOCUMENTS, Document
+from scaloft_fi.verbs.documents.schema import Declared, Schema
+from scaloft_fi.verbs.verb import Verb
+from scaloft_fi.views.output import SUMMARY, Output, Rows, Shape, inner, table_names
+from scaloft_fi.views.table import markdown
+
+OUTPUTS: dict[str, str] = {
+    "new": "scaloft_fi.verbs.new:NEW",
+    "matrix": "scaloft_fi.verbs.matrix:MATRIX",
+    "mutants": "scaloft_fi.verbs.mutants:MUTANTS",
+    "signals": "scaloft_fi.verbs.signals:FORM",
+    "seams": "scaloft_fi.verbs.seams:FORM",
+    "operators": "scaloft_fi.verbs.operators:FORM",
+    "axes": "scaloft_fi.verbs.axes:FORM",
+    "map": "scaloft_fi.verbs.map:MAP",
+    "run": "scaloft_fi.verbs.score_record:RUN",
+    "margin": "scaloft_fi.verbs.margin:MARGIN",
+    "seek": "scaloft_fi.verbs.seek:SEEK",
+    "merge": "scaloft_fi.verbs.merge:MERGE",
+    "replay": "scaloft_fi.verbs.replay:REPLAY",
+    "check": "scaloft_fi.verbs.check:CHECK",
+    "status": "scaloft_fi.verbs.status:STATUS",
+    "score": "scaloft_fi.verbs.score_record:SCORE",
+    "kills": "scaloft_fi.verbs.kill_record:KILLS",
+    "coverage": "scaloft_fi.verbs.coverage:COVERAGE",
+    "worksheet": "scaloft_fi.verbs.worksheet:WORKSHEET",
+    "dispositions": "scaloft_fi.verbs.dispositions:DISPOSITIONS",
+    "report": "scaloft_fi.verbs.report:REPORT",
+    "diff": "scaloft_fi.verbs.diff:DIFF",
+    "export": "scaloft_fi.verbs.export.rows:EXPORT",
+    "judge": "scaloft_fi.verbs.judge:JUDGE",
+    "doctor": "scaloft_fi.verbs.doctor:DOCTOR",
+}
+"""In the order of the pipeline: where each is declared."""
+
+
+def output_of(verb: str) -> Output:
+    """The form of a verb's JSON.
+
+    Raises:
+        KeyError: the verb has none.
+    """
+    module, name = OUTPUTS[verb].split(":")
+    output = getattr(import_module(module), name)
+    assert isinstance(output, Output)
+    return output
+
+
+def schema_texts() -> dict[str, str]:
+    """The published JSON Schemas: the text of each file by its name."""
+    return {f"{one.verb}.json": json.dumps(one.schema, indent=2, ensure_ascii=False) + "\n" for one in outputs()}
+
+
+def outputs() -> tuple[Output, ...]:
+    """Every form."""
+    return tuple(map(output_of, OUTPUTS))
+
+
+RATIO = "ratio"
+ONE_CSV = {"matrix", "mutants", "worksheet", "signals", "seams", "operators", "axes"}
+"""Verbs whose CSV is a sheet for people, of one table."""
+_RULES = f"""\
+`--format json` prints one object.  Its `version` is that of the form, not of scaloft-fi: `MAJOR.MINOR`, where MAJOR
+changes when a key goes or changes its meaning, and MINOR when one is added.  Numbers are numbers, in the unit that
+stands in brackets; a ratio is `{{"part": 8, "whole": 15}}`; what is not known or does not apply is `null`; every key is
+always there.  Behind `[]` stands a key of each entry of a list, behind `*` one of each name of the study.  A verb that
+refuses its input prints nothing on standard output, one sentence on standard error, and ends with the exit code of the
+table below; a gate that fails leaves standard output empty or whole.
+
+`--format csv` prints one table, and `--tables DIR` writes every table of the JSON as a CSV file of its own.  A record
+in a record gives columns `outer_inner`, a list of plain values one cell with `;` between, and a list of records in a
+record a file of its own, whose first column `of_...` says whose it is.  What stands in no list is in `{SUMMARY}.csv`.
+"""
+
+
+def outputs_page() -> str:
+    """The page, in Markdown."""
+    return "\n".join(
+        ["# Output for programs", "", _RULES, *_exit_codes(), *(line for one in outputs() for line in _form(one))]
+    )
+
+
+def _exit_codes() -> Iterator[str]:
+    yield from ("## Exit codes", "", "| code | means |", "|---|---|")
+    yield from (f"| {code.value} | {code.meaning} |" for code in ExitCode)
+    yield ""
+
+
+def _form(output: Output) -> Iterator[str]:
+    yield from (f"## `{output.verb} --format json`", "")
+    yield f"{output.about[:1].upper()}{output.about[1:]}.  Version {output.version}."
+    if isinstance(output, Rows):
+        yield "A bare list, without a version in it; `--format csv` has the same columns."
+    elif output.verb not in ONE_CSV:
+        tables = ", ".join(f"`{name}`" for name in table_names(output))
+        yield f"`--format csv` prints `{output.rows}`; all tables: {tables}."
+    yield from ("", "| key | type | says |", "|---|---|---|")
+    yield from _rows("", output.schema)
+    yield ""
+
+
+def _rows(name: str, shape: Shape) -> Iterator[str]:
+    """A row for each key below a value, `[]` for each entry of a list, `*` for each name of the study."""
+    bare = inner(shape)
+    for key, each in bare.get("properties", {}).items():
+        yield from _row(f"{name}.{key}" if name else key, each)
+    for beginning, each in bare.get("patternProperties", {}).items():
+        yield from _row(f"{name}.{beginning.removeprefix('^')}*", each)
+    if isinstance(named := bare.get("additionalProperties"), dict):
+        yield from _row(f"{name}.*", named)
+    if "items" in bare:
+        yield from _rows(f"{name}[]", bare["items"])
+
+
+def _row(name: str, shape: Shape) -> Iterator[str]:
+    yield f"| `{name}` | {_type(shape)} | {_said(shape).replace('|', chr(92) + '|')} |"
+    if _type(shape) != RATIO:
+        yield from _rows(name, shape)
+
+
+def _type(shape: Shape) -> str:
+    bare = inner(shape)
+    named = bare.get("type", "any")
+    if bare.get("properties", {}).keys() == {"part", "whole"}:
+        named = RATIO
+    elif "items" in bare:
+        named = f"list of {bare['items'].get('type', 'any')}s"
+    return f"{named} or null" if bare is not shape else named
+
+
+def _said(shape: Shape) -> str:
+    bare = inner(shape)
+    allowed = ", ".join(bare.get("enum", ()))
+    return f"{bare.get('description', '')}{f': {allowed}' if allowed else ''}"
+
+
+_KEY_RULES = """\
+A study is a folder of YAML documents.  `?` behind a key says that it may be left out.  `*` stands for a name that the
+study chooses, `[]` for each entry of a list.  Where a mapping has one of several forms, a key with one fixed value
+tells which; what only one form has stands under it.  Numbers are finite and within 1e9 of zero where nothing else is
+said.
+
+An editor with a language server for YAML, such as Visual Studio Code with the extension YAML of Red Hat, completes
+these keys and shows their texts.  `scaloft-fi schema --write schemas` in the folder of the study writes the JSON
+Schemas, those of installed plugins included, and the first line of a document names its own:
+
+```yaml
+# yaml-language-server: $schema=../schemas/world.json
+```
+
+Or the settings of the editor name them for all documents at once:
+
+```json
+"""
+
+
+MOST_FORMS = 10
+"""More names than these are counted, and listed elsewhere."""
+
+
+def yaml_keys_page() -> str:
+    """The page, in Markdown, made from the JSON Schemas of what the package itself declares."""
+    declared = Declared.everything(own=True)
+    settings = {"yaml.schemas": {f"./schemas/{one.name}.json": one.files for one in DOCUMENTS.values()}}
+    parts = ["# YAML keys", "", f"{_KEY_RULES}{json.dumps(settings, indent=2)}\n```", ""]
+    for one in DOCUMENTS.values():
+        parts += _document(one, declared)
+    return "\n".join(parts)
+
+
+def _document(one: Document, declared: Declared) -> Iterator[str]:
+    schema = one.schema(declared)
+    yield from (f"## `{one.files}`", "", _prose(schema["description"]), "")
+    yield from ("| key | value | meaning |", "|---|---|---|")
+    yield from dict.fromkeys(_keys("", schema))  # forms share keys
+    yield ""
+
+
+def _keys(name: str, schema: Schema) -> Iterator[str]:
+    """A row for each key below a value."""
+    for key, each in schema.get("properties", {}).items():
+        optional = "" if key in schema.get("required", ()) else "?"
+        yield from _key_row(f"{name}.{key}{optional}" if name else f"{key}{optional}", each)
+    for each in _named(schema):
+        yield from _key_row(f"{name}.*" if name else "*", each)
+    if isinstance(schema.get("items"), dict):
+        yield from _keys(f"{name}[]", schema["items"])
+    for word in ("oneOf", "anyOf"):
+        for each in schema.get(word, ()):
+            yield from _keys(name, each)
+
+
+def _named(schema: Schema) -> Iterator[Schema]:
+    yield from schema.get("patternProperties", {}).values()
+    if isinstance(schema.get("additionalProperties"), dict):
+        yield schema["additionalProperties"]
+
+
+def _key_row(name: str, schema: Schema) -> Iterator[str]:
+    about = " ".join(schema.get("description", "").replace("\n- ", "; ").split())
+    examples = ", ".join(f"`{_key_said(one)}`" for one in schema.get("examples", ()))
+    meaning = _prose(about) + (f"  Such as {examples.replace('|', chr(92) + '|')}." if examples else "")
+    yield f"| `{name}` | {markdown(_value(schema))} | {meaning} |"
+    yield from _keys(name, schema)
+
+
+def _literal(text: str) -> str:
+    """The text with its marks escaped, and the blanks at its ends."""
+    stripped = text.strip()
+    return text.replace(stripped, markdown(stripped)) if stripped else text
+
+
+def _prose(text: str) -> str:
+    """The text as Markdown shows it in a table, with what stands between backticks as code."""
+    pieces = text.split("`")
+    if len(pieces) % 2 == 0:
+        return markdown(text)
+    return "`".join(piece.replace("|", "\\|") if place % 2 else _literal(piece) for place, piece in enumerate(pieces))
+
+
+def _value(schema: Schema) -> str:
+    """Type, range and default of a value in words."""
+    words = _kind(schema)
+    if "default" in schema:
+        words += f"; left out: {_key_said(schema['default'])}"
+    return words
+
+
+def _kind(schema: Schema) -> str:
+    if "const" in schema:
+        return _key_said(schema["const"])
+    if "enum" in schema:
+        return "one of " + ", ".join(map(_key_said, schema["enum"]))
+    if "oneOf" in schema or "anyOf" in schema:
+        forms = tuple(dict.fromkeys(map(_kind, (*schema.get("oneOf", ()), *schema.get("anyOf", ())))))
+        return " or ".join(forms) if len(forms) <= MOST_FORMS else f"one of {len(forms)} names"
+    kind = schema.get("type", "any value")
+    if isinstance(kind, list):
+        return " or ".join(map(_TYPES.__getitem__, kind))
+    if kind == "array":
+        return _list(schema)
+    bounds = (("minimum", "from"), ("exclusiveMinimum", "above"), ("maximum", "to"))
+    limits = " ".join(f"{word} {schema[key]:g}" for key, word in bounds if key in schema)
+    return f"{_TYPES.get(kind, kind)} {limits}".rstrip()
+
+
+_TYPES = {
+    "string": "text",
+    "number": "number",
+    "integer": "whole number",
+    "boolean": "true or false",
+    "object": "mapping",
+}
+
+
+def _list(schema: Schema) -> str:
+    least, most = schema.get("minItems"), schema.get("maxItems")
+    size = f"{least} " if least == most and least else ""
+    each = _kind(schema["items"]) if isinstance(schema.get("items"), dict) else "values"
+    return f"list of {size}{each}" if size or least is None else f"list of {least} or more: {each}"
+
+
+def _key_said(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return (
+        json.dumps(value)
+        if isinstance(value, list | dict)
+        else f"{value:g}"
+        if isinstance(value, float)
+        else str(value)
+    )
+
+
+_ACTIVE = re.compile(r"([\\*_\[\]<>|])")
+PROGRAM = "scaloft-fi"
+
+
+def command_reference() -> str:
+    """A heading of level 2 for each group of verbs, and below it for each verb its usage, help, options and examples.
+
+    Every verb's file is imported.
+    """
+    parts = []
+    for heading, verbs in GROUPS.items():
+        parts += [f"## {heading}", *(_page(verb) for verb in verbs)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _page(name: str) -> str:
+    command = command_of(name)
+    assert isinstance(command, Verb)
+    context = click.Context(command, info_name=f"{PROGRAM} {name}", help_option_names=["-h", "--help"])
+    usage = " ".join([PROGRAM, name, *command.collect_usage_pieces(context)])
+    parts = [f"### `{PROGRAM} {name}`", f"```\n{usage}\n```", *_paragraphs(command.help or "")]
+    for heading, rows in command.sections(context):
+        listed = "\n".join(f"- `{names}`: {_code(' '.join(meaning.split()))}" for names, meaning in rows)
+        parts += [f"**{heading}**", listed]
+    parts.append("**Examples**")
+    parts += [f"{_code(example.does)}:\n\n```\n{example.command}\n```" for example in command.examples]
+    return "\n\n".join(parts)
+
+
+def _paragraphs(text: str) -> list[str]:
+    return [_code(" ".join(paragraph.split())) for paragraph in cleandoc(text).split("\n\n")]
+
+
+def _code(text: str) -> str:
+    """The text outside of backticks as Markdown shows it unchanged."""
+    pieces = text.split("`")
+    return "`".join(_ACTIVE.sub(r"\\\1", piece) if at % 2 == 0 else piece for at, piece in enumerate(pieces))

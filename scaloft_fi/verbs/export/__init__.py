@@ -1,0 +1,125 @@
+r"""The campaign in the formats of other tools, each a pure function of the same dossier.
+
+A format is one function in a file of this folder, or in a package that names its module in the entry-point group
+`scaloft_fi.plugins`:
+
+    from scaloft_fi.verbs.export import Dossier, export_format
+
+    @export_format("killed-ids", "ids of the detected mutants, one a line")
+    def killed_ids(dossier: Dossier) -> str:
+        return "".join(f"{mutant.subject.id}\n" for mutant in dossier.score.mutants if mutant.detected)
+
+`scaloft-fi export`: one row per flight, or the campaign in the format of another tool.
+"""
+
+from __future__ import annotations
+
+from datetime import date
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+
+import click
+
+from scaloft_fi.console import say, tell
+from scaloft_fi.errors import InputError
+from scaloft_fi.registry import load_plugins
+from scaloft_fi.verbs import names
+from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, ExportFormat, export_format
+from scaloft_fi.verbs.options import (
+    campaign_option,
+    check_folder,
+    check_writable,
+    make_folder,
+    study_option,
+    today_option,
+    write,
+)
+from scaloft_fi.verbs.verb import Verb, verb
+
+__all__ = ["FORMATS", "Dossier", "ExportFormat", "export_format"]
+
+for _module in iter_modules(__path__):
+    import_module(f"{__name__}.{_module.name}")
+
+
+ARCHIVE, ZIP = "archive", ".zip"
+"""The format of several files; the end of the name of one that holds them all."""
+
+
+class ExportCommand(Verb):
+    """Its help lists every format, those of plugins too."""
+
+    def sections(self, ctx: click.Context) -> list[tuple[str, list[tuple[str, str]]]]:
+        """The options, then the formats."""
+        from scaloft_fi.verbs.export.dossier import FORMATS
+
+        load_plugins()
+        formats = [(name, FORMATS[name].summary) for name in sorted(FORMATS)]
+        return [*super().sections(ctx), ("Formats", formats)]
+
+
+@verb(
+    "export",
+    examples=(
+        ("Write one row per flight for pandas", "scaloft-fi export --format parquet --output flights.parquet"),
+        ("Give what is not detected to a code host", "scaloft-fi export --format sarif --output scaloft.sarif"),
+        ("Keep a campaign with its study for a paper", "scaloft-fi export --format archive --output campaign.zip"),
+    ),
+    cls=ExportCommand,
+)
+@study_option
+@campaign_option
+@click.option(
+    "--format",
+    "style",
+    shell_complete=names.formats,
+    default="json",
+    show_default=True,
+    metavar="NAME",
+    help="One of the formats listed below.",
+)
+@today_option
+@click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Write there instead of printing.")
+def export_command(
+    study_folder: Path | None, campaign: str, style: str, today: date | None, output: Path | None
+) -> None:
+    """Print one row per flight, ordered by mutant, situation and seed, or the campaign in another tool's format.
+
+    Facts of the simulation only: no clock, host or worker is in it; the day decides which survivors are accepted.
+    """
+    if style == ARCHIVE and output is not None and output.suffix != ZIP:
+        _check_new(output)
+    else:
+        check_writable(output)
+    from scaloft_fi.study import Study
+    from scaloft_fi.verbs.export.archive import dossier, unzipped
+    from scaloft_fi.verbs.export.dossier import FORMATS
+
+    study = Study.open(study_folder)
+    chosen = FORMATS[style]
+    if output is None and not chosen.text:
+        raise InputError(f"--format={style!r} is no text: give --output FILE")
+    made = dossier(study, campaign, today)
+    for warning in made.finds.warnings:
+        say(f"warning: {warning}")
+    content = chosen.content(made)
+    if output is None:
+        tell(content)
+    elif style == ARCHIVE and output.suffix != ZIP:
+        for name, file in unzipped(content).items():
+            make_folder((output / name).parent, "--output")
+            write(output / name, file)
+    else:
+        write(output, content)
+
+
+def _check_new(folder: Path) -> None:
+    """Refuse to put an archive into a folder with other files.
+
+    Raises:
+        InputError: there is something of this name that is no empty folder, or no folder can be made there.
+    """
+    check_folder(folder, "--output")
+    if folder.exists() and any(folder.iterdir()):
+        raise InputError(f"--output={str(folder)!r} must be a new or empty folder, or end in {ZIP}")

@@ -1,0 +1,306 @@
+"""The argument over the campaign in goal structuring notation, as the YAML of gsn2x.
+
+Every mutant flown that is not detected stands in it as a counter-goal against the claim it weakens: an argument that
+hides what speaks against it convinces nobody.  A survivor that somebody accepted is justified by that, until the last
+day of the acceptance; the goal over the others stays undeveloped.
+
+The verification log of SACE: artefact [SS] of the stage "AS verification assurance", with its headings.
+
+SACE (Safety Assurance of Autonomous Systems in Complex Environments, Assuring Autonomy International Programme, York)
+asks for the test cases with their required results, and for a justification that their coverage suffices, considering
+safety requirements, operational domain, operating scenarios and edge cases; besides, for the test environment and why
+it is representative.  What only people can argue is left open, and says so.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import yaml
+
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.pool import Tally, findings, tallies
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import MutantScore
+from scaloft_fi.analysis.survivor import judge
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.requirement import Kind, rho_text
+from scaloft_fi.verbs.export.dossier import Dossier, export_format
+from scaloft_fi.verbs.verdict import NO_POOL, NOT_COMPARED, false_detections
+from scaloft_fi.views.table import Format, Table, markdown, ranges, render
+
+COUNTER = {
+    Verdict.UNDECIDED: "might not have been revealed",
+    Verdict.NOT_DETECTED: "would not have been revealed",
+    Verdict.NOT_TESTED: "was not put to the test",
+}
+"""What speaks against the suite, by the verdict on a mutant."""
+
+
+@export_format("gsn", "the argument in goal structuring notation, for gsn2x")
+def gsn(dossier: Dossier) -> str:
+    """The argument as YAML text."""
+    return yaml.safe_dump(nodes(dossier), sort_keys=False, allow_unicode=True, width=120)
+
+
+def nodes(dossier: Dossier) -> dict[str, Any]:
+    """The argument's nodes by id, the module's head among them."""
+    names = ", ".join(requirement.name for requirement in dossier.requirements)
+    argument: dict[str, Any] = {
+        "module": {"name": "situation_coverage_and_fault_detection", "brief": f"Campaign {dossier.campaign}"},
+        "G1": {
+            "text": "The test cases sufficiently cover the operating scenarios (SACE artefact [E], activity 29)",
+            "supportedBy": ["S1"],
+            "inContextOf": ["C1", "C2", "C3", "A1"],
+        },
+        "C1": {
+            "text": f"Operational domain model: {len(dossier.space.axes)} axes, {len(dossier.space.points)} situations"
+        },
+        "C2": {"text": f"Requirements in signal temporal logic: {names}"},
+        "C3": {"text": f"{len(dossier.score.mutants)} mutants from a HAZOP deviation matrix, seeds {_seeds(dossier)}"},
+        "A1": {"text": "The simulator represents the operating environment (argued elsewhere)"},
+        "S1": {
+            "text": "Argue over the extent of coverage and over its power to reveal faults",
+            "supportedBy": ["G2", "G3", "G4"],
+        },
+        "G2": {"text": _coverage(dossier), "supportedBy": ["Sn1"]},
+        "Sn1": {"text": "Coverage table: scaloft-fi score"},
+        **_detection(dossier),
+    }
+    counted = dossier.of(*COUNTER)
+    if counted or not dossier.score.pooled:
+        argument |= _justified(dossier, counted)
+    else:
+        argument["G4"] = {"text": "Every mutant flown is detected", "supportedBy": ["Sn3"]}
+        argument["Sn3"] = {"text": "Verdict on every mutant: scaloft-fi score"}
+    for number, mutant in enumerate(counted, start=1):
+        argument[f"CG{number}"] = {
+            "text": f"{mutant.subject.id} {COUNTER[mutant.verdict]}{_severity(mutant)}",
+            "challenges": "G3",
+            "supportedBy": [f"CSn{number}"],
+        }
+        argument[f"CSn{number}"] = {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}"}
+    return argument
+
+
+def _severity(mutant: MutantScore) -> str:
+    """As in: ` (severity: injury, a person may be hurt)`; empty where its cell has no class."""
+    severity = mutant.severity
+    return f" (severity: {severity.id}, {severity.title})" if severity else ""
+
+
+def _justified(dossier: Dossier, counted: Sequence[MutantScore]) -> dict[str, Any]:
+    """The goal over the mutants that are not detected: a goal for each that was accepted, one for all others."""
+    text, accepted = "Each mutant that is not detected is justified", [m for m in counted if dossier.acceptance(m)]
+    if not accepted:
+        return {"G4": {"text": text, "undeveloped": True}}
+    found: dict[str, Any] = {}
+    for number, mutant in enumerate(accepted):
+        goal, solution = f"G{5 + number}", f"Sn{4 + number}"
+        found[goal] = {"text": f"That {mutant.subject.id} is not detected is justified", "supportedBy": [solution]}
+        found[solution] = {"text": f"hazop/dispositions.yaml: {dossier.acceptance(mutant)}"}
+    if others := len(counted) - len(accepted):
+        found[f"G{5 + len(accepted)}"] = {"text": f"{others} other mutants are justified", "undeveloped": True}
+    return {"G4": {"text": text, "supportedBy": [name for name in found if name.startswith("G")]}, **found}
+
+
+def _coverage(dossier: Dossier) -> str:
+    """Of the grid, with the largest strength of which every combination was flown; where there is none, with each."""
+    covered = dossier.coverage
+    whole = [strength for strength, ratio in covered.t_way if ratio.part == ratio.whole > 0]
+    flown = f"{covered.situations} of the situations were flown"
+    if whole:
+        every = f"combination of the values of any {max(whole)} axes" if max(whole) > 1 else "value of every axis"
+        return f"{flown}, among them every {every}"
+    parts = ", ".join(f"{strength}-way {ratio}" for strength, ratio in covered.t_way)
+    return f"{flown}, of the combinations of their values {parts}"
+
+
+def _detection(dossier: Dossier) -> dict[str, Any]:
+    """The claim over the mutants, and what it rests on; nothing where there is no pool to decide by."""
+    scored = dossier.score
+    if not scored.pooled:
+        return {"G3": {"text": f"The suite detects faults (no verdict: {NO_POOL})", "undeveloped": True}}
+    claim = (
+        f"The suite detects {scored.mutation_score} of the mutants flown, {scored.firm.part} without any one seed too"
+    )
+    rule = "more violations of a safety requirement than chance explains, beside the unmutated drone's own flights"
+    return {
+        "G3": {
+            "text": claim,
+            "supportedBy": ["Sn2"],
+            "inContextOf": ["C4", "C5"],
+        },
+        "C4": {"text": f"Detected: {rule} (exact stratified test, alpha {scored.alpha:g})"},
+        "C5": {"text": false_detections(scored.alpha, scored.tested.part)},
+        "Sn2": {"text": "Verdicts and kills: scaloft-fi score; every flight: scaloft-fi export"},
+    }
+
+
+def _seeds(dossier: Dossier) -> str:
+    return ", ".join(map(str, dossier.seeds)) or "none"
+
+
+REPEATS = "Flights are deterministic: scaloft-fi replay flies each again, bit for bit, on the same platform."
+NO_REPEATS = "The stack is not deterministic: no flight can be flown again bit for bit; verdicts rest on several seeds."
+EDGES = 10
+"""How many situations with the least robustness are named as edge cases."""
+OPEN = "To be argued by the safety team; nothing here argues it."
+NOT_CLAIMED = (
+    "That no other fault than those of the matrix is present.",
+    "That the simulator is the real environment.",
+    "That the HAZOP study is complete.",
+    NOT_COMPARED,
+)
+
+
+def verification_log(dossier: Dossier) -> tuple[Table, ...]:
+    """The log as tables, one a heading."""
+    return (
+        _cases(dossier),
+        _required(dossier),
+        _by_requirement(dossier),
+        *_accepted(dossier),
+        _domain(dossier),
+        _scenarios(dossier),
+        _edges(dossier),
+        _environment(dossier),
+        Table("Representativeness of the test environment", ("justification",), ((OPEN,),)),
+        Table("Not claimed", ("claim",), tuple((claim,) for claim in NOT_CLAIMED)),
+    )
+
+
+@export_format("sace", "the verification log, SACE artefact [SS], Markdown")
+def to_markdown(dossier: Dossier) -> str:
+    """The log as a page."""
+    campaign, study = markdown(dossier.campaign), markdown(dossier.study)
+    head = f"# Verification log (SACE artefact [SS])\n\nCampaign {campaign} of study {study}.\n\n"
+    return head + render(verification_log(dossier), Format.MARKDOWN)
+
+
+@export_format("sace-json", "the verification log as JSON")
+def to_json(dossier: Dossier) -> dict[str, Any]:
+    """The log as plain JSON values, by heading."""
+    return {table.title: {"rows": table.records(), "notes": list(table.notes)} for table in verification_log(dossier)}
+
+
+def _cases(dossier: Dossier) -> Table:
+    baselines, mutants = _seeds_text(dossier, baseline=True), _seeds_text(dossier, baseline=False)
+    rows = tuple(
+        (key, dossier.words(key), ranges(mutants.get(key, set())), ranges(baselines.get(key, set())))
+        for key in sorted(baselines.keys() | mutants.keys(), key=dossier.space.rank)
+    )
+    headers = ("test case", "situation", "seeds of the mutants", "seeds of the unmutated drone")
+    return Table("Test case details", headers, rows)
+
+
+def _seeds_text(dossier: Dossier, *, baseline: bool) -> dict[str, set[int]]:
+    """By situation the seeds flown, of the unmutated drone or of everything else."""
+    by_situation: dict[str, set[int]] = {}
+    for outcome in dossier.outcomes:
+        if (outcome.mutant == BASELINE) == baseline:
+            by_situation.setdefault(outcome.situation, set()).add(outcome.seed)
+    return by_situation
+
+
+def _required(dossier: Dossier) -> Table:
+    rows = tuple((r.name, r.kind.value, r.title, r.text) for r in dossier.requirements)
+    return Table("Required results", ("requirement", "kind", "in words", "formula over the flight"), rows)
+
+
+def _by_requirement(dossier: Dossier) -> Table:
+    """Consideration 1: are there test cases for each safety requirement, and would they show its violation."""
+    tested: dict[str, Tally] = {tally.requirement: tally for tally in tallies(dossier.outcomes)}
+    rows = tuple(
+        (
+            r.name,
+            tested[r.name].triggered if r.name in tested else 0,
+            str(_detected_by(dossier, r.name)),
+            rho_text(tested[r.name].least_rho) if r.name in tested else "n/a",
+        )
+        for r in dossier.requirements
+        if r.kind is not Kind.REPORTED
+    )
+    headers = (
+        *("requirement", "times triggered", "mutants detected by it, of those that it put to the test"),
+        "least robustness",
+    )
+    fates = Counter(mutant.verdict for mutant in dossier.score.counted)
+    verdicts = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
+    firm = f"  Detected whichever one seed is left out: {dossier.score.firm.part}."
+    notes = (
+        "Triggered, robustness: flights of the unmutated drone.",
+        f"Mutants flown, by safety requirements: {verdicts}.{firm}"
+        if dossier.score.pooled
+        else f"No verdicts: {NO_POOL}.",
+    )
+    return Table("Sufficiency of coverage (1): safety requirements", headers, rows, notes)
+
+
+def _accepted(dossier: Dossier) -> tuple[Table, ...]:
+    """The survivors that somebody accepted, and acceptances that do not hold; no table where there are none."""
+    rows = tuple(
+        (one.mutant, one.state.value, known.owner, known.reason, known.expires.isoformat())
+        for one in judge(dossier.score, dossier.roster, dossier.dispositions, dossier.today)
+        if (known := one.disposition) is not None and dossier.score.pooled
+    )
+    notes = (f"Without accepted survivors the tests detect {dossier.without_accepted} of the mutants flown.",)
+    headers = ("mutant", "state", "owner", "reason", "expires")
+    return (Table("Accepted survivors", headers, rows, notes),) if rows else ()
+
+
+def _detected_by(dossier: Dossier, requirement: str) -> Ratio:
+    able = [mutant for mutant in dossier.score.counted if requirement in mutant.tests]
+    return Ratio(sum(requirement in (*m.safety.by, *m.operability.by) for m in able), len(able))
+
+
+def _domain(dossier: Dossier) -> Table:
+    """Consideration 2: enough range of each feature of the domain, and enough combinations of features."""
+    rows = tuple((f"{strength}-way", str(ratio)) for strength, ratio in dossier.coverage.t_way)
+    note = "Combinations of values of that many axes that some test case has, of all there are."
+    return Table("Sufficiency of coverage (2): operational domain model", ("strength", "covered"), rows, (note,))
+
+
+def _scenarios(dossier: Dossier) -> Table:
+    """Consideration 3: each operating scenario, what the unmutated drone does there, what a fault does."""
+    rows = tuple(
+        (f.situation, _violated(dossier, f.situation), ", ".join(f.vacuous), str(_killed_in(dossier, f.situation)))
+        for f in findings(dossier.outcomes, dossier.space)
+    )
+    headers = ("situation", "the unmutated drone violates", "never tests", "mutants killed, of those put to the test")
+    return Table("Sufficiency of coverage (3): operating scenarios", headers, rows)
+
+
+def _violated(dossier: Dossier, situation: str) -> str:
+    pairs = [pair for pair in dossier.score.pool.pairs.values() if pair.situation == situation and pair.violated]
+    return ", ".join(f"{pair.requirement} in {pair.violated} of {pair.flights}" for pair in pairs) or "nothing"
+
+
+def _killed_in(dossier: Dossier, situation: str) -> Ratio:
+    tests = [r for mutant in dossier.score.counted for r in mutant.results if r.situation == situation and r.tested]
+    return Ratio(sum(bool(result.kills) for result in tests), len(tests))
+
+
+def _edges(dossier: Dossier) -> Table:
+    """Consideration 4: low probability, high impact."""
+    worst = sorted(_robustness(dossier), key=lambda row: (row[0], dossier.space.rank(row[2].situation), row[2].seed))
+    rows = tuple((o.situation, o.seed, name, f"{rho:.3f}") for rho, name, o in worst[:EDGES])
+    headers = ("situation", "seed", "requirement", "robustness")
+    note = f"The {EDGES} least robust flights of the unmutated drone that hold the safety requirement."
+    return Table("Sufficiency of coverage (4): edge cases", headers, rows, (note,))
+
+
+def _robustness(dossier: Dossier) -> Iterator[tuple[float, str, Outcome]]:
+    for outcome in dossier.outcomes:
+        if outcome.mutant == BASELINE and not outcome.invalid:
+            for reading in outcome.readings:
+                if reading.kind is Kind.SAFETY and not reading.violated and reading.triggered:
+                    yield reading.rho, reading.requirement, outcome
+
+
+def _environment(dossier: Dossier) -> Table:
+    rows = (("scaloft-fi", dossier.version), *sorted(dossier.platform.items()))
+    note = REPEATS if dossier.deterministic else NO_REPEATS
+    return Table("Test environment", ("part", "version"), tuple(rows), (note,))

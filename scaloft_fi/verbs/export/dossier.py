@@ -1,0 +1,334 @@
+"""Export formats by name: each is one declaration, a function of the dossier.
+
+What a campaign's evidence is written from: the study's parts, its outcomes and what follows from them.
+
+What to call about a mutant that is not detected: the flight to look at, and what would show it or bound it.
+
+All flights of a campaign as CSV.
+
+All flights of a campaign as a JSON list.
+
+All flights of a campaign as Parquet, typed, lists as lists: the rows of `export`, for data frames.
+
+Texts are data here and stand as the store has them; only lone surrogates, which UTF-8 cannot hold, are spelled out.
+"""
+
+from __future__ import annotations
+
+import io
+import shlex
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+from scaloft_fi.analysis.coverage import Coverage, coverage
+from scaloft_fi.analysis.detection import Spending, Verdict
+from scaloft_fi.analysis.margin import Scale
+from scaloft_fi.analysis.roster import Ratio, Roster
+from scaloft_fi.analysis.score import MutantScore, Score, score
+from scaloft_fi.analysis.survivor import Accepted, Disposition, accepted_survivors, score_without
+from scaloft_fi.console import json_text, printable
+from scaloft_fi.hazop.matrix import Cell, Matrix, worst_first
+from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind, Requirement, measured_rho
+from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import JudgedFlight, flights_of
+from scaloft_fi.registry import Registry
+from scaloft_fi.study import NO_FINDS, KnownFinds
+from scaloft_fi.verbs.export.rows import FlightRow, columns, export_rows, flight_columns, to_csv, to_json
+from scaloft_fi.verbs.verdict import acceptance, in_campaign, next_command, next_find, verdict, why
+
+if TYPE_CHECKING:
+    import pyarrow
+
+
+Content = str | bytes | Mapping[str, Any] | Sequence[Any]
+"""What a format may give: a text, the bytes of a file, or plain JSON values."""
+Made = TypeVar("Made", bound=Content)
+
+
+@dataclass(frozen=True)
+class ExportFormat:
+    """A format that `scaloft-fi export` writes.
+
+    Attributes:
+        name: as `--format` takes it.
+        summary: what it is, in half a sentence, for the help.
+        make: gives a campaign's content from its dossier.
+        text: whether it can be printed; a format that is no text needs `--output`.
+    """
+
+    name: str
+    summary: str
+    make: Callable[[Dossier], Content]
+    text: bool = True
+
+    def content(self, dossier: Dossier) -> bytes:
+        """A campaign in this format, as the bytes of a file; a text is made printable, bytes are taken as they are."""
+        made = self.make(dossier)
+        if isinstance(made, bytes):
+            return made
+        if isinstance(made, str):
+            return printable(made).encode()
+        return f"{json_text(made, indent=2, letters=True)}\n".encode()
+
+
+FORMATS: Registry[ExportFormat] = Registry("export format")
+"""Every format, those of plugins too."""
+
+
+def export_format(
+    name: str, summary: str, *, text: bool = True
+) -> Callable[[Callable[[Dossier], Made]], Callable[[Dossier], Made]]:
+    """Declare the function below it as an export format.
+
+    Args:
+        name: as `--format` takes it.
+        summary: what it is, in half a sentence, for the help.
+        text: whether it can be printed.
+
+    Raises:
+        ValueError: the name is taken.
+    """
+
+    def declare(make: Callable[[Dossier], Made]) -> Callable[[Dossier], Made]:
+        FORMATS.declare(name, ExportFormat(name, summary, make, text))
+        return make
+
+    return declare
+
+
+@dataclass(frozen=True)
+class Dossier:
+    """A campaign and what it was flown with: all that an export format is made of.
+
+    Attributes:
+        study, campaign: names.
+        version: of scaloft-fi.
+        platform: on which the campaign was flown.
+        matrix, space, roster, requirements: of the study.
+        outcomes: of the campaign that count.
+        spending: how the campaign spends alpha.
+        sources: per file of the deviation matrix, by its path in the study, its text.
+        grid_file: path of the grid's file in the study.
+        finds: of the study.
+        deterministic: whether flights of its stack repeat their bits.
+        searchable: whether `seek` can search it.
+        dispositions: the survivors that somebody accepted.
+        today: the day by which dispositions expire; None = none does.
+        archive: reads the files of the campaign's archive, by their paths.
+    """
+
+    study: str
+    campaign: str
+    version: str
+    platform: Mapping[str, str]
+    matrix: Matrix
+    space: Space
+    roster: Roster
+    requirements: tuple[Requirement, ...]
+    outcomes: tuple[Outcome, ...]
+    spending: Spending
+    sources: Mapping[str, str]
+    grid_file: str = "sim/situations.yaml"
+    finds: KnownFinds = NO_FINDS
+    deterministic: bool = True
+    searchable: bool = True
+    dispositions: tuple[Disposition, ...] = ()
+    today: date | None = None
+    archive: Callable[[], Mapping[str, bytes]] = dict
+
+    @cached_property
+    def score(self) -> Score:
+        """The campaign's score."""
+        return score(self.outcomes, self.roster, self.space, self.spending)
+
+    @cached_property
+    def rows(self) -> list[FlightRow]:
+        """One row per flight, in the order of mutants, situations and seeds: see `scaloft_fi.verbs.export.rows`."""
+        return export_rows(self.outcomes, self.roster, self.space, self._names)
+
+    @property
+    def columns(self) -> list[str]:
+        """The columns of the rows."""
+        return columns(self.rows, self._names)
+
+    @property
+    def _names(self) -> list[str]:
+        return [requirement.name for requirement in self.requirements]
+
+    @cached_property
+    def coverage(self) -> Coverage:
+        """Its situation coverage."""
+        return coverage(self.outcomes, self.space)
+
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """Seeds of the mutants' flights."""
+        return tuple(sorted({o.seed for o in self.outcomes if o.subject.guideword}))
+
+    def of(self, *verdicts: Verdict) -> tuple[MutantScore, ...]:
+        """The mutants that the ratios count, of each credible cell flown its default, with one of these verdicts.
+
+        Those of the worst class of severity stand first.
+        """
+        members = (mutant for mutant in self.score.counted if mutant.verdict in verdicts)
+        return tuple(worst_first(members, lambda mutant: mutant.severity))
+
+    @cached_property
+    def accepted(self) -> Mapping[str, Disposition]:
+        """The survivors that somebody accepted, of the mutants that the ratios count, by id."""
+        return dict(accepted_survivors(self.score, self.roster, self.dispositions, self.today))
+
+    @property
+    def without_accepted(self) -> Ratio:
+        """Mutants detected, of those flown that are no accepted survivors."""
+        return score_without(self.score, [Accepted(*one) for one in self.accepted.items()])
+
+    def acceptance(self, mutant: MutantScore) -> str:
+        """Who accepted a survivor, until when and why; empty where nobody did."""
+        known = self.accepted.get(mutant.subject.id)
+        return acceptance(known) if known else ""
+
+    def verdict(self, mutant: MutantScore) -> str:
+        """The verdict on a mutant and what it rests on, in a line."""
+        return verdict(mutant, self.score.lacking)
+
+    def why(self, mutant: MutantScore) -> str:
+        """What the verdict rests on."""
+        return why(mutant, self.score.lacking)
+
+    def next_command(self, mutant: MutantScore) -> str:
+        """What to call next for a mutant that is not detected."""
+        return next_command(mutant, self.score.lacking, self.campaign, self.space.grid, self.finds)
+
+    def steps(self, mutant: MutantScore) -> list[Step]:
+        """What to call about a mutant that is not detected."""
+        flights = self._judged.get(mutant.subject.id, ())
+        searchable = self.searchable and next_find(mutant, self.finds) is None
+        return steps(
+            mutant, flights, self.next_command(mutant), self.cell(mutant), self.campaign, searchable=searchable
+        )
+
+    @cached_property
+    def _judged(self) -> Mapping[str, Sequence[JudgedFlight]]:
+        """The flights of each mutant beside their baselines, by its id."""
+        judged: dict[str, list[JudgedFlight]] = {}
+        for flight in flights_of(self.outcomes):
+            judged.setdefault(flight.outcome.mutant, []).append(flight)
+        return judged
+
+    def find_told(self, mutant: MutantScore) -> str:
+        """`; next: ` and the command, where a search found a situation that shows a mutant; else empty."""
+        return f"; next: {self.next_command(mutant)}" if next_find(mutant, self.finds) else ""
+
+    def shows(self, control: MutantScore) -> bool:
+        """Whether a control shows itself by safety or operability.
+
+        It does when it is detected, or when it was flown once and that flight violates what its baseline holds.
+        """
+        if control.detected or control.operability.detected:
+            return True
+        flights = self._judged.get(control.subject.id, ())
+        return len(flights) == 1 and bool(flights[0].revealed or flights[0].operability_revealed)
+
+    def cell(self, mutant: MutantScore) -> Cell:
+        """The cell that a mutant comes from."""
+        return self.matrix.cell(cell_of(mutant.subject.id))
+
+    def place(self, mutant: MutantScore) -> tuple[str, int]:
+        """File in the study and line of the cell that a mutant comes from."""
+        path, _, line = self.cell(mutant).place.rpartition(":")
+        path = path.replace("\\", "/")
+        return next((name for name in self.sources if path.endswith(name)), path), int(line)
+
+    def words(self, situation: str) -> str:
+        """A situation in words: `corner, light`."""
+        return ", ".join(self.space.words_of(situation)) if situation in self.space.point else situation
+
+
+class Step(NamedTuple):
+    """A command, and what it does."""
+
+    name: str
+    does: str
+    command: str
+
+
+def steps(
+    mutant: MutantScore, flights: Sequence[JudgedFlight], following: str, cell: Cell, campaign: str, *, searchable: bool
+) -> list[Step]:
+    """The steps for a mutant that is not detected, the first to take first.
+
+    Args:
+        mutant: the mutant.
+        flights: its flights in the campaign.
+        following: the command that the verdict on it asks for next.
+        cell: the cell that it comes from.
+        campaign: name of the campaign.
+        searchable: whether the study can be searched for a situation that shows the mutant.
+    """
+    known = in_campaign(campaign)
+    found = [Step("next", "Next", following)]
+    shown = telling(flights)
+    if shown is not None:
+        outcome = shown.outcome
+        name = shlex.quote(f"{outcome.mutant}/{outcome.situation}/{outcome.seed}")
+        found.insert(0, Step("replay", "Fly its most telling flight again", f"scaloft-fi replay {name}{known}"))
+    if any(fault.magnitude and Scale.of(fault.magnitude) for fault in cell.faults):
+        margin = f"scaloft-fi margin {cell.name}{known}"
+        found.append(Step("margin", "Find the smallest magnitude that is killed", margin))
+    if searchable:
+        seek = f"scaloft-fi seek {shlex.quote(mutant.subject.id)}"
+        found.append(Step("seek", "Search for a situation that shows it", seek))
+    return found
+
+
+def telling(flights: Iterable[JudgedFlight]) -> JudgedFlight | None:
+    """The flight that says most: where the fault got furthest, and of these the one nearest to a safety violation."""
+    return max(flights, key=lambda flight: (flight.status.stage, -_nearest(flight)), default=None)
+
+
+def _nearest(flight: JudgedFlight) -> float:
+    """The least robustness of the safety requirements that the flight puts to the test."""
+    measured = [measured_rho(one) for one in flight.outcome.readings if one.kind is Kind.SAFETY]
+    return min((rho for rho in measured if rho is not None), default=float("inf"))
+
+
+@export_format("csv", "one row per flight, the columns of json")
+def csv_rows(dossier: Dossier) -> str:
+    """One flight a line, below a line of names."""
+    return to_csv(dossier.rows, dossier.columns)
+
+
+@export_format("json", "one row per flight, a list")
+def json_rows(dossier: Dossier) -> str:
+    """One flight a line."""
+    return to_json(dossier.rows)
+
+
+@export_format("parquet", "one row per flight, typed (extra: parquet)", text=False)
+def parquet_rows(dossier: Dossier) -> bytes:
+    """The file of a campaign."""
+    return parquet(dossier.rows, dossier.columns)
+
+
+def parquet(rows: Sequence[FlightRow], columns: Sequence[str]) -> bytes:
+    """A Parquet file with one row a flight.
+
+    Raises:
+        InputError: pyarrow is not installed.
+    """
+    return parquet_file(flight_columns(rows, columns).arrow())
+
+
+def parquet_file(table: pyarrow.Table) -> bytes:
+    """A Parquet file with the columns of a table."""
+    import pyarrow.parquet
+
+    file = io.BytesIO()
+    pyarrow.parquet.write_table(table, file, compression="zstd")
+    return file.getvalue()

@@ -1,0 +1,481 @@
+"""The tables behind the first screen: ratios, stages, pairs, the unmutated drone's findings, coverage, groupings.
+
+The first screen after `run` and `score`: four answers, the mutants by verdict, coverage, what the drone does.
+
+Long groups are cut unless everything is asked for; the other tables stand behind `--all`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+
+from scaloft_fi.analysis.coverage import Coverage
+from scaloft_fi.analysis.detection import Firmness, Noise, Verdict
+from scaloft_fi.analysis.pool import Finding, Pool, State, Tally, findings, tallies
+from scaloft_fi.analysis.roster import Ratio, Roster
+from scaloft_fi.analysis.score import EARLY_S, By, MutantScore, Score, groups
+from scaloft_fi.analysis.survivor import Accepted, Background
+from scaloft_fi.console import PROSE, Marked, Style, coloured, line, styled, wrapped
+from scaloft_fi.console import width as terminal_width
+from scaloft_fi.defaults import CAMPAIGN
+from scaloft_fi.hazop.matrix import class_of, worst_first
+from scaloft_fi.judge.outcome import PLACEBO_ID
+from scaloft_fi.judge.requirement import Compliance, Kind, rho_text
+from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import Rulings, Status
+from scaloft_fi.study import NO_FINDS, KnownFinds
+from scaloft_fi.verbs.coverage import coverage_tables
+from scaloft_fi.verbs.verdict import (
+    NOT_COMPARED,
+    SHORT,
+    Line,
+    Next,
+    accepted_line,
+    answers,
+    false_detections,
+    next_steps,
+    noise_line,
+    short_step,
+)
+from scaloft_fi.views.table import Format, Table, commands, render
+
+MANY_ROWS = 24
+"""Of more mutants than these the flights at each stage are summed by parameter."""
+POPULATIONS = {
+    "exercised": "credible cells whose default mutant was flown, of all credible cells",
+    "infected": "default mutants that changed a sample, of those flown",
+    "tested": "default mutants put to the test: they infect where a safety requirement is steady; of those flown",
+    "mutation_score": "default mutants detected by safety requirements, of those flown",
+    "firm": "default mutants detected whichever one seed is left out, of those flown",
+    "operability": "default mutants detected by operability requirements, of those flown",
+}
+"""What each ratio of the score counts."""
+
+
+def tables_behind(
+    scored: Score, rulings: Rulings, covered: Coverage, space: Space, by: By | None = None
+) -> tuple[Table, ...]:
+    """All tables behind the first screen; `by` adds the score part by part."""
+    return (
+        ratio_table(scored),
+        composition_table(scored),
+        stage_table(scored),
+        *([group_table(scored, by, space)] if by else []),
+        pair_table(scored.pool, space),
+        baseline_table(findings(rulings.baselines, space)),
+        requirement_table(tallies(rulings.baselines)),
+        *coverage_tables(covered, space),
+    )
+
+
+def ratio_table(scored: Score) -> Table:
+    """The ratios of the score, each with its population."""
+    rows = tuple((name.replace("_", " "), str(getattr(scored, name)), of) for name, of in POPULATIONS.items())
+    drawn = scored.redraw
+    notes = [false_detections(scored.alpha, scored.tested.part)]
+    if drawn.seeds:
+        notes.append(
+            f"Of {drawn.safety.whole} redraws of the unmutated drone ({drawn.seeds} seeds beside ten) "
+            f"{drawn.safety.part} are called detected by safety, {drawn.operability.part} by operability requirements."
+        )
+    else:
+        notes.append("No redraws: they need 20 baseline flights and more in every situation (`--baseline-seeds`).")
+    return Table("Mutation score", ("ratio", "part/whole", "population"), rows, tuple(notes))
+
+
+def composition_table(scored: Score) -> Table:
+    """What the ratio is made of."""
+    detected = scored.mutation_score.part
+    firmness = Counter(mutant.firmness for mutant in scored.counted if mutant.firmness)
+    alike = [" = ".join(group) for group in scored.behaviours if len(group) > 1]
+    idle = [f"{mutant.subject.id} (acts in {mutant.acted.short})" for mutant in scored.without_effect]
+    rows = (
+        ("detected", detected, ""),
+        *((one.words, firmness[one], _named(scored, one)) for one in Firmness if firmness[one]),
+        ("distinct behaviours", len(scored.behaviours), "; ".join(alike)),
+        ("without a kill", len(scored.without_kill), _ids(scored.without_kill)),
+        ("trivial", len(scored.trivial), _ids(scored.trivial)),
+        ("no effect here", len(scored.without_effect), ", ".join(idle)),
+    )
+    notes = (
+        (
+            "Of the default mutants of credible cells.  Distinct behaviours: detected mutants whose flights all equal "
+            "each other's to the bit count once.  Trivial: killed in nine tenths of the situations that test it, or "
+            f"within {EARLY_S:g} s of take-off.  No effect here: every flight equals the baseline's to the bit."
+        ),
+        NOT_COMPARED,
+    )
+    return Table("What the score is made of", ("what", "mutants", "which"), rows, notes)
+
+
+def _named(scored: Score, firmness: Firmness) -> str:
+    """The detected mutants that are not firm, by name."""
+    return "" if firmness.firm else _ids(mutant for mutant in scored.counted if mutant.firmness is firmness)
+
+
+def _ids(mutants: Iterable[MutantScore]) -> str:
+    return ", ".join(mutant.subject.id for mutant in mutants)
+
+
+def pair_table(pool: Pool, space: Space) -> Table:
+    """The pairs of situation and requirement that put no fault to the test."""
+    others = [pair for pair in pool.pairs.values() if pair.state is not State.STEADY]
+    others.sort(key=lambda pair: (space.rank(pair.situation), pair.requirement))
+    rows = tuple(
+        (pair.situation, pair.requirement, pair.state.value, f"{pair.violated}/{pair.flights}", pair.open)
+        for pair in others
+    )
+    steady = Ratio(len(pool.pairs) - len(others), len(pool.pairs))
+    notes = (
+        f"{steady} of the pairs are steady: nine tenths of the baseline flights hold the requirement.",
+        "red: most violate; unsteady: between; open: a tenth is cut short before; vacuous: half never trigger it;",
+        "unknown: fewer than ten baseline flights.  None of these contributes a kill.",
+    )
+    headers = ("situation", "requirement", "state", "violated", "open")
+    return Table("Pairs that put no fault to the test", headers, rows, notes)
+
+
+def stage_table(scored: Score) -> Table:
+    """How many flights stopped at each stage: reach, infect, propagate, reveal; by parameter where mutants are many."""
+    placebo = [scored.placebo] if scored.placebo else []
+    entries = [*placebo, *scored.mutants, *scored.controls]
+    if len(entries) <= MANY_ROWS:
+        parts = [(entry.subject.id, [entry]) for entry in entries]
+    else:
+        names = dict.fromkeys(mutant.subject.parameter for mutant in scored.mutants)
+        parts = [(name, [m for m in scored.mutants if m.subject.parameter == name]) for name in names]
+        parts = [*((PLACEBO_ID, [entry]) for entry in placebo), *parts, ("controls", list(scored.controls))]
+    if len(entries) > 1:
+        parts.append(("all", entries))
+    rows = [_stages(name, members) for name, members in parts if members]
+    headers = ("mutant" if len(entries) <= MANY_ROWS else "parameter", *(status.value for status in Status), "flights")
+    return Table("Where the faults stopped (flights)", headers, tuple(rows))
+
+
+def _stages(name: str, members: Sequence[MutantScore]) -> tuple[str | int, ...]:
+    counts = Counter[Status]()
+    for member in members:
+        counts.update(dict(member.statuses))
+    return (name, *(counts[status] for status in Status), counts.total())
+
+
+def baseline_table(findings: Sequence[Finding]) -> Table:
+    """The situations where the unmutated drone violates a requirement, or leaves one untested."""
+    rows = tuple(
+        (
+            finding.situation,
+            Ratio(finding.red, finding.flown).short,
+            ", ".join(finding.violated),
+            ", ".join(finding.open),
+            ", ".join(finding.vacuous),
+            _first(finding),
+        )
+        for finding in findings
+        if finding.violated
+    )
+    red = sum(finding.red > 0 for finding in findings)
+    held = len(findings) - red
+    vacuous = sum(bool(finding.vacuous) for finding in findings)
+    notes = (
+        f"{Ratio(held, len(findings))} of the situations flown have baselines that hold every safety requirement.",
+        f"In {vacuous} of {len(findings)} a requirement was never triggered: vacuous, not passed.",
+    )
+    headers = ("situation", "red flights", "violated", "open", "vacuous", "first")
+    return Table("Findings about the unmutated drone", headers, rows, notes)
+
+
+def _first(finding: Finding) -> str:
+    if finding.first is None:
+        return ""
+    violation, seed = finding.first
+    struck = f" struck {violation.struck}" if violation.struck else ""
+    place = f"({violation.x:.2f}, {violation.y:.2f}, {violation.z:.2f})"
+    of_seed = f", seed {seed}" if finding.flown > 1 else ""
+    return f"{violation.requirement} {violation.t_s:.2f} s {place}{struck}{of_seed}"
+
+
+def requirement_table(tallied: Sequence[Tally]) -> Table:
+    """What the baseline flights say about each requirement."""
+    headers = ("requirement", "kind", *(compliance.value for compliance in Compliance), "triggered", "least robustness")
+    rows = tuple(
+        (t.requirement, t.kind.value, *(count for _, count in t.compliances), t.triggered, rho_text(t.least_rho))
+        for t in tallied
+    )
+    notes = (
+        "Baseline flights by compliance; triggered: episodes in which the requirement's condition came true.",
+        "Least robustness: of flights in which it came true, or that violate it.",
+    )
+    return Table("Requirements of the unmutated drone (flights)", headers, rows, notes)
+
+
+def group_table(scored: Score, by: By, space: Space) -> Table:
+    """The score of each part."""
+    rows = tuple((group.name, str(group.tested), str(group.flown)) for group in groups(scored, by, space))
+    mutants = by in (By.GUIDEWORD, By.PARAMETER, By.SEVERITY, By.REQUIREMENT)
+    what = "detected" if mutants else "with a kill"
+    of = "mutants in situations" if by is By.AXIS else "mutants"
+    notes = (f"Default mutants of credible cells: {of} {what}, of those put to the test there, and of those flown.",)
+    return Table(f"Score by {by.value}", (by.value, f"{what}/tested", f"{what}/flown"), rows, notes)
+
+
+MANY_SHOWN, SHOWN = 12, 10
+"""Of a group of more mutants than `MANY` the first `SHOWN` are shown."""
+WIDEST = 24
+"""Longest condition that a row shows."""
+TITLE = "Would your tests have shown it?"
+COLUMNS = {
+    Verdict.DETECTED: ("killed in", "firm", "by", "where", "first", "effect"),
+    Verdict.UNDECIDED: ("seen", "where", "first", "effect", "next"),
+    Verdict.NOT_DETECTED: ("tested in", "effect", "next"),
+    Verdict.NOT_TESTED: ("effect", "next"),
+}
+"""The columns of each group of mutants."""
+SEVERITY = "severity"
+"""Column of the groups of survivors in a study with classes; the worst class stands first."""
+SPARE = ("where", "by", "seen", "first")
+"""The columns that a narrow terminal does without, in the order in which they are left out."""
+CONTROL_COLUMNS = ("shows itself by", "effect")
+LEGEND = (
+    (
+        "killed in: situations where most flights of a detected fault violate a requirement, of those that test it "
+        "(it changes samples, nine in ten unmutated flights hold).  no kill: violated here and there."
+    ),
+    "firm: detected whichever one seed is left out; pool: of the baseline's alone.  by: per requirement.",
+    "where: `mixed`: see `scaloft-fi kills ID`.  first: earliest such violation [s from take-off].",
+    "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
+)
+NO_KILL = "no kill"
+"""Of a detected mutant without a situation where most of its flights violate."""
+WITH_FIND = (
+    *LEGEND[:-1],
+    "next: `run --mutant ID --seeds N` (anew: its own campaign); find: `kills ID --show survivors`.",
+)
+"""The legend where a row tells of a find."""
+NAMES_BESIDE = 70
+"""A narrower terminal has the name of an answer above it, not beside it [characters]."""
+FIRM = {
+    Firmness.FIRM: "yes",
+    Firmness.FIRM_BY_POOL: "pool",
+    Firmness.HANGS: "no",
+    Firmness.TOO_FEW: "too few seeds",
+}
+_STOPPED = {
+    Status.INVALID: "the harness failed",
+    Status.NOT_REACHED: "its seam carries nothing",
+    Status.NOT_INFECTED: "changes no sample",
+    Status.MASKED: "flies the same to the bit",
+    Status.BASELINE_RED: "violates as the baseline",
+    Status.SURVIVED: "flies otherwise",
+    Status.REVEALED: "flies otherwise",
+}
+
+
+def first_screen(
+    scored: Score,
+    roster: Roster,
+    space: Space,
+    covered: Coverage,
+    background: Callable[[str], Background | None],
+    *,
+    campaign: str = CAMPAIGN,
+    finds: KnownFinds = NO_FINDS,
+    noise: Sequence[Noise] = (),
+    accepted: Sequence[Accepted] = (),
+    whole: bool = False,
+) -> tuple[Table, ...]:
+    """The screen as tables: the answers, a table a group, and the two lines.
+
+    Args:
+        scored: the campaign's score.
+        roster: which mutants count.
+        space: the grid.
+        covered: its situation coverage.
+        background: of the mutant with an id; None where nothing is known of it.
+        campaign: its name, for the commands.
+        finds: of the study.
+        noise: of a stack that is not deterministic.
+        accepted: the survivors that somebody accepted.
+        whole: whether groups are shown to their ends.
+    """
+    replies = answers(scored, roster, campaign, finds, space.grid)
+    lines = [Line("Situations", coverage_line(covered)), Line("Unmutated drone", baseline_line(scored.pool))]
+    if accepted:
+        lines.append(Line("Accepted", accepted_line(scored, accepted)))
+    if noise:
+        lines.append(Line("Noise", noise_line(noise)))
+    counted = Counter(mutant.verdict for mutant in scored.counted)
+    groups = []
+    for verdict in Verdict:
+        members = [mutant for mutant in scored.mutants if mutant.flown and mutant.verdict is verdict]
+        if verdict is Verdict.DETECTED:
+            members.sort(key=lambda mutant: -len(mutant.killing))
+        else:
+            members = worst_first(members, lambda mutant: mutant.severity)
+        columns = COLUMNS[verdict]
+        if verdict is not Verdict.DETECTED and any(mutant.severity for mutant in members):
+            columns = (SEVERITY, *columns)
+        shown = _shown(members, whole=whole)
+        facts = [_facts(mutant, scored, space, background(mutant.subject.id), finds) for mutant in shown]
+        rows = [(one["mutant"], *(one[column] for column in columns)) for one in facts]
+        title = f"{verdict.words.capitalize()}: {len(members)}"
+        if counted[verdict] != len(members):
+            title += f", of which {counted[verdict]} count in the score"
+        same = sum(mutant.without_effect for mutant in members) if verdict is Verdict.UNDECIDED else 0
+        title += f"; {same} {'fly' if same > 1 else 'flies'} the same to the bit" if same else ""
+        groups.append(_group(title, columns, rows, len(members)))
+    controls = [_control(mutant) for mutant in _shown(scored.controls, whole=whole)]
+    showing = sum(map(_shows, scored.controls))
+    title = f"Controls, in no ratio: {showing} of {len(scored.controls)} show that faults reach the drone"
+    groups.append(_group(title, CONTROL_COLUMNS, controls, len(scored.controls)))
+    groups = [group for group in groups if group.rows]
+    if groups:
+        found = any(row[-1] == SHORT[Next.FIND] for group in groups for row in group.rows)
+        groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, "", *(WITH_FIND if found else LEGEND)))
+    return (
+        Table(TITLE, ("question", "answer"), tuple(replies)),
+        *groups,
+        Table("Besides", ("what", "finding"), tuple(lines)),
+    )
+
+
+def screen_text(screen: Sequence[Table], *, width: int | None = None, marked: bool | None = None) -> str:
+    """The screen as a terminal shows it: answers and findings as lines, the groups as tables between them.
+
+    Args:
+        screen: of a score.
+        width: of the terminal [characters]; that of standard output when None.
+        marked: whether the text has colours; as standard output has them when None.
+    """
+    columns = terminal_width() if width is None else width
+    colours = coloured() if marked is None else marked
+    first, *groups, last = screen
+    parts = [render([table], Format.TABLE, width=columns, marked=colours) for table in groups]
+    text = "\n".join([_lines(first, columns, marked=colours), *parts, _lines(last, columns, marked=colours)])
+    return Marked(text) if colours else text
+
+
+def _lines(table: Table, width: int, *, marked: bool) -> str:
+    """A table of two columns as lines: the first column is what the others are indented by."""
+    wide = max(len(str(name)) for name, _ in table.rows) + 2
+    lines = []
+    for name, text in table.rows:
+        head = styled(str(name), Style.STRONG) if marked else str(name)
+        if width < NAMES_BESIDE:
+            lines.append(f"{head}\n{_wrapped(str(text), width, 2, marked=marked)}\n")
+        else:
+            gap = " " * (wide - len(str(name)))
+            lines.append(f"{head}{gap}{_wrapped(str(text), width, wide, marked=marked).lstrip()}\n")
+    return "".join(lines)
+
+
+def _wrapped(text: str, width: int, indent: int, *, marked: bool) -> str:
+    blanks = " " * indent
+    return commands(wrapped(line(text), min(width, PROSE), blanks, blanks), marked=marked)
+
+
+def coverage_line(covered: Coverage) -> str:
+    """The situations in a sentence."""
+    ways = ", ".join(f"{t}-way {100 * (r.value or 0):.0f} %" for t, r in covered.t_way if 2 <= t <= 3 and r.whole)
+    return f"{covered.situations.short} flown, {ways} covered; in {covered.realised.short} every value came true."
+
+
+def baseline_line(pool: Pool) -> str:
+    """What the unmutated drone itself violates, in a sentence."""
+    pairs = [pair for pair in pool.pairs.values() if pair.kind is Kind.SAFETY]
+    if not any(pair.state is not State.UNKNOWN for pair in pairs):
+        red = sum(pair.violated > 0 for pair in pairs)
+        return f"violates a safety requirement in {red} of {len(pairs)} pairs of situation and requirement; no pool."
+    held = []
+    for name in pool.requirements(Kind.SAFETY):
+        states = Counter(pair.state for pair in pairs if pair.requirement == name and pair.state is not State.UNKNOWN)
+        ill = [f"{states[s]} {s.value}" for s in (State.RED, State.UNSTEADY, State.OPEN, State.VACUOUS) if states[s]]
+        held.append(f"{name} in {states[State.STEADY]}" + (f" ({', '.join(ill)})" if ill else ""))
+    steadily = f"of {len(pool.flown)} situations with a pool it holds steadily {', '.join(held)}."
+    return "  ".join([steadily, *mostly_red(pool)])
+
+
+def mostly_red(pool: Pool) -> list[str]:
+    """A sentence for each requirement that the unmutated drone violates in most situations, and what to do."""
+    sentences = []
+    for kind in (Kind.SAFETY, Kind.OPERABILITY):
+        for name in pool.requirements(kind):
+            states = Counter(state for (_, named), state in pool.states.items() if named == name)
+            known = states.total() - states[State.UNKNOWN]
+            if 2 * states[State.RED] > known:
+                where = f"{states[State.RED]} of {known} situation{'s' * (known != 1)}"
+                sentences.append(
+                    f"{name} is red in {where}: most flights without a fault violate it, so it shows no fault "
+                    f"there.  Mend the drone or {name}; `scaloft-fi score --all` names the situations."
+                )
+    return sentences
+
+
+def _shown(members: Sequence[MutantScore], *, whole: bool) -> Sequence[MutantScore]:
+    return members if whole or len(members) <= MANY_SHOWN else members[:SHOWN]
+
+
+def _group(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]], members: int) -> Table:
+    """A group's table; its note counts the members that are not shown."""
+    notes = (f"... and {members - len(rows)} more: `scaloft-fi score --all`",) if len(rows) < members else ()
+    return Table(title, ("mutant", *columns), tuple(rows), notes, tuple(each for each in SPARE if each in columns))
+
+
+def _facts(
+    mutant: MutantScore, scored: Score, space: Space, background: Background | None, finds: KnownFinds
+) -> dict[str, str]:
+    where = mutant.condition(space)
+    seen = Counter(name for result in mutant.results for name in result.seen)
+    return {
+        "mutant": mutant.subject.id,
+        SEVERITY: class_of(mutant.severity),
+        "killed in": mutant.kill_rate.short if mutant.kills else NO_KILL,
+        "firm": FIRM[mutant.firmness] if mutant.firmness else "",
+        "by": ", ".join(f"{name} {ratio.short}" for name, ratio in mutant.requirements if name in mutant.safety.p)
+        or ", ".join(mutant.safety.by),
+        "seen": ", ".join(f"{name} in {count}/{mutant.kill_rate.whole}" for name, count in seen.items()),
+        "tested in": str(mutant.kill_rate.whole),
+        "where": where if len(where) <= WIDEST else "mixed",
+        "first": f"{mutant.first.t_s:.1f}" if mutant.first else "",
+        "effect": effect(mutant),
+        "next": short_step(mutant, next_steps(mutant, scored, background, finds), background),
+    }
+
+
+def _control(mutant: MutantScore) -> tuple[str, ...]:
+    by = ", ".join((*mutant.safety.by, *mutant.operability.by)) or (_violated(mutant) if _shows(mutant) else "nothing")
+    return mutant.subject.id, by, _broken(mutant) or _STOPPED[mutant.status]
+
+
+def _shows(mutant: MutantScore) -> bool:
+    """Whether a control shows that faults reach the drone: by a verdict, or by one flight beside its own baseline."""
+    return mutant.detected or mutant.operability.detected or mutant.status is Status.REVEALED
+
+
+def _violated(mutant: MutantScore) -> str:
+    """What a control violates that was flown too seldom for a verdict, as a canary is."""
+    flights = Counter(name for result in mutant.results for name, count in result.violated for _ in range(count))
+    return ", ".join(f"{name} in {count} flight{'s' * (count > 1)}" for name, count in flights.items())
+
+
+def effect(mutant: MutantScore) -> str:
+    """What the fault does to the flight, in words."""
+    if broken := _broken(mutant):
+        return broken
+    if mutant.infected and not mutant.tested:
+        unknown = mutant.verdict is Verdict.UNDECIDED
+        return "no baseline pool where it acts" if unknown else "acts only where no pair is steady"
+    return _STOPPED[mutant.status]
+
+
+def _broken(mutant: MutantScore) -> str:
+    """What the fault breaks, as far as the verdict knows; empty where it breaks nothing."""
+    struck = list(dict.fromkeys(kill.first.struck for kill in mutant.kills if kill.first.struck))
+    if not struck and mutant.first is not None and mutant.first.struck:
+        struck = [mutant.first.struck]
+    if struck:
+        return f"strikes {struck[0]}" + f" +{len(struck) - 1}" * (len(struck) > 1)
+    if mutant.detected:
+        return "no contact"
+    return f"breaks {', '.join(mutant.operability.by)}" if mutant.operability.detected else ""

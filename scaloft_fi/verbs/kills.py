@@ -1,0 +1,479 @@
+"""What kills what, as tables: conditions and orders, situations, the minimal suite, subsumption, survivors.
+
+What `kills` answers.
+
+`scaloft-fi kills`: what kills what, and what to do about the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.kill_matrix import KillMatrix, kill_matrix
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.suite import (
+    NIST,
+    NIST_SOURCE,
+    ChosenKills,
+    Interaction,
+    Orders,
+    Redundancy,
+    SituationKills,
+    Subsumption,
+    Suite,
+    chosen_kills,
+    interactions,
+    kills_by_requirement,
+    minimal_suite,
+    orders,
+    redundancies,
+    situation_kills,
+    subsumption,
+)
+from scaloft_fi.analysis.survivor import backgrounds
+from scaloft_fi.console import tell_line
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.judge.outcome import BASELINE
+from scaloft_fi.judge.space import Space
+from scaloft_fi.mutants.catalogue import select
+from scaloft_fi.study import Study
+from scaloft_fi.verbs import names
+from scaloft_fi.verbs.kill_record import KILLS, kill_values
+from scaloft_fi.verbs.options import (
+    answer,
+    campaign_option,
+    check_writable,
+    format_option,
+    study_option,
+    tables_option,
+    write,
+)
+from scaloft_fi.verbs.snapshot import Snapshot, snapshot
+from scaloft_fi.verbs.survivors import Stage, Survivor, short_units, survivors
+from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.verdict import Next
+from scaloft_fi.views.output import Answer
+from scaloft_fi.views.table import Table, TableCell
+
+COUNTED = (
+    "Killed in a situation: the mutant is detected, and most of its flights there violate a requirement that the "
+    "unmutated drone holds steadily there."
+)
+INDENTED = "Indented: killed wherever a mutant of the layer before is; subsumed by: those directly before it."
+ORDER = (
+    "Order: fewest axes whose values decide the kill.  Where situations say nothing (not flown, or no steady "
+    "requirement tests the mutant there) it is a range: from what is known to what it would be if the mutant survived "
+    "there."
+)
+
+
+def with_detected(shown: Sequence[Table], matrix: KillMatrix) -> list[Table]:
+    """The same tables; the first tells how many mutants are detected, how many firmly, and which have no kill."""
+    if not shown:
+        return []
+    known = [row for row in matrix.mutants if row.firmness]
+    firm = sum(row.firmness.firm for row in known if row.firmness)
+    notes = [f"Detected mutants: {len(known)}, of them {firm} firmly: whichever one seed is left out."]
+    if matrix.not_firm:
+        notes[0] += f"  Not firm: {', '.join(matrix.not_firm)}."
+    if matrix.scattered:
+        notes.append(
+            f"Detected without a kill, so in no table of kills: {', '.join(matrix.scattered)}.  Their violations are "
+            "spread over situations; in none do most flights violate."
+        )
+    return [replace(shown[0], notes=(*shown[0].notes, *notes)), *shown[1:]]
+
+
+def interaction_table(listed: Sequence[Interaction]) -> Table:
+    """Per killed mutant its condition and its kill interaction order."""
+    rows = tuple((entry.mutant, entry.killing, _order(entry), entry.condition) for entry in listed)
+    return Table("Killed where", ("mutant", "situations", "order", "condition"), rows, (ORDER,))
+
+
+def _order(entry: Interaction) -> str:
+    return str(entry.order) if entry.order == entry.order_at_most else f"{entry.order}-{entry.order_at_most}"
+
+
+def order_table(orders: Orders) -> Table:
+    """The histogram of orders, cumulative, beside NIST's."""
+    rows: list[tuple[TableCell, ...]] = []
+    for size, (count, share) in enumerate(zip(orders.counts, orders.cumulative(), strict=True)):
+        nist = [_percent(shares[size - 1] if 1 <= size <= len(shares) else None) for shares in NIST.values()]
+        rows.append((size, count, _percent(share) or "n/a", *nist))
+    notes = (
+        "Default mutants of credible cells that are killed, % with at most this order; NIST's failures beside them.",
+        f"Source: {NIST_SOURCE}; blank: not at hand.  NIST counts input variables, here axes of the grid count.",
+    )
+    return Table("Kill interaction orders", ("order", "mutants", "at most %", *NIST), tuple(rows), notes)
+
+
+def _percent(share: float | None) -> str:
+    return "" if share is None else f"{share:.0f}"
+
+
+def situation_table(listed: Sequence[SituationKills], space: Space, *, short: bool = False) -> Table:
+    """Per situation what it kills and what it alone kills; `short` leaves out those between."""
+    shown = [entry for entry in listed if not short or entry.alone or not entry.killed]
+    rows = tuple(
+        (
+            entry.situation,
+            _words(space, entry.situation),
+            str(Ratio(len(entry.killed), entry.tested)),
+            str(entry.minimal),
+            ", ".join(entry.alone),
+        )
+        for entry in shown
+    )
+    idle = [entry for entry in listed if not entry.killed]
+    untested = sum(not entry.tested for entry in idle)
+    notes = [f"In {len(idle)} of {len(listed)} situations flown no mutant is killed; {untested} of them test none."]
+    notes.append(COUNTED)
+    if short and len(shown) < len(listed):
+        notes.insert(
+            0, f"{len(listed) - len(shown)} situations are left out: what is killed there is killed elsewhere too."
+        )
+    return Table(
+        "Situations",
+        ("situation", "values", "killed/tested", "minimal mutants", "killed only there"),
+        rows,
+        tuple(notes),
+    )
+
+
+def _words(space: Space, key: str) -> str:
+    return ", ".join(space.words_of(key))
+
+
+def suite_table(suite: Suite, matrix: KillMatrix) -> Table:
+    """The smallest set of situations that keeps every kill, and how far its first ones come."""
+    rows = []
+    for number, key in enumerate(suite.situations, start=1):
+        so_far, own = chosen_kills(matrix, suite.situations[:number]), chosen_kills(matrix, [key])
+        needed = "yes" if key in suite.needed else ""
+        words = _words(matrix.space, key)
+        rows.append((key, words, needed, own.killed.part, str(so_far.killed), str(so_far.dominator_score)))
+    size = len(suite.situations)
+    if suite.exact:
+        others = "an unknown number" if suite.alternatives is None else str(suite.alternatives)
+        notes = [f"Fewest situations that keep every kill: {size}, proved; sets of that size: {others}."]
+    else:
+        notes = [f"Fewest situations that keep every kill: at most {size}; chosen greedily, too many to prove it."]
+    headers = ("situation", "values", "needed", "killed there", "killed so far", "minimal so far")
+    return Table("Smallest set of situations", headers, tuple(rows), (*notes, COUNTED))
+
+
+def chosen_table(chosen: ChosenKills) -> Table:
+    """What some situations kill together."""
+    rows = (
+        ("killed", str(chosen.killed), "of the mutants killed in any situation flown"),
+        (
+            "dominator score",
+            str(chosen.dominator_score),
+            "minimal mutants killed, of all: redundant mutants do not count",
+        ),
+        ("lost", str(len(chosen.lost)), ", ".join(chosen.lost)),
+    )
+    note = "Dominator score: Kurtz et al., FSE 2016; of every situation flown together it is 1 by construction."
+    return Table(f"These {len(chosen.situations)} situations", ("", "mutants", ""), rows, (note, COUNTED))
+
+
+def subsumption_table(graph: Subsumption, *, short: bool = False) -> Table:
+    """The subsumption graph as indented rows; `short` leaves only the minimal mutants."""
+    above: dict[int, list[int]] = {place: [] for place in range(len(graph.nodes))}
+    below: dict[int, list[int]] = {place: [] for place in range(len(graph.nodes))}
+    for upper, lower in graph.edges:
+        above[lower].append(upper)
+        below[upper].append(lower)
+    depth = {place: number for number, layer in enumerate(graph.layers()) for place in layer}
+    rows: list[tuple[str, int, str]] = []
+
+    def add(place: int) -> None:
+        node = graph.nodes[place]
+        others = [graph.nodes[upper].name for upper in above[place]]
+        rows.append(("> " * depth[place] + ", ".join(node.mutants), len(node.kills), ", ".join(others)))
+        # a node stands below the last of the nodes that subsume it directly from the layer before
+        for lower in below[place]:
+            if max((upper for upper in above[lower] if depth[upper] == depth[lower] - 1), default=-1) == place:
+                add(lower)
+
+    for place in graph.layers()[0] if graph.nodes else ():
+        add(place)
+    if short:
+        rows = [row for row in rows if not row[0].startswith("> ")]
+    sets = f"{len(graph.nodes)} different kill sets, {len(graph.minimal)} of them minimal: what kills these kills all."
+    notes = [f"{graph.killed} killed mutants, {sets}"]
+    notes.append("`--show subsumption` lists the rest." if short else INDENTED)
+    return Table("Subsumption", ("mutants", "killed in", "subsumed by"), tuple(rows), tuple(notes))
+
+
+def redundancy_table(listed: Sequence[Redundancy]) -> Table:
+    """Per cell with several killed mutants, how many say what another says."""
+    rows = tuple(
+        (entry.cell, str(entry.redundant), "; ".join(" = ".join(group) for group in entry.duplicates))
+        for entry in listed
+    )
+    notes = ("Redundant: killed magnitudes and phases of a cell with the kill set of another of them.",)
+    return Table("Redundancy within cells", ("cell", "redundant", "same kills"), rows, notes)
+
+
+def survivor_table(listed: Sequence[Survivor]) -> Table:
+    """Every survivor with the next thing to do."""
+    classed = any(one.severity for one in listed)
+    rows = tuple(
+        (
+            one.mutant,
+            *([one.severity or ""] if classed else []),
+            *(one.verdict.words, one.stage.value, one.next.value, one.why),
+        )
+        for one in listed
+    )
+    headers = ("mutant", *(["severity"] if classed else []), "verdict", "stopped at", "next", "why")
+    return Table("Survivors", headers, rows, (_STOPPED, _STEADY, _WAY))
+
+
+def survivor_summary(listed: Sequence[Survivor]) -> Table:
+    """How many survivors have which verdict and stopped where, by what to do next."""
+    groups: dict[tuple[Stage, Verdict, Next], list[str]] = {
+        (stage, verdict, then): [] for stage in Stage for verdict in Verdict for then in Next
+    }
+    for entry in listed:
+        groups[entry.stage, entry.verdict, entry.next].append(entry.mutant)
+    rows = tuple(
+        (verdict.words, stage.value, then.value, len(ids), ", ".join(ids))
+        for (stage, verdict, then), ids in groups.items()
+        if ids
+    )
+    notes = (_STOPPED, "`--show survivors` says of each why, and what to do.")
+    return Table("Survivors", ("verdict", "stopped at", "next", "mutants", "which"), rows, notes)
+
+
+_WAY = "Off its path: from the path of the baseline, over flights of the first seed that put the mutant to the test."
+_STOPPED = (
+    "Mutants that are not detected.  Stopped at: reach (no sample), infect (no sample changed), propagate (same "
+    "flight), reveal (another flight, no requirement violated more often than chance explains); next: what to change."
+)
+_STEADY = (
+    "A requirement in a situation is steady when the unmutated drone holds it in nine of ten flights, red when it "
+    "mostly violates it, vacuous when its trigger seldom comes true, open when flights end before it is judged."
+)
+
+
+PART_KEYS = {
+    "conditions": "conditions",
+    "situations": "situations",
+    "suite": "summary",
+    "subsumption": "subsumption_nodes",
+    "survivors": "survivors",
+}
+"""The parts that can be asked for, and the table of each that `csv` prints where it alone is asked for."""
+
+
+def kills(
+    study: Study,
+    campaign: str,
+    mutants: Sequence[str] = (),
+    *,
+    show: Sequence[str] = (),
+    situations: Sequence[str] = (),
+    by_requirement: bool = False,
+) -> Answer:
+    """Where mutants are killed, which situations are needed, and what would change the rest.
+
+    Args:
+        study: the study, with any of its grids.
+        campaign: name of the campaign.
+        mutants: names, ids or patterns; by default every mutant flown but the controls.
+        show: those of `PARTS` that are asked for, told at length; by default all, told shortly.
+        situations: keys, aliases or patterns; what they kill together is told too.
+        by_requirement: whether subsumption tells kills by different requirements of a situation apart.
+
+    Raises:
+        InputError: there is no such campaign, mutant, situation or part, or the campaign holds no such flight.
+    """
+    for part in show:
+        if part not in PART_KEYS:
+            raise InputError(f"--show={part!r} must be one of {', '.join(PART_KEYS)}{did_you_mean(part, PART_KEYS)}")
+    wanted = show or tuple(PART_KEYS)
+    with snapshot(study, campaign) as now:
+        study = now.study
+        matrix, stale = _chosen(now, mutants), now.stale
+        cases = _survivors(now, matrix) if "survivors" in wanted else ()
+    chosen = [situation.key for situation in study.grid.select(situations)] if situations else []
+    results = _results(matrix, _graph(matrix, by_requirement), cases, wanted, chosen)
+    return Answer(
+        KILLS,
+        lambda: kill_values(matrix, results) | stale.values,
+        lambda: _tables(results, matrix, short=not show),
+        rows=PART_KEYS[show[0]] if len(show) == 1 else "",
+        warnings=(*stale.sentences, *(study.finds.warnings if "survivors" in wanted else ())),
+    )
+
+
+def subsumption_graph(
+    study: Study, campaign: str, mutants: Sequence[str] = (), *, by_requirement: bool = False
+) -> Subsumption:
+    """Which kills imply which; the arguments are those of `kills`.
+
+    Raises:
+        InputError: there is no such campaign or mutant, or the campaign holds no such flight.
+    """
+    with snapshot(study, campaign) as now:
+        return _graph(_chosen(now, mutants), by_requirement)
+
+
+def _chosen(now: Snapshot, patterns: Sequence[str]) -> KillMatrix:
+    """The rows that `patterns` mean.
+
+    Raises:
+        InputError: a pattern means nothing, or nothing that the campaign holds.
+    """
+    study = now.study
+    matrix = kill_matrix(now.score, study.roster, study.space)
+    if not patterns:
+        return matrix
+    asked = [mutant.id for mutant in select(patterns, study.matrix, study.catalogue)]
+    flown = [id_ for id_ in asked if id_ in matrix.row]
+    if not flown:
+        raise InputError(f"the campaign holds no flight of {', '.join(asked[:3])}{', ...' if len(asked) > 3 else ''}")
+    return matrix.only(flown)
+
+
+def _graph(matrix: KillMatrix, by_requirement: bool) -> Subsumption:
+    return subsumption(kills_by_requirement(matrix) if by_requirement else matrix.kills)
+
+
+def _survivors(now: Snapshot, matrix: KillMatrix) -> tuple[Survivor, ...]:
+    """The survivors among `matrix`, judged beside all that the campaign holds."""
+    ids = {row.id for row in matrix.mutants if row.verdict is not Verdict.DETECTED}
+    seeds = sorted({outcome.seed for outcome in now.outcomes if outcome.mutant in ids})
+    tracked = now.with_tracks(now.outcomes, [BASELINE, *ids], seeds[:1])
+    known = backgrounds(now.study.matrix, [mutant.subject.id for mutant in now.score.mutants])
+    units = short_units(now.study.requirements)
+    return survivors(tracked, now.score, matrix, known, units, now.name, now.study.finds)
+
+
+def _results(
+    matrix: KillMatrix, graph: Subsumption, cases: Sequence[Survivor], wanted: Sequence[str], chosen: Sequence[str]
+) -> dict[str, Any]:
+    """What is asked for, by name."""
+    results: dict[str, Any] = {}
+    if chosen:
+        results["chosen"] = chosen_kills(matrix, chosen)
+    if "conditions" in wanted:
+        results["conditions"] = interactions(matrix)
+        results["orders"] = orders(results["conditions"], matrix.space)
+    if "situations" in wanted:
+        results["situations"] = situation_kills(matrix)
+    if "suite" in wanted:
+        results["suite"] = minimal_suite(matrix.kills, matrix.flown)
+    if "subsumption" in wanted:
+        results["subsumption"] = graph
+        results["redundancies"] = redundancies(graph)
+    if "survivors" in wanted:
+        results["survivors"] = cases
+    return results
+
+
+def _tables(results: Mapping[str, Any], matrix: KillMatrix, *, short: bool) -> list[Table]:
+    """A table for each result, but none for redundancies where there are none."""
+    made: dict[str, Callable[[Any], Table]] = {
+        "chosen": chosen_table,
+        "conditions": interaction_table,
+        "orders": order_table,
+        "situations": lambda listed: situation_table(listed, matrix.space, short=short),
+        "suite": lambda suite: suite_table(suite, matrix),
+        "subsumption": lambda graph: subsumption_table(graph, short=short),
+        "redundancies": redundancy_table,
+        "survivors": survivor_summary if short else survivor_table,
+    }
+    shown = [made[name](result) for name, result in results.items() if result or name != "redundancies"]
+    told = shown[:-1] if "survivors" in results else shown
+    return [*with_detected(told, matrix), *shown[len(told) :]]
+
+
+PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
+PICTURES = (".svg", ".png", ".dot")
+
+
+@verb(
+    "kills",
+    examples=(
+        ("See where every mutant is killed", "scaloft-fi kills"),
+        ("Ask what to do about one survivor", "scaloft-fi kills MORE-human --show survivors"),
+        ("Find the fewest situations that keep every kill", "scaloft-fi kills --show suite"),
+    ),
+)
+@click.argument("mutants", nargs=-1, shell_complete=names.mutants, metavar="[MUTANT...]")
+@study_option
+@campaign_option
+@click.option(
+    "--show",
+    "parts",
+    multiple=True,
+    type=click.Choice(PARTS),
+    help="Only this part, at length (repeatable).  [default: every part, shortened]",
+)
+@click.option(
+    "--situation",
+    "situations",
+    multiple=True,
+    shell_complete=names.situations,
+    metavar="KEY|GLOB",
+    help="Say also which mutants are killed in these situations together (repeatable).",
+)
+@click.option(
+    "--by-requirement", is_flag=True, help="Subsumption tells kills by different requirements of a situation apart."
+)
+@format_option
+@tables_option
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Draw the subsumption graph there: .svg, .png or .dot.",
+)
+def kills_command(
+    mutants: tuple[str, ...],
+    study_folder: Path | None,
+    campaign: str,
+    parts: tuple[str, ...],
+    situations: tuple[str, ...],
+    by_requirement: bool,
+    style: str,
+    tables_folder: Path | None,
+    output: Path | None,
+) -> None:
+    """Print where each mutant is killed, which situations are needed, and what to do about the survivors.
+
+    MUTANT is an id, a cell's name or a pattern; without any it is every mutant flown but the controls.
+    """
+    if output is not None and output.suffix.lower() not in PICTURES:
+        raise InputError(f"--output={str(output)!r} must end in .svg, .png or .dot")
+    check_writable(output)
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    if output is not None:
+        _draw(subsumption_graph(study, campaign, mutants, by_requirement=by_requirement), output)
+        return
+    told = kills(study, campaign, mutants, show=parts, situations=situations, by_requirement=by_requirement)
+    answer(told, style, tables_folder)
+
+
+def _draw(graph: Subsumption, output: Path) -> None:
+    from scaloft_fi.views.picture import png
+    from scaloft_fi.views.subsumption import dot, draw_subsumption
+
+    suffix = output.suffix.lower()
+    if suffix == ".dot":
+        write(output, dot(graph).encode())
+    else:
+        svg = draw_subsumption(graph)
+        write(output, png(svg) if suffix == ".png" else svg.encode())
+    tell_line(f"subsumption graph: {output}")

@@ -1,0 +1,775 @@
+"""A margin as people read it.
+
+Margins as plain JSON values: what `margin` and `matrix --margins` print for programs.
+
+Margins for readers: a table for each fault, and the deviation matrix with a margin in every cell.
+
+When a fault strikes, for readers: a table of its times and one of its events, each phase on a rail of the flight.
+
+What `margin` answers: by a search that flies, or of the flights that a campaign holds.
+
+`scaloft-fi margin`: the smallest magnitude of a fault that is killed, by bisection.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from scaloft_fi.analysis.detection import LARGER, Verdict
+from scaloft_fi.analysis.margin import Margin, Scale, Strike, When, lowest, margins, whens
+from scaloft_fi.analysis.score import MutantScore, Score
+from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried, detection_of, phased_fault
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.margin import find, target
+from scaloft_fi.campaign.runs.request import choose_situations
+from scaloft_fi.campaign.store.archive import campaign_folder
+from scaloft_fi.defaults import CAMPAIGN
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix
+from scaloft_fi.hazop.name import cell_of, parse
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind, Requirement
+from scaloft_fi.mutants.catalogue import realise, source_of
+from scaloft_fi.study import Study
+from scaloft_fi.verbs import names
+from scaloft_fi.verbs.options import (
+    answer,
+    campaign_option,
+    campaign_over,
+    format_option,
+    grid_option,
+    operability_option,
+    quiet_option,
+    same_platform_option,
+    study_option,
+    tables_option,
+    typed,
+    warnings_option,
+)
+from scaloft_fi.verbs.score_record import VERDICTS
+from scaloft_fi.verbs.snapshot import snapshot
+from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.verdict import in_campaign
+from scaloft_fi.views.output import (
+    Answer,
+    Output,
+    Shape,
+    by_name,
+    count,
+    flag,
+    listing,
+    number,
+    optional,
+    ratio,
+    record,
+    text,
+    texts,
+)
+from scaloft_fi.views.table import Table
+
+UNKNOWN = "?"
+"""What stands where the flights bound no threshold."""
+
+
+def magnitude_text(scale: Scale, magnitude: float) -> str:
+    """A magnitude with its unit.
+
+    >>> magnitude_text(Scale("s"), 0.5)
+    '0.5 s'
+    """
+    return f"{magnitude:g} {scale.unit}".rstrip()
+
+
+def margin_text(margin: Margin) -> str:
+    """The threshold in a cell of a table; `!` where the response is not monotone.
+
+    >>> s = Scale("s", 1, 0.0)
+    >>> [margin_text(Margin(s, *ends)) for ends in ((1.3, 1.4), (1.0, 3.0), (5.0, None), (None, 0.5), (None, None))]
+    ['1.4 s', '1-3 s', '> 5 s', '<= 0.5 s', '?']
+    >>> margin_text(Margin(Scale("m", -1), 0.1, None)), margin_text(Margin(s, 1.0, 3.0, again=(5.0,)))
+    ('< 0.1 m', '1-3 s !')
+    >>> margin_text(Margin(s, 1.0, None, 3.0)), margin_text(Margin(s, 0.5, 3.0, 1.0))
+    ('seen 1-3 s', '0.5-3 s')
+    """
+    if not margin.known:
+        return UNKNOWN
+    scale, survives = margin.scale, margin.survives
+    beyond, within = (">", "<=") if scale.sign > 0 else ("<", ">=")
+    strong = margin.kills if margin.kills is not None else margin.seen
+    if strong is None:
+        text = f"{beyond} {magnitude_text(scale, survives or 0.0)}"
+    elif survives is None:
+        text = f"{within} {magnitude_text(scale, strong)}"
+    elif scale.close(survives, strong):
+        text = magnitude_text(scale, strong)
+    else:
+        text = f"{survives:g}-{magnitude_text(scale, strong)}"
+    return "seen " * (margin.kills is None and margin.seen is not None) + text + " !" * bool(margin.again)
+
+
+def finite(value: float | None) -> float | str | None:
+    """A number of JSON, which has no infinite ones: those are texts.
+
+    >>> finite(0.5), finite(math.inf), finite(None)
+    (0.5, 'inf', None)
+    """
+    return value if value is None or math.isfinite(value) else f"{value:g}"
+
+
+FAULT = text("a fault with its phase, as an id without the magnitude")
+
+
+def magnitude(about: str) -> Shape:
+    """A magnitude: a number in the fault's unit, or a text where it is infinite."""
+    return {
+        "type": ["number", "string"],
+        "pattern": "^-?inf$",
+        "description": f"{about} [the fault's unit]; the text inf where it is infinite",
+    }
+
+
+END_SHAPES: Mapping[str, Shape] = {
+    "known": flag("whether the flights bound the margin from either side"),
+    "survives": optional(magnitude("the strongest magnitude that survives, below the others"), "none is known"),
+    "seen": optional(magnitude("the mildest at which most flights violate, with too few to decide"), "there is none"),
+    "kills": optional(magnitude("the mildest that is killed"), "none is"),
+    "monotone": flag("whether no magnitude survives where a milder one is killed or seen"),
+    "again": listing("the magnitudes that do", magnitude("a magnitude")),
+}
+"""What bounds a margin."""
+_FAULT = {
+    "fault": FAULT,
+    "cell": text("name of its cell"),
+    "unit": text("unit of its magnitudes"),
+    "phase_s": number("its shift in time", "s"),
+    "event": text("the event at which it strikes; empty for none"),
+}
+MARGIN = Output(
+    "margin",
+    "1.0",
+    "the smallest magnitude of each fault that is killed; with --when, where in the flight it is",
+    {
+        "faults": listing(
+            "the faults, each over all situations; with --when empty", record("a fault", {**_FAULT, **END_SHAPES})
+        ),
+        "situations": listing(
+            "each fault in each situation; with --when empty",
+            record(
+                "a fault in a situation",
+                {
+                    "fault": FAULT,
+                    "situation": text("key of the situation"),
+                    **END_SHAPES,
+                    "requirements": texts("that are violated at the killed magnitude, else at the seen one"),
+                },
+            ),
+        ),
+        "tried": listing(
+            "each magnitude that was flown; with --when empty",
+            record(
+                "a magnitude in a situation",
+                {
+                    "fault": FAULT,
+                    "situation": text("key of the situation"),
+                    "magnitude": magnitude("the magnitude"),
+                    "answer": text("what its flights show together", [reaction.value for reaction in Reaction]),
+                    "flown": count("flights that count"),
+                    "violated": by_name("by requirement", count("flights that violate it")),
+                    "rho": by_name(
+                        "by requirement that was put to the test",
+                        optional(number("the least robustness, in the requirement's unit"), "it is not finite"),
+                    ),
+                    "needed": optional(count("of `seen`, seeds that would decide"), "nothing to decide, or none would"),
+                    "anew": flag("whether that takes a campaign of its own"),
+                },
+            ),
+        ),
+        "phases": listing(
+            "with --when: each phase at which a fault was flown; else empty",
+            record(
+                "a phase",
+                {
+                    "id": text("id of the mutant"),
+                    "fault": text("its id without the phase"),
+                    "phase": text("the phase as in the id; empty for phase 0"),
+                    "at_event": flag("whether it is an event of the flight, not a time"),
+                    "acts_first_s": optional(number("earliest first altered sample", "s from take-off"), "none was"),
+                    "acts_median_s": optional(number("median first altered sample", "s from take-off"), "none was"),
+                    "acts_last_s": optional(number("latest first altered sample", "s from take-off"), "none was"),
+                    "kills": ratio("situations with a kill, of those that put it to the test"),
+                    "verdict": text("on the mutant", VERDICTS),
+                    "lasts_s": number("median duration of the baselines in these situations", "s"),
+                },
+            ),
+        ),
+    },
+    rows="situations",
+)
+CELL_MARGINS: Shape = optional(
+    listing(
+        "with --margins: the margins of its faults, over all situations",
+        record(
+            "a fault",
+            {
+                "unit": text("unit of its magnitudes; empty where it has none"),
+                **END_SHAPES,
+                "verdicts": by_name(
+                    "of a fault without an order, by magnitude or form that was flown", text("on the mutant", VERDICTS)
+                ),
+            },
+        ),
+    ),
+    "not asked for",
+)
+
+
+def margin_values(by_fault: Mapping[PhasedFault, Sequence[Margin]]) -> dict[str, Any]:
+    """The plain JSON values of the form `MARGIN`."""
+    each = [
+        (fault, margin, key) for fault, listed in by_fault.items() for margin in listed for key in margin.situations
+    ]
+    return {
+        "faults": [
+            {
+                "fault": str(fault),
+                "cell": fault.cell,
+                "unit": fault.unit,
+                "phase_s": fault.phase_s,
+                "event": fault.event,
+                **_ends(lowest(listed)),
+            }
+            for fault, listed in by_fault.items()
+        ],
+        "situations": [
+            {"fault": str(fault), "situation": key, **_ends(margin), "requirements": _requirements(margin)}
+            for fault, margin, key in each
+        ],
+        "tried": [
+            {"fault": str(fault), "situation": key, **_tried(entry)}
+            for fault, margin, key in each
+            for entry in margin.tried
+        ],
+        "phases": [],
+    }
+
+
+def when_values(found: Iterable[When]) -> dict[str, Any]:
+    """The plain JSON values of the form `MARGIN` for `margin --when`."""
+    phases = [
+        {
+            "id": strike.id,
+            "fault": when.fault,
+            "phase": strike.phase,
+            "at_event": strike.at_event,
+            **dict(zip(("acts_first_s", "acts_median_s", "acts_last_s"), strike.acts_s or [None] * 3, strict=True)),
+            "kills": {"part": strike.kills.part, "whole": strike.kills.whole},
+            "verdict": strike.verdict.value,
+            "lasts_s": when.lasts_s,
+        }
+        for when in found
+        for strike in when.strikes
+    ]
+    return {"faults": [], "situations": [], "tried": [], "phases": phases}
+
+
+def cell_margin_values(
+    outcomes: Iterable[Outcome], scored: Score, matrix: Matrix, kind: Kind = Kind.SAFETY
+) -> dict[str, list[dict[str, Any]]]:
+    """The margins of each credible cell, a record for each fault, by the cell's name.
+
+    Args:
+        outcomes: of a campaign.
+        scored: their score.
+        matrix: whose cells.
+        kind: of the requirements whose violation kills.
+    """
+    by_fault = margins(outcomes, scored, matrix, kind)
+    verdicts = {mutant.subject.id: detection_of(mutant, kind).verdict.value for mutant in scored.mutants}
+    return {cell.name: _of_cell(cell, by_fault, verdicts) for cell in matrix}
+
+
+def _of_cell(
+    cell: Cell, by_fault: Mapping[PhasedFault, Sequence[Margin]], verdicts: Mapping[str, str]
+) -> list[dict[str, Any]]:
+    if cell.status is not CellStatus.CREDIBLE:
+        return []
+    found = []
+    for fault in cell.faults:
+        listed = by_fault.get(phased_fault(cell.name, fault), ())
+        ids = [] if listed else [cell.mutant_ids(fault, rung)[0] for rung in fault.rungs]
+        own = {parse(id_).magnitude or id_: verdicts[id_] for id_ in ids if id_ in verdicts}
+        unit = fault.magnitude.unit if fault.magnitude else ""
+        found.append({"unit": unit, **_ends(lowest(listed)), "verdicts": own})
+    return found
+
+
+def _ends(margin: Margin | None) -> dict[str, Any]:
+    if margin is None:
+        return {"known": False, "survives": None, "seen": None, "kills": None, "monotone": True, "again": []}
+    return {
+        "known": margin.known,
+        "survives": finite(margin.survives),
+        "seen": finite(margin.seen),
+        "kills": finite(margin.kills),
+        "monotone": not margin.again,
+        "again": [finite(again) for again in margin.again],
+    }
+
+
+def _requirements(margin: Margin) -> list[str]:
+    strong = margin.seen if margin.kills is None else margin.kills
+    return next((list(entry.requirements) for entry in margin.tried if entry.magnitude == strong), [])
+
+
+def _tried(entry: Tried) -> dict[str, Any]:
+    return {
+        "magnitude": finite(entry.magnitude),
+        "answer": entry.reaction.value,
+        "flown": entry.flown,
+        "violated": dict(entry.violated),
+        "rho": {name: value if math.isfinite(value) else None for name, value in entry.rho},
+        "needed": entry.needed,
+        "anew": entry.anew,
+    }
+
+
+HEADERS = ("situation", "margin", "survives", "seen", "killed", "violated", "robustness", "flown at", "again")
+ENDS_LEGEND = (
+    "Survives: the strongest magnitude that does, below the others.  Killed: the mildest at which the mutant is "
+    "detected and most flights violate a steady requirement; seen: the mildest at which most do, but too few to detect "
+    "it.  Violated: flights at the killed magnitude, else at the seen one; robustness: at the surviving one and there, "
+    "below 0 it is violated."
+)
+_NOTHING = Tried(math.nan, Reaction.UNTESTED)
+LEGEND_AT = 11
+"""Where the meanings begin in the legend [characters]."""
+LEGEND = (
+    "1.4 s      the smallest magnitude that is killed in any situation, known to a tenth; nothing milder flown is",
+    "1-3 s      1 s survives, 3 s is killed; nothing between is decided (scaloft-fi margin CELL bisects)",
+    "> 5 s      even the strongest magnitude flown has no kill;  < 0.1 m: the same where smaller is worse",
+    "<= 0.5 s   is killed, and nothing milder was flown;  >= 60 s: the same where smaller is worse",
+    "seen 1-3 s 1 s survives, at 3 s most flights violate, too few to call the mutant detected: more seeds decide",
+    "!          not monotone: a stronger magnitude survives where a milder one is killed or seen",
+    "detected   a fault without magnitudes is detected (or not detected, or undecided); y detected: in this form",
+    "?          not known yet (a situation takes ten baselines);   -  not meaningful;  CONTROL  has no margin",
+)
+
+
+def margin_tables(
+    by_fault: Mapping[PhasedFault, Sequence[Margin]],
+    requirements: Sequence[Requirement],
+    seeds: int,
+    campaign: str = CAMPAIGN,
+    grid: str = "",
+) -> tuple[Table, ...]:
+    """A table for each fault: a row for each situation, the smallest margin and the requirements' limits below.
+
+    Args:
+        by_fault: the margins.
+        requirements: of the study.
+        seeds: number of seeds that were asked for.
+        campaign: name of the campaign, for commands.
+        grid: name of its grid, where that is a further grid of the study.
+    """
+    where = in_campaign(campaign), f" --campaign NAME{f' --grid {grid}' if grid else ''}"
+    return tuple(_table(fault, listed, requirements, seeds, where) for fault, listed in by_fault.items())
+
+
+def _table(
+    fault: PhasedFault,
+    listed: Sequence[Margin],
+    requirements: Sequence[Requirement],
+    seeds: int,
+    where: tuple[str, str],
+) -> Table:
+    least = lowest(listed)
+    violated = {name for margin in listed for name in _strong(margin).requirements}
+    notes = [_smallest(listed, least), ENDS_LEGEND, *_seen(fault, listed, *where)]
+    if least and least.again:
+        notes.append("Not monotone (!): magnitudes under `again` survive although a milder one is killed or seen.")
+    if any(not margin.known for margin in listed):
+        notes.append("?: no requirement that the cell puts at risk is steady by ten baselines, or no sample changes.")
+    notes += [f"{r.name}: {r.title}  {_limit(r)}" for r in requirements if r.name in violated]
+    if seeds == 1:
+        notes.append("One seed: a threshold of these flights, not of the fault; fly more with --seeds.")
+    return Table(f"Margin of {fault}", HEADERS, tuple(_row(margin) for margin in listed), tuple(notes))
+
+
+def _smallest(listed: Sequence[Margin], least: Margin | None) -> str:
+    of = f"Smallest over {sum(margin.known for margin in listed)} of {len(listed)} situations"
+    if least is None:
+        return f"{of}: none is known."
+    ends = (("survives", least.survives), ("is seen", least.seen), ("is killed", least.kills))
+    where = ", ".join(f"{_magnitude(least, end)} {what}" for what, end in ends if end is not None)
+    return f"{of}: {margin_text(least)} ({where})."
+
+
+def _seen(fault: PhasedFault, listed: Sequence[Margin], where: str, anew_in: str) -> list[str]:
+    """How many seeds would decide what is seen below every kill, with the command in this campaign or in a new one."""
+    groups: dict[tuple[int, bool], dict[float, str]] = {}
+    for margin in listed:
+        if margin.seen is not None:
+            entry = _at(margin, margin.seen)
+            many = (entry.needed or LARGER[-1] + 1, entry.anew)
+            groups.setdefault(many, {})[margin.seen] = magnitude_text(margin.scale, margin.seen)
+    notes = []
+    for (seeds, anew), seen in sorted(groups.items()):
+        at = ", ".join(seen[magnitude] for magnitude in sorted(seen))
+        mutant = fault.at(f"{min(seen):g}{fault.unit}")
+        if seeds > LARGER[-1]:
+            notes.append(f"Seen, too seldom for {LARGER[-1]} seeds to decide: {at}.")
+        elif anew:
+            command = f"scaloft-fi margin{anew_in} {mutant} --seeds {seeds}"
+            notes.append(f"Seen, decided by {seeds} seeds in a campaign of its own: {at} (`{command}`).")
+        else:
+            notes.append(f"Seen, decided by {seeds} seeds: {at} (`scaloft-fi margin{where} {mutant} --seeds {seeds}`).")
+    return notes
+
+
+def _row(margin: Margin) -> tuple[str, ...]:
+    strong, survivor = _strong(margin), _at(margin, margin.survives)
+    rho = [
+        (name, dict(survivor.rho).get(name, math.nan), value)
+        for name, value in strong.rho
+        if name in strong.requirements
+    ]
+    return (
+        ", ".join(margin.situations),
+        margin_text(margin),
+        _magnitude(margin, margin.survives),
+        _magnitude(margin, margin.seen),
+        _magnitude(margin, margin.kills),
+        ", ".join(f"{name} {count}/{strong.flown}" for name, count in strong.violated if name in strong.requirements),
+        ", ".join(f"{name} {_number(before)} / {_number(after)}" for name, before, after in rho),
+        " ".join(f"{entry.magnitude:g}" for entry in margin.tried),
+        " ".join(f"{magnitude:g}" for magnitude in margin.again),
+    )
+
+
+def _strong(margin: Margin) -> Tried:
+    """What was flown at the magnitude that is killed, else at the one that is seen."""
+    return _at(margin, margin.seen if margin.kills is None else margin.kills)
+
+
+def _at(margin: Margin, magnitude: float | None) -> Tried:
+    return next((entry for entry in margin.tried if entry.magnitude == magnitude), _NOTHING)
+
+
+def _magnitude(margin: Margin, magnitude: float | None) -> str:
+    return "" if magnitude is None or not margin.known else magnitude_text(margin.scale, magnitude)
+
+
+def _number(value: float) -> str:
+    return "?" if math.isnan(value) else f"{value:.2g}"
+
+
+def _limit(requirement: Requirement) -> str:
+    """The requirement's own limit: its formula, and what its trigger asks."""
+    trigger = f"; trigger: {requirement.trigger}" if requirement.trigger else ""
+    named = {name: text for name, text in requirement.definitions if name in requirement.text + requirement.trigger}
+    where = "".join(f"; {name}: {text}" for name, text in named.items())
+    return f"{requirement.text}{trigger}{where} [{requirement.unit}]"
+
+
+def cell_margins(
+    outcomes: Iterable[Outcome], scored: Score, matrix: Matrix, kind: Kind = Kind.SAFETY
+) -> Mapping[str, str]:
+    """What each cell of the matrix shows: its faults' smallest margins over all situations, unshifted in time.
+
+    Args:
+        outcomes: of a campaign.
+        scored: their score.
+        matrix: whose cells.
+        kind: of the requirements whose violation kills.
+
+    Returns:
+        By the cell's name.
+    """
+    by_fault = margins(outcomes, scored, matrix, kind)
+    scores = {mutant.subject.id: mutant for mutant in scored.mutants}
+    return {cell.name: _cell_margin(cell, by_fault, scores, kind) for cell in matrix}
+
+
+def _cell_margin(
+    cell: Cell, by_fault: Mapping[PhasedFault, Sequence[Margin]], scores: Mapping[str, MutantScore], kind: Kind
+) -> str:
+    if cell.status is not CellStatus.CREDIBLE:
+        return "-" if cell.status is CellStatus.NOT_MEANINGFUL else "CONTROL"
+    texts = []
+    for fault in cell.faults:
+        if fault.magnitude and Scale.of(fault.magnitude):
+            least = lowest(by_fault.get(phased_fault(cell.name, fault), ()))
+            texts.append(margin_text(least) if least else UNKNOWN)
+        else:
+            texts.append(_named(cell, fault, scores, kind))
+    return "; ".join(text for text in texts if text != UNKNOWN) or UNKNOWN
+
+
+def _named(cell: Cell, fault: Fault, scores: Mapping[str, MutantScore], kind: Kind) -> str:
+    """Which forms of a fault without an order are detected; else the verdict that says most."""
+    ids = [cell.mutant_ids(fault, rung)[0] for rung in fault.rungs]
+    verdicts = {id_: detection_of(scores[id_], kind).verdict for id_ in ids if id_ in scores}
+    for verdict in (Verdict.DETECTED, Verdict.UNDECIDED, Verdict.NOT_DETECTED):
+        forms = [parse(id_).magnitude for id_, own in verdicts.items() if own is verdict]
+        if forms:
+            return " ".join([*filter(None, forms if verdict is Verdict.DETECTED else ()), verdict.words])
+    return UNKNOWN
+
+
+WHEN_HEADERS = ("phase", "acts at [s]", "in the flight", "kills", "verdict")
+RAIL = 30
+"""Width of the rail that stands for the flight [characters]."""
+WHEN_LEGEND = (
+    "Acts at: first altered sample, median over the flights (earliest to latest); kills: situations with a kill, of "
+    "those that put it to the test.  In the flight: X some kill, o none, - not put to the test, at the median."
+)
+
+
+def when_tables(found: Iterable[When]) -> tuple[Table, ...]:
+    """For each fault a table of the times at which it was flown, and one of the events."""
+    return tuple(
+        _when_table(when, strikes, kinds)
+        for when in found
+        for kinds, strikes in (("times", when.told(at_events=False)), ("events", when.told(at_events=True)))
+        if strikes
+    )
+
+
+def _when_table(when: When, strikes: Sequence[Strike], kinds: str) -> Table:
+    detected = sum(strike.verdict is Verdict.DETECTED for strike in strikes)
+    rows = tuple(
+        (strike.phase or "#0s", _acts(strike), _rail(strike, when.lasts_s), strike.kills.short, strike.verdict.words)
+        for strike in strikes
+    )
+    told = f"Detected at {detected} of {len(strikes)} {kinds}; the rail is the baseline's {when.lasts_s:.0f} s."
+    return Table(f"When {when.fault} strikes: {kinds}", WHEN_HEADERS, rows, (told, WHEN_LEGEND))
+
+
+def _acts(strike: Strike) -> str:
+    if strike.acts_s is None:
+        return "never"
+    first, median, last = strike.acts_s
+    return f"{median:.1f}" + (f" ({first:.1f} to {last:.1f})" if first < last else "")
+
+
+def _rail(strike: Strike, lasts_s: float) -> str:
+    """The flight as a row of dots, with the phase's mark where it acts.
+
+    >>> from scaloft_fi.analysis.roster import Ratio
+    >>> _rail(Strike("NO-depth@3s#sight", "#sight", True, (5.0, 6.0, 7.0), Ratio(1, 4), Verdict.DETECTED), 60.0)
+    '...X..........................'
+    """
+    if strike.acts_s is None or not lasts_s:
+        return "." * RAIL
+    place = min(RAIL - 1, int(RAIL * strike.acts_s[1] / lasts_s))
+    return "." * place + mark_of(strike) + "." * (RAIL - 1 - place)
+
+
+def mark_of(strike: Strike) -> str:
+    """X for a phase with a kill, o for one without, - for one that nothing puts to the test."""
+    return "X" if strike.kills.part else "o" if strike.kills.whole else "-"
+
+
+def margin(
+    study: Study,
+    campaign: str,
+    mutants: Sequence[str],
+    options: RunOptions,
+    *,
+    situations: Sequence[str] = (),
+    seeds: Sequence[int] = (0,),
+    tolerance: float | None = None,
+    operability: bool = False,
+    progress: Callable[[], Progress],
+) -> Answer:
+    """The smallest magnitude of each fault that is killed, situation by situation; flies what the campaign lacks.
+
+    Args:
+        study: the study, with the grid of the campaign.
+        campaign: name of the campaign, which need not exist.
+        mutants: names of cells, or ids, whose faults are searched.
+        options: options of the run.
+        situations: keys, aliases or patterns; by default the whole grid, or what the grid chooses.
+        seeds: seeds of the flights.
+        tolerance: the width of the interval at which the search ends, in the unit of the magnitude; by default a tenth
+            of the strong end's distance from no fault.
+        operability: whether violations of operability requirements kill, instead of those of safety requirements.
+        progress: makes the progress display of a round.
+
+    Raises:
+        GateError: a gate failed.
+        InputError: there is no such mutant or situation, a fault has no order, or the study cannot be flown.
+        Interrupted: the user stopped the search; all outcomes are saved.
+    """
+    study.check()
+    targets = {one.subject: one for one in (target(study.matrix, text, tolerance) for text in mutants)}
+    chosen = study.grid.select(situations)
+    if not situations:
+        chosen = choose_situations(study.grid.choose, chosen, seeds, 0, study.space, study.grid.chosen_at).situations
+    by_fault = find(
+        study,
+        tuple(targets.values()),
+        chosen,
+        seeds,
+        campaign_folder(study, campaign),
+        options,
+        kind=_kind(operability),
+        progress=progress,
+    )
+    return Answer(
+        MARGIN,
+        lambda: margin_values(by_fault),
+        lambda: margin_tables(by_fault, study.requirements, len(seeds), campaign, study.space.grid),
+    )
+
+
+def when_answer(study: Study, campaign: str, mutants: Sequence[str], *, operability: bool = False) -> Answer:
+    """At which times and events of the flight faults are killed, of the flights that a campaign holds.
+
+    Args:
+        study: the study, with any of its grids.
+        campaign: name of the campaign.
+        mutants: names of cells, or ids.
+        operability: as of `margin`.
+
+    Raises:
+        InputError: a mutant has no phases, or the campaign fewer than two of them.
+    """
+    asked = {name: realise(study.matrix, name) for name in mutants}
+    for name, mutant in asked.items():
+        if not source_of(study.matrix, mutant)[0].phases:
+            raise InputError(f"mutant {name!r} has no phases: {mutant.cell} strikes all the time, or at one time")
+    with snapshot(study, campaign) as now:
+        flown, campaign = whens(now.outcomes, now.score, _kind(operability)), now.name
+    found = []
+    for name, mutant in asked.items():
+        bare = mutant.id.partition("#")[0]
+        own = [one for one in flown if one.fault == bare or (name == mutant.cell and cell_of(one.fault) == name)]
+        if not own:
+            command = f"scaloft-fi run --mutant '{bare}' --mutant '{bare}#*' --campaign {campaign}"
+            raise InputError(f"campaign {campaign!r} has fewer than two phases of {bare}; fly them: {command}")
+        found += own
+    return Answer(MARGIN, lambda: when_values(found), lambda: when_tables(found))
+
+
+def _kind(operability: bool) -> Kind:
+    return Kind.OPERABILITY if operability else Kind.SAFETY
+
+
+@verb(
+    "margin",
+    examples=(
+        ("Find how late a detection may come", "scaloft-fi margin LATE-human"),
+        (
+            "Search two faults in light only, to a tenth of their unit",
+            "scaloft-fi margin LESS-depth LATE-human --situation '*D0*' --tolerance 0.1",
+        ),
+        ("Show at which times of the flight a fault is killed", "scaloft-fi margin NO-depth --when"),
+    ),
+    sections={
+        "Where": "--study --campaign --grid",
+        "What is flown": "--situation --seeds --tolerance --when --operability",
+        "How": "--jobs --same-platform",
+        "What is printed": "--format --tables --warnings --quiet --help",
+    },
+)
+@click.argument("mutants", nargs=-1, required=True, shell_complete=names.mutants, metavar="CELL|ID...")
+@study_option
+@campaign_option
+@grid_option
+@click.option(
+    "--situation",
+    "situations",
+    multiple=True,
+    shell_complete=names.situations,
+    metavar="KEY|GLOB",
+    help="A situation's key or alias, or a pattern (repeatable).  [default: the whole grid]",
+)
+@click.option(
+    "--seeds",
+    shell_complete=names.seeds,
+    default="1",
+    show_default=True,
+    metavar="N|A-B",
+    help="Seeds 0..N-1, or A to B inclusive.",
+)
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="NUMBER",
+    help="Bisect until the interval is no wider than this, in the magnitude's own unit.  "
+    "[default: a tenth of the strong end's distance from no fault]",
+)
+@click.option(
+    "--when",
+    is_flag=True,
+    help="Fly nothing; show of the flights of --campaign at which times and events of the flight the fault is killed.",
+)
+@operability_option
+@click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
+@same_platform_option
+@format_option
+@tables_option
+@warnings_option
+@quiet_option
+def margin_command(
+    mutants: tuple[str, ...],
+    study_folder: Path | None,
+    campaign: str,
+    grid: str | None,
+    situations: tuple[str, ...],
+    seeds: str,
+    tolerance: float | None,
+    when: bool,
+    operability: bool,
+    jobs: int | None,
+    same_platform: bool,
+    style: str,
+    tables_folder: Path | None,
+    warnings: bool,
+    quiet: bool,
+) -> None:
+    """Find the smallest magnitude of each fault that is killed, situation by situation.
+
+    The whole ladder is flown, then the interval between the strongest magnitude that survives and the mildest of which
+    most flights violate a requirement is halved, in all situations at once.  A magnitude is killed where its flights
+    detect the mutant; else it is only seen, and the table says how many --seeds would decide.  A cell's name means its
+    first fault; an id with a magnitude picks a fault by the unit, and a phase by #, a time or an event (NO-depth@3s#5s,
+    NO-depth@3s#waypoint).  The flights are ordinary flights of the campaign: nothing is flown twice, and
+    `scaloft-fi matrix --margins` shows what was found.
+    """
+    from scaloft_fi.campaign.processes import cores, one_thread_each
+
+    one_thread_each()
+    campaign = campaign_over(grid, campaign)
+    if when:
+        if situations or seeds != "1" or tolerance is not None:
+            raise click.UsageError("--when flies nothing and goes with no --situation, --seeds or --tolerance")
+        from scaloft_fi.study import Study
+
+        struck = when_answer(Study.open(study_folder, grid), campaign, mutants, operability=operability)
+        answer(struck, style, tables_folder)
+        return
+    from scaloft_fi.campaign.plan import parse_seeds
+    from scaloft_fi.campaign.progress import Progress, Silence
+    from scaloft_fi.campaign.runs.gates import RunOptions
+    from scaloft_fi.campaign.store.flown_grid import study_of
+
+    found = margin(
+        study_of(study_folder, campaign, grid),
+        campaign,
+        mutants,
+        RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),
+        situations=situations,
+        seeds=parse_seeds(seeds),
+        tolerance=tolerance,
+        operability=operability,
+        progress=Silence if quiet else Progress,
+    )
+    answer(found, style, tables_folder)

@@ -1,0 +1,213 @@
+"""Mutants as plain JSON values: what `mutants` prints for programs.
+
+`scaloft-fi mutants`: the catalogue of mutants; list it, derive it from the matrix, prove it current.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from scaloft_fi.console import say, tell, tell_line, width
+from scaloft_fi.errors import InputError
+from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.verbs import names
+from scaloft_fi.verbs.matrix import ARGUMENTS
+from scaloft_fi.verbs.options import check_own, format_option, study_option
+from scaloft_fi.verbs.verb import verb
+from scaloft_fi.views.output import Output, count, flag, listing, number, record, text
+from scaloft_fi.views.table import Format, body_text, csv_text, tabulated
+
+if TYPE_CHECKING:
+    from scaloft_fi.hazop.matrix import Matrix
+
+
+MUTANTS = Output(
+    "mutants",
+    "1.0",
+    "the mutants that the deviation matrix gives",
+    {
+        "catalogue": record(
+            "the written catalogue",
+            {
+                "path": text("its file"),
+                "current": flag("whether it is what the matrix gives"),
+                "written": flag("whether this call has written it"),
+                "mutants": count("mutants that the matrix gives"),
+                "cells": count("cells that have mutants"),
+            },
+        ),
+        "mutants": listing(
+            "the mutants asked for; with --write and --check all of them",
+            record(
+                "a mutant",
+                {
+                    "id": text("canonical id"),
+                    "guideword": text("its guideword"),
+                    "parameter": text("its parameter"),
+                    "magnitude": text("its magnitude with the unit, as in the id; empty where there is none"),
+                    "phase_s": number("its shift in time", "s"),
+                    "event": text("the event at which it strikes; empty for none"),
+                    "seam": text("where it is patched in"),
+                    "operator": text("what alters the samples"),
+                    "arguments": ARGUMENTS,
+                    "default": flag("whether the name of its cell stands for it"),
+                },
+            ),
+        ),
+    },
+    rows="mutants",
+)
+
+
+def mutant_values(
+    path: Path,
+    derived: Sequence[Mutant],
+    chosen: Sequence[Mutant],
+    defaults: Collection[str],
+    *,
+    current: bool,
+    written: bool,
+) -> dict[str, Any]:
+    """Plain JSON values of the form `MUTANTS`.
+
+    Args:
+        path: file of the catalogue.
+        derived: every mutant that the matrix gives.
+        chosen: those asked for.
+        defaults: ids of the cells' defaults.
+        current: whether the file has what the matrix gives.
+        written: whether this call has written it.
+    """
+    return {
+        "catalogue": {
+            "path": str(path),
+            "current": current,
+            "written": written,
+            "mutants": len(derived),
+            "cells": len(defaults),
+        },
+        "mutants": [{"event": "", **one.to_json(), "default": one.id in defaults} for one in chosen],
+    }
+
+
+_COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "arguments")
+_IN_TERMINAL = ("id", "default", "seam", "operator", "arguments")
+"""Guideword and parameter are read from the id."""
+
+
+@verb(
+    "mutants",
+    examples=(
+        ("List the ladder of one cell", "scaloft-fi mutants 'LATE-human*'"),
+        ("Derive the catalogue again after an edit of the matrix", "scaloft-fi mutants --write"),
+        ("Fail where the catalogue is stale, as in CI", "scaloft-fi mutants --check"),
+    ),
+)
+@click.argument("patterns", nargs=-1, shell_complete=names.mutants, metavar="[PATTERN]...")
+@click.option("--write", is_flag=True, help="Derive the catalogue from the matrix and write it.")
+@click.option("--check", is_flag=True, help="Prove that the written catalogue is what the matrix gives.")
+@click.option(
+    "--cell",
+    "cells",
+    multiple=True,
+    shell_complete=names.cells,
+    metavar="CELL",
+    help="All mutants of this cell (repeatable).",
+)
+@click.option("--defaults", "only_defaults", is_flag=True, help="One mutant a cell: its default.")
+@format_option
+@study_option
+def mutants_command(
+    patterns: tuple[str, ...],
+    *,
+    write: bool,
+    check: bool,
+    cells: tuple[str, ...],
+    only_defaults: bool,
+    style: str,
+    study_folder: Path | None,
+) -> None:
+    """List, derive, or prove current the catalogue of mutants.
+
+    PATTERN is a cell's name (its default mutant), an id, or a pattern with *, ? or [ over names and ids:
+    `LATE-human*` is the whole ladder, `*-human` the default of every cell of `human`.
+    """
+    if write and check:
+        raise click.UsageError("--write and --check exclude each other")
+    if (write or check) and (patterns or cells or only_defaults):
+        raise click.UsageError("--write and --check are about the whole catalogue; give no pattern with them")
+    from scaloft_fi.mutants.catalogue import CATALOGUE, check_catalogue, defaults, derive, write_catalogue
+    from scaloft_fi.study import Study
+
+    study = Study.open(study_folder)
+    folder = study.folder / "mutants"
+    if write:
+        check_own(study, study_folder, folder / CATALOGUE)
+    matrix = study.matrix
+    derived = check_catalogue(folder, matrix) if check else derive(matrix)
+    default_ids = {mutant.id for mutant in defaults(matrix)}
+    path = write_catalogue(folder, derived) if write else folder / CATALOGUE
+    current = write or check or _is_current(folder, matrix)
+    chosen = derived if write or check else _chosen(derived, matrix, patterns, cells, only_defaults=only_defaults)
+    if style == Format.JSON:
+        tell(MUTANTS.json(mutant_values(path, derived, chosen, default_ids, current=current, written=write)))
+    elif write or (check and style != Format.CSV):
+        tell_line(f"{path}: {'' if write else 'current, '}{len(derived)} mutants of {len(default_ids)} cells")
+    else:
+        tell(f"{_table(chosen, default_ids, style)}\n")
+
+
+def _is_current(folder: Path, matrix: Matrix) -> bool:
+    """Whether the written catalogue is what the matrix gives; a warning says why it is not."""
+    from scaloft_fi.mutants.catalogue import check_catalogue
+
+    try:
+        check_catalogue(folder, matrix)
+    except InputError as error:
+        say(f"warning: {error}")
+        return False
+    return True
+
+
+def _chosen(
+    derived: Sequence[Mutant], matrix: Matrix, patterns: Sequence[str], cells: Sequence[str], *, only_defaults: bool
+) -> Sequence[Mutant]:
+    """What the user asks for; without a word the whole catalogue."""
+    from scaloft_fi.mutants.catalogue import default_of, defaults, select
+
+    for name in cells:
+        default_of(matrix.cell(name))  # refuses a cell without mutants, with its reason
+    chosen = list(select(patterns, matrix, derived))
+    known = {mutant.id for mutant in chosen}
+    if cells or not patterns:
+        chosen += [m for m in derived if (not cells or m.cell in cells) and m.id not in known]
+    if not only_defaults:
+        return chosen
+    kept = {mutant.id for mutant in defaults(matrix)}
+    return [mutant for mutant in chosen if mutant.id in kept]
+
+
+def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) -> str:
+    rows = [_row(mutant, mutant.id in default_ids) for mutant in mutants]
+    if style == "csv":
+        return csv_text(_COLUMNS, (row.values() for row in rows)).rstrip("\n")
+    if style == "table":
+        short = [[row[name] for name in _IN_TERMINAL] for row in rows]
+        return body_text(_IN_TERMINAL, short, width(), ("operator", "seam"), marked=False)
+    return tabulated(
+        _COLUMNS, [list(row.values()) for row in rows], Format(style), "latex" if style == Format.LATEX else ""
+    )
+
+
+def _row(mutant: Mutant, default: bool) -> dict[str, Any]:
+    arguments = ", ".join(f"{name}={_said(value)}" for name, value in mutant.arguments.items())
+    values = (mutant.id, "*" * default, mutant.parameter, mutant.guideword, mutant.seam, mutant.operator, arguments)
+    return dict(zip(_COLUMNS, values, strict=True))
+
+
+def _said(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,104 @@
+"""What `new` wrote.
+
+`scaloft-fi new`: write a small study, or a plugin package with a study that uses it.
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.verbs.options import answer, line_format_option
+from scaloft_fi.verbs.verb import verb
+from scaloft_fi.views.output import Output, text, texts
+
+NEW = Output(
+    "new",
+    "1.0",
+    "what was written into a new folder",
+    {
+        "folder": text("the new folder"),
+        "kind": text("a study, or a plugin package with a study in its folder study/", ("study", "plugin")),
+        "files": texts("the files, relative to the folder"),
+        "next": texts("the commands to give next, quoted for a shell, in their order"),
+    },
+    rows="files",
+)
+
+
+def new_values(folder: Path, files: Iterable[str], commands: Sequence[str], *, plugin: bool) -> dict[str, Any]:
+    """Plain JSON values of the form `NEW`."""
+    kind = "plugin" if plugin else "study"
+    return {"folder": str(folder), "kind": kind, "files": sorted(files), "next": list(commands)}
+
+
+@verb(
+    "new",
+    examples=(
+        ("Write a study to edit", "scaloft-fi new my_mine"),
+        ("Write a package with an operator, a stack, a sensor and a signal", "scaloft-fi new my_faults --plugin"),
+        ("Give the package another name than the folder", "scaloft-fi new work/faults --plugin --name my_faults"),
+    ),
+)
+@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
+@click.option(
+    "--plugin",
+    is_flag=True,
+    help="Write a Python package instead: one operator, one stack, one sensor, one signal, their tests, and in "
+    "DIR/study a study that uses them.",
+)
+@click.option(
+    "--name",
+    metavar="NAME",
+    help="Name of the package, with --plugin.  [default: the last part of DIR, - read as _]",
+)
+@line_format_option
+def new_command(folder: Path, plugin: bool, name: str | None, style: str) -> None:
+    """Write a small study that flies in about a minute, and whose files say what each of their keys means.
+
+    A corridor, a cart, a person, two axes, two requirements, six cells.  DIR must be empty or new.  With --plugin, DIR
+    is a package of yours that any study can use once it is installed.
+
+    The first line of each document names its JSON Schema in schemas/, with which an editor completes keys; in a
+    package, `scaloft-fi schema --write` makes that folder once the package is installed.
+    """
+    from scaloft_fi.sim.load import STACKS
+    from scaloft_fi.templates import check_package_name, plugin_files, study_files, write_new
+    from scaloft_fi.verbs.documents.listed import pointed, schema_files
+    from scaloft_fi.views.output import Answer
+
+    if name is not None and not plugin:
+        raise InputError(f"--name={name!r} is the name of a package; give --plugin with it, or leave it out")
+    if plugin:
+        package = folder.absolute().name.replace("-", "_") if name is None else name
+        check_package_name(package, "DIR" if name is None else "--name")
+        files = pointed(plugin_files(package), "study/")
+        what = f"the package {package}, and a study that uses it, {len(files)} files"
+    else:
+        documents, schemas = pointed(study_files()), schema_files(STACKS["reference"])
+        files = documents | schemas
+        what = f"a study of 6 cells and 6 situations, {len(documents)} files, and {len(schemas)} schemas for an editor"
+    write_new(folder, files)
+    commands = _next(folder, plugin=plugin)
+    told = f"{folder}: {what}.  Next:\n\n" + "".join(f"  {command}\n" for command in commands)
+    values = new_values(folder, files, commands, plugin=plugin)
+    answer(Answer(NEW, lambda: values, told=lambda _: told), style)
+
+
+def _next(folder: Path, *, plugin: bool) -> tuple[str, ...]:
+    here = shlex.quote(str(folder))
+    if plugin:
+        study, schemas = (shlex.quote(str(folder / below)) for below in ("study", "study/schemas"))
+        return (
+            f"pip install -e {shlex.quote(f'{folder}[test]')}",
+            f"python -m pytest {here}",
+            f"scaloft-fi schema --study {study} --write {schemas}",
+            f"scaloft-fi run --study {study}",
+        )
+    there = () if folder.resolve() == Path.cwd() else (f"cd {here}",)
+    return *there, "scaloft-fi check", "scaloft-fi run"

@@ -1,0 +1,81 @@
+"""What `report` says of the page that it wrote.
+
+`scaloft-fi report`: one HTML file that tells a whole campaign.
+"""
+
+from __future__ import annotations
+
+from datetime import date
+from pathlib import Path
+
+import click
+
+from scaloft_fi.console import line
+from scaloft_fi.errors import InputError
+from scaloft_fi.verbs.options import (
+    answer,
+    as_of_option,
+    campaign_option,
+    check_writable,
+    line_format_option,
+    study_option,
+    write,
+)
+from scaloft_fi.verbs.snapshot import KEYS as STALE
+from scaloft_fi.verbs.verb import verb
+from scaloft_fi.views.output import Output, count, text
+
+REPORT = Output(
+    "report",
+    "1.1",
+    "where the report was written",
+    {"report": text("path of the page"), "bytes": count("its size [bytes]"), **STALE},
+    rows="summary",
+)
+
+
+NAME = "report.html"
+
+
+@verb(
+    "report",
+    examples=(
+        ("Write the page into the campaign's folder", "scaloft-fi report"),
+        ("Write it elsewhere", "scaloft-fi report --output report.html"),
+        ("Mark dispositions that have expired by a day", "scaloft-fi report --today 2027-01-31"),
+    ),
+)
+@study_option
+@campaign_option
+@click.option(
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write the page there.  [default: report.html in the campaign's folder]",
+)
+@as_of_option
+@line_format_option
+def report_command(
+    study_folder: Path | None, campaign: str, output: Path | None, today: date | None, style: str
+) -> None:
+    """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
+    check_writable(output)
+    from scaloft_fi.campaign.store.archive import campaign_folder, is_archive
+    from scaloft_fi.study import Study
+    from scaloft_fi.verbs.report.analyses import gather
+    from scaloft_fi.verbs.report.page import page
+    from scaloft_fi.views.output import Answer
+
+    study = Study.open(study_folder)
+    folder = campaign_folder(study, campaign)
+    if output is None and is_archive(folder):
+        raise InputError(f"{folder}: an archive is a record, into which no report is written: give --output FILE")
+    evidence = gather(study, campaign, today)
+    path = output or folder / NAME
+    content = page(evidence).encode()
+    write(path, content)
+    size = len(content)
+    told = line(f"report: {path} ({size / 1e6:.1f} MB)")
+    values = {"report": str(path), "bytes": size, **evidence.stale.values}
+    warnings = (*evidence.stale.sentences, *evidence.study.finds.warnings)
+    answer(Answer(REPORT, lambda: values, told=lambda _: f"{told}\n", warnings=warnings), style)

@@ -1,0 +1,364 @@
+"""Trajectories for the page: whole numbers, without what is the baseline's, as differences in two planes of bytes.
+
+A track is rows, one value a column.  Each value is divided by its column's quantum and rounded.  The rows at the start
+that equal the baseline's are only counted.  Of the rest each column is written by itself, value minus the value of the
+row before, modulo 2^16, zigzag coded (0, -1, 1, -2 ... -> 0, 1, 2, 3 ...): first all low bytes, then all high bytes,
+which are nearly always zero.  Deflate then makes less than two bytes of a row of seven columns.
+
+The flights of a campaign for the page, one compressed pack a situation: records, then tracks.
+
+What stands in each situation, for the page's map.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+import struct
+import zlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scaloft_fi.console import all_printable
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK, TRACK_COLUMNS, TRACK_EVERY, Outcome, unpack_track
+from scaloft_fi.judge.requirement import Reading, measured_rho
+from scaloft_fi.judge.status import JudgedFlight, baseline_status, flight_of
+from scaloft_fi.sim.log import FAR_M, SAMPLE_HZ
+from scaloft_fi.views.picture import scene_of
+from scaloft_fi.views.table import ranges
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.world import World
+    from scaloft_fi.study import Study
+
+
+Whole = NDArray[np.int32]
+"""A track as whole numbers, (T, columns)."""
+
+TIME, TIME_QUANTUM = "elapsed_s", 0.05
+"""The log runs at 20 Hz, so 0.05 s is exact."""
+QUANTUM = 0.01
+"""One centimetre, one centimetre per second: half a pixel of the page's map."""
+PLACES = ("x_m", "y_m", "z_m")
+"""Columns in which a large value is a place; in every other length `FAR_M` says that there was nothing to measure."""
+FAR = 2**15 - 1
+"""Stands for what was not there to be measured."""
+WORD = 2**16
+
+
+def quantum(column: str, coarse: int = 1) -> float:
+    """The step of a column, in the column's unit; `coarse` widens every step but that of time."""
+    return TIME_QUANTUM if column == TIME else QUANTUM * coarse
+
+
+def thinned(rows: Sequence[tuple[float, ...]], every: int) -> list[tuple[float, ...]]:
+    """One row for each `every` rows, and always the first and the last; it keeps their worst values, as `TRACK` says.
+
+    >>> thinned([(0.0, 0, 0, 0, 0.1, 5, 9), (0.2, 1, 0, 0, 0.7, 4, 9), (0.4, 2, 0, 0, 0.2, 6, 9)], 2)[1]
+    (0.4, 2, 0, 0, 0.7, 4, 9)
+    """
+    if every == 1 or not rows:
+        return list(rows)
+    kept = sorted({*range(0, len(rows), every), len(rows) - 1})
+    spans = zip([-1, *kept], kept, strict=False)
+    return [
+        tuple(
+            stands(column)
+            for stands, column in zip(TRACK.values(), zip(*rows[last + 1 : now + 1], strict=True), strict=True)
+        )
+        for last, now in spans
+    ]
+
+
+def quantised(rows: Sequence[tuple[float, ...]], columns: Sequence[str], coarse: int = 1) -> Whole:
+    """Rows as whole numbers of each column's quantum, smaller than `FAR`; what was not there to be measured is `FAR`.
+
+    >>> quantised([(0.2, 1.006, 100.0)], ("elapsed_s", "x_m", "person_sight_m")).tolist()
+    [[4, 101, 32767]]
+    """
+    values = np.asarray(rows, dtype=float).reshape(len(rows), len(columns))
+    steps = np.array([quantum(column, coarse) for column in columns])
+    most = np.array([FAR_M if column.endswith("_m") and column not in PLACES else math.inf for column in columns])
+    whole = np.clip(np.rint(values / steps), 1 - FAR, FAR - 1)
+    return np.where(values < most, whole, FAR).astype(np.int32)
+
+
+def shared(rows: Whole, baseline: Whole) -> int:
+    """How many rows at the start are the baseline's."""
+    length = min(len(rows), len(baseline))
+    differ = np.flatnonzero((rows[:length] != baseline[:length]).any(axis=1))
+    return int(differ[0]) if len(differ) else length
+
+
+def coded(rows: Whole, same: int = 0) -> bytes:
+    """The rows after the first `same` as two planes of bytes, column by column."""
+    before = rows[same - 1 : same] if same else np.zeros((1, rows.shape[1]), dtype=np.int32)
+    words = zigzag(np.diff(rows[same:], axis=0, prepend=before)).T.ravel()
+    return (words & 255).astype(np.uint8).tobytes() + (words >> 8).astype(np.uint8).tobytes()
+
+
+def zigzag(differences: Whole) -> Whole:
+    """Differences modulo 2^16 as numbers that are small when the difference is.
+
+    >>> zigzag(np.array([0, -1, 1, -2, 65535])).tolist()
+    [0, 1, 2, 3, 1]
+    """
+    signed = (differences + WORD // 2) % WORD - WORD // 2
+    return (signed << 1 ^ signed >> 15) % WORD
+
+
+TRACK_HZ = SAMPLE_HZ / TRACK_EVERY
+EVERYTHING = 1 << 30
+"""More seeds than there are."""
+NONE = -1
+DEFLATE = 6
+"""Level of compression: 9 takes seven times as long for 3 % less."""
+
+
+@dataclass(frozen=True)
+class Detail:
+    """How much of the tracks goes into the page.
+
+    Attributes:
+        every: how many rows of a track one row stands for.
+        coarse: the step of positions, speeds and distances, in finest steps.
+        seeds: how many seeds keep the tracks of the mutants, the lowest first; `EVERYTHING` for all.
+    """
+
+    every: int
+    coarse: int
+    seeds: int
+
+    def __str__(self) -> str:
+        """Rows in a second, and the steps."""
+        return self.at_rate(TRACK_HZ)
+
+    def at_rate(self, track_hz: float) -> str:
+        """The same of tracks that have `track_hz` rows in a second."""
+        step = f"{QUANTUM * self.coarse:g}"
+        return f"{track_hz / self.every:g} Hz, in steps of {step} m and {step} m/s"
+
+
+DETAILS = (
+    Detail(1, 1, EVERYTHING),
+    Detail(1, 2, EVERYTHING),
+    Detail(2, 2, EVERYTHING),
+    Detail(2, 2, 1),
+    Detail(5, 2, 1),
+    Detail(1, 1, 0),
+)
+"""From the most to the least; the page takes the first that fits."""
+
+
+@dataclass(frozen=True)
+class Packed:
+    """The flights of a campaign.
+
+    Attributes:
+        texts: by situation the base64 text of its deflated flights.
+        says: of which flights there are tracks, and of which not.
+    """
+
+    texts: Mapping[str, str]
+    says: str
+
+
+def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Detail, every: int = 1) -> Packed:
+    """Pack the flights, situation by situation; PLACEBO, which is its baseline, is left out.
+
+    Args:
+        outcomes: of the campaign.
+        requirements: names, in the order of the readings.
+        detail: how much of the tracks is kept.
+        every: pack one situation in this many, to estimate the size of all.
+    """
+    by_situation: dict[str, list[Outcome]] = {}
+    for outcome in outcomes:
+        if outcome.mutant != PLACEBO_ID:
+            by_situation.setdefault(outcome.situation, []).append(outcome)
+    seeds = {outcome.seed for listed in by_situation.values() for outcome in listed if outcome.mutant != BASELINE}
+    kept = set(sorted(seeds)[: detail.seeds])
+    tracked: dict[tuple[bool, int], list[bool]] = {}
+    texts = {}
+    for key, listed in list(by_situation.items())[::every]:
+        records, texts[key] = _pack(listed, requirements, detail, kept)
+        for entry in records:
+            if not entry["invalid"]:
+                tracked.setdefault((entry["mutant"] != BASELINE, entry["seed"]), []).append(entry["track"] is not None)
+    hz = next((rate for listed in by_situation.values() for o in listed if (rate := _rate_hz(o.track))), TRACK_HZ)
+    return Packed(texts, tracks_told(detail.at_rate(hz), tracked))
+
+
+def _rate_hz(track: bytes) -> float | None:
+    """Rows of a track in a second; None where it has too few."""
+    rows = rows_of(track)
+    return round(1 / (rows[1][0] - rows[0][0]), 2) if len(rows) > 2 else None
+
+
+def tracks_told(detail: str, tracked: Mapping[tuple[bool, int], Sequence[bool]]) -> str:
+    """The sentences that say of which flights the page has tracks.
+
+    Args:
+        detail: how they are kept, in words.
+        tracked: by whether a mutant flew, and seed: of each flight that counts, whether it has one.
+    """
+    every = [has for flags in tracked.values() for has in flags]
+    if all(every):
+        return f"Tracks: every flight, {detail}."
+    if not any(every):
+        return "Tracks: of no flight; `replay` flies each again."
+    groups: dict[str, list[tuple[bool, int]]] = {"Every flight": [], "Some": [], "None": []}
+    for group, flags in tracked.items():
+        groups["Every flight" if all(flags) else "Some" if any(flags) else "None"].append(group)
+    parts = [f"{words} of {_whose(members)}" for words, members in groups.items() if members]
+    return ".  ".join((f"Tracks: {sum(every)} of {len(every)} flights, {detail}", *parts, "`replay` flies the rest."))
+
+
+def _whose(members: Sequence[tuple[bool, int]]) -> str:
+    """As in: the unmutated drone with seeds 0-9, mutants with seed 0."""
+    own = {
+        who: [seed for other, seed in members if other is mutated]
+        for mutated, who in ((False, "the unmutated drone"), (True, "mutants"))
+    }
+    return ", ".join(f"{who} with seed{'s' * (len(seeds) > 1)} {ranges(seeds)}" for who, seeds in own.items() if seeds)
+
+
+def columns(detail: Detail) -> list[dict[str, Any]]:
+    """The columns of the tracks with the step of each."""
+    return [{"name": column, "quantum": quantum(column, detail.coarse)} for column in TRACK_COLUMNS]
+
+
+def _pack(
+    outcomes: Sequence[Outcome], requirements: Sequence[str], detail: Detail, seeds: set[int]
+) -> tuple[list[dict[str, Any]], str]:
+    """The records, and the base64 text of, deflated: a length (4 bytes, little endian), JSON of that length, tracks.
+
+    Flights with one digest share a track; a track is its own rows, and the number of rows before
+    them that it shares with another.
+    """
+    ordered = sorted(outcomes, key=lambda o: (o.seed, o.mutant != BASELINE, o.mutant))
+    baselines = {outcome.seed: outcome for outcome in ordered if outcome.mutant == BASELINE}
+    clean: dict[int, tuple[int, Whole]] = {}
+    places: dict[str, int] = {}
+    tracks: list[list[int]] = []
+    body: list[bytes] = []
+    records = []
+    for outcome in ordered:
+        place = places.get(outcome.digest) if outcome.digest else None
+        if place is None and outcome.track and (outcome.mutant == BASELINE or outcome.seed in seeds):
+            kept = rows_of(outcome.track)
+            if not kept:
+                records.append(record(outcome, baselines.get(outcome.seed), requirements) | {"track": None})
+                continue
+            rows = quantised(thinned(kept, detail.every), TRACK_COLUMNS, detail.coarse)
+            base, base_rows = clean.get(outcome.seed, (NONE, rows[:0]))
+            same = shared(rows, base_rows)
+            place = len(tracks)
+            places[outcome.digest] = place
+            tracks.append([len(rows), same, base if same else NONE])
+            body.append(coded(rows, same))
+            if outcome.mutant == BASELINE:
+                clean[outcome.seed] = place, rows
+        records.append(record(outcome, baselines.get(outcome.seed), requirements) | {"track": place})
+    text = json.dumps(
+        {"flights": all_printable(records), "tracks": tracks}, separators=(",", ":"), allow_nan=False
+    ).encode()
+    deflated = zlib.compress(struct.pack("<I", len(text)) + text + b"".join(body), DEFLATE)
+    return records, base64.b64encode(deflated).decode()
+
+
+def rows_of(track: bytes) -> list[tuple[float, ...]]:
+    """The rows of a track; none where time does not rise, as when an earlier version kept other columns."""
+    rows = unpack_track(track)
+    return rows if all(one[0] < next_[0] for one, next_ in pairwise(rows)) else []
+
+
+def record(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[str]) -> dict[str, Any]:
+    """What the page shows of one flight beside its track."""
+    flight = flight_of(outcome, baseline) if outcome.mutant != BASELINE else None
+    readings = {reading.requirement: reading for reading in outcome.readings}
+    return {
+        "mutant": outcome.mutant,
+        "seed": outcome.seed,
+        "status": flight.status.value if flight else baseline_status(outcome),
+        **_revealed(flight),
+        "ending": outcome.ending,
+        "invalid": outcome.invalid,
+        "duration_s": _short(outcome.duration_s),
+        "infected_at_s": _short(outcome.infected_at_s),
+        "carried": outcome.carried,
+        "altered": outcome.altered,
+        "struck": outcome.struck,
+        "stack_error": outcome.stack_error,
+        "readings": [_reading(readings[name]) if name in readings else None for name in requirements],
+        "violations": [
+            [v.requirement, *(_short(value) for value in (v.t_s, v.x, v.y, v.z)), v.struck] for v in outcome.violations
+        ],
+    }
+
+
+def _revealed(flight: JudgedFlight | None) -> Mapping[str, Any]:
+    if flight is None:
+        return {}
+    return {"revealed": [*flight.revealed, *flight.operability_revealed]}
+
+
+def _reading(reading: Reading) -> list[Any]:
+    """Robustness (none of what was never triggered), moment of the violation, compliance, episodes of the trigger."""
+    rho, violated_at_s = _short(measured_rho(reading), 4), _short(reading.violated_at_s)
+    return [rho, violated_at_s, reading.compliance.value, reading.triggered]
+
+
+def _short(value: float | None, digits: int = 3) -> float | None:
+    return None if value is None else round(value, digits)
+
+
+DIGITS = 2
+"""Centimetres."""
+
+
+def scenes(study: Study, situations: Iterable[str]) -> dict[str, Any]:
+    """The mines, each once, and by situation its scene.
+
+    Raises:
+        InputError: the values of a situation do not go together.
+    """
+    mines: list[dict[str, Any]] = []
+    by = {key: scene(study.grid.world(study.grid.situation(key)), mines) for key in situations}
+    return {"mines": mines, "situations": by}
+
+
+def scene(world: World, mines: list[dict[str, Any]]) -> dict[str, Any]:
+    """The place of a world's mine in `mines`, to which it is added, and bodies, waypoints and home [m, world].
+
+    A body is its role, its outline, the path of one that moves, and its name, which `struck` has too.
+    """
+    seen = scene_of(world)
+    floor = [_outline(ring) for ring in seen.floor]
+    # a closed floor draws its own walls
+    mine = {"floor": floor, "walls": [] if floor else [_outline(segment) for segment in seen.walls]}
+    if mine not in mines:
+        mines.append(mine)
+    return {
+        "mine": mines.index(mine),
+        "bodies": [
+            [body.kind, _outline(body.outline), _outline(body.path), own.name]
+            for own, body in zip(world.present, seen.bodies, strict=True)
+        ],
+        "waypoints": _outline(seen.waypoints),
+        "home": _rounded(seen.home),
+    }
+
+
+def _outline(points: Iterable[tuple[float, float]]) -> list[list[float]]:
+    return [_rounded(point) for point in points]
+
+
+def _rounded(point: tuple[float, float]) -> list[float]:
+    return [round(float(point[0]), DIGITS), round(float(point[1]), DIGITS)]

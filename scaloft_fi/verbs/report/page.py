@@ -1,0 +1,308 @@
+"""The top of the page: what the unmutated drone fails by itself, and what the figures do not claim.
+
+All figures of the page as plain JSON values; the page draws them and computes none.
+
+The page: figures and flights as data, style and script inlined, nothing fetched.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from importlib.resources import files
+from typing import Any
+
+from scaloft_fi.analysis.coverage import coverage_of
+from scaloft_fi.analysis.detection import Spending, Verdict
+from scaloft_fi.analysis.kill_matrix import kill_matrix
+from scaloft_fi.analysis.pool import Finding, Pool, State, findings, tallies
+from scaloft_fi.analysis.roster import Ratio, plain
+from scaloft_fi.analysis.score import Score, score_of
+from scaloft_fi.campaign.runs.gates import check_gates
+from scaloft_fi.console import all_printable
+from scaloft_fi.errors import GateError
+from scaloft_fi.judge.outcome import TRACK_COLUMNS
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.status import rulings_of
+from scaloft_fi.sim.log import Ending
+from scaloft_fi.verbs.first_screen import POPULATIONS, coverage_line
+from scaloft_fi.verbs.report import matrices
+from scaloft_fi.verbs.report.analyses import Evidence, analyses, bounds_of, by_ladder, limits
+from scaloft_fi.verbs.report.finds import broken, found
+from scaloft_fi.verbs.report.flights import DETAILS, FAR, columns, packs, scenes
+from scaloft_fi.verbs.report.matrices import accepted, folding, steps
+from scaloft_fi.verbs.score_record import score_json
+from scaloft_fi.verbs.verdict import NOT_COMPARED, answers
+from scaloft_fi.version import __version__
+from scaloft_fi.views.glossary import TERMS
+
+NO_POOL = "Not known: no situation has ten flights of the unmutated drone."
+WHOLE = "A share of these faults and no estimate for others: the list of cells is closed, and no sample of anything."
+MODEL = (
+    "The flights are simulated: mine, vehicle, sensors and light are a model, many of whose numbers are assumptions."
+)
+
+
+def head(scored: Score, situations: Ratio, breaks: int) -> dict[str, Any]:
+    """The sentences of the top of the page.
+
+    Args:
+        scored: the campaign's score.
+        situations: flown, of those of the grid.
+        breaks: situations beside the grid that a search found to break the unmutated drone.
+
+    Returns:
+        `fails`: of the unmutated drone; `claims`: what is not claimed.
+    """
+    return {"fails": [*fails(scored.pool), *_broken(breaks)], "claims": list(_claims(scored, situations))}
+
+
+def fails(pool: Pool) -> list[str]:
+    """What the unmutated drone fails: a sentence a safety requirement, and one on what that takes from the test."""
+    if not pool.flown:
+        return [NO_POOL]
+    names = pool.requirements(Kind.SAFETY)
+    sentences = [sentence for name in names if (sentence := _violates(pool, name))]
+    if not sentences:
+        return [f"In none of the {len(pool.flown)} situations with a pool does it violate a safety requirement often."]
+    lost = sum(not pool.steady(key, Kind.SAFETY) for key in pool.flown)
+    where = f"No fault is put to the safety test in {lost} of these {len(pool.flown)} situations" if lost else ""
+    return [*sentences, *([f"{where}: no safety requirement is steady there."] if lost else [])]
+
+
+def _violates(pool: Pool, name: str) -> str:
+    """Where the unmutated drone violates a requirement; empty where it does so nowhere often."""
+    states = Counter(pool.states[key, name] for key in pool.flown)
+    often = {State.RED: "in most flights of", State.UNSTEADY: "now and then in"}
+    parts = [f"{words} {states[state]}" for state, words in often.items() if states[state]]
+    return f"It violates {name} {' and '.join(parts)} of {_situations(len(pool.flown))}." if parts else ""
+
+
+def _broken(breaks: int) -> Iterable[str]:
+    if breaks:
+        they = "breaks" if breaks == 1 else "break"
+        yield f"A search around the grid found {_situations(breaks)} more that {they} it."
+
+
+def _claims(scored: Score, situations: Ratio) -> Iterable[str]:
+    """What is not claimed, the most misleading first."""
+    yield WHOLE
+    yield NOT_COMPARED
+    fates = Counter(mutant.verdict for mutant in scored.counted)
+    unsure = {Verdict.UNDECIDED: "undecided", Verdict.NOT_TESTED: "never put to the test"}
+    parts = [f"{fates[verdict]} {words}" for verdict, words in unsure.items() if fates[verdict]]
+    if scored.pooled and parts:
+        yield f"Nothing is said of the faults that are not decided: {', '.join(parts)}."
+    if scored.selected:
+        yield f"{_situations(len(scored.selected))} {_were(len(scored.selected))} chosen because of verdicts."
+    if situations.part < situations.whole:
+        yield f"Only {situations.part} of {_situations(situations.whole)} of the grid were flown."
+    yield MODEL
+
+
+def _were(count: int) -> str:
+    return "was" if count == 1 else "were"
+
+
+def _situations(count: int) -> str:
+    return f"{count} situation{'s' * (count != 1)}"
+
+
+SCHEMA = 5
+"""Version of the JSON in the page."""
+
+
+def figures(evidence: Evidence) -> dict[str, Any]:
+    """The page's figures.
+
+    Raises:
+        InputError: a part of the study is not what it should be.
+    """
+    study, outcomes = evidence.study, evidence.outcomes
+    roster, space = study.roster, study.space.holding(outcome.situation for outcome in outcomes)
+    rulings = rulings_of(outcomes)
+    scored = score_of(rulings, roster, space, evidence.spending)
+    order = matrices.situations(space, study.grid)
+    keys = [situation["key"] for situation in order]
+    kills = kill_matrix(scored, roster, space)
+    covered = coverage_of(rulings.baselines, rulings.draws, space)
+    record = score_json(scored, covered, [])
+    listed = (*record["mutants"], *record["controls"])
+    standing = scenes(study, sorted({outcome.situation for outcome in outcomes} & set(keys)))
+    breaks = broken(study.finds, standing["mines"])
+    mutants = matrices.mutants(scored, kills, rulings, listed, roster, keys, by_ladder(study.matrix, roster))
+    return {
+        "schema": SCHEMA,
+        "version": __version__,
+        "study": study.name,
+        "campaign": evidence.campaign,
+        "grid": space.grid,
+        "seeds": sorted({seed for _, seed in rulings.draws}),
+        "flights": len(outcomes),
+        "stale": list(evidence.stale.sentences),
+        "owed": evidence.owed,
+        "fingerprint": dict(evidence.fingerprint or {}),
+        "answers": plain(answers(scored, roster, evidence.campaign, study.finds, space.grid)),
+        "head": head(scored, covered.situations, len(breaks)),
+        "besides": [{"name": "Situations", "text": coverage_line(covered)}],
+        "pooled": scored.pooled,
+        "ratios": [
+            {"name": name, "title": name.replace("_", " "), "population": population} | record["ratios"][name]
+            for name, population in POPULATIONS.items()
+        ],
+        "coverage": record["coverage"],
+        "gates": _gates(evidence, scored, mutants),
+        "signs": matrices.SIGNS,
+        "certainty": steps(scored.alpha),
+        "verdicts": [verdict.value for verdict in Verdict],
+        "axes": matrices.axes(study.grid),
+        "karnaugh": folding(space),
+        "situations": order,
+        "by_situation": matrices.by_situation(scored, roster, keys),
+        "guidewords": plain(study.matrix.guidewords),
+        "parameters": plain(study.matrix.parameters),
+        "severities": plain(study.matrix.classes),
+        "cells": matrices.cells(study.matrix, [mutant["id"] for mutant in mutants]),
+        "mutants": mutants,
+        "requirements": plain(study.requirements),
+        "limits": limits(study.requirements, TRACK_COLUMNS),
+        "bounds": bounds_of(study.requirements),
+        "pairs": record["pairs"],
+        "firsts": [_first(finding) for finding in findings(outcomes, space) if finding.first],
+        "tallies": [{**plain(tally), "compliances": plain(dict(tally.compliances))} for tally in tallies(outcomes)],
+        "accepted": accepted(scored, roster, study.dispositions, evidence.today),
+        **analyses(evidence, scored, kills),
+        "far": FAR,
+        "endings": {ending.value: ending.sentence for ending in Ending},
+        "scenes": standing,
+        "found": found(study, evidence.campaign, outcomes, standing["mines"]),
+        "breaks": breaks,
+        "glossary": plain(TERMS),
+    }
+
+
+def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """What the gates of a campaign say of these flights, and the counts behind them."""
+    outcomes, roster = evidence.outcomes, evidence.study.roster
+    flown = {outcome.situation for outcome in outcomes}
+    try:
+        check_gates(
+            outcomes,
+            roster,
+            canary=None,
+            whole_grid=flown == evidence.study.space.point.keys(),
+            deterministic=evidence.study.stack.deterministic,
+            spending=Spending(scored.alpha),
+        )
+        failed = ""
+    except GateError as error:
+        failed = str(error)
+    placebo = sum(count for _, count in scored.placebo.statuses) if scored.placebo else 0
+    controls = [bool(mutant["shows"]) for mutant in mutants if mutant["control"]]
+    steady = sum(bool(scored.pool.steady(key, Kind.SAFETY)) for key in scored.pool.flown)
+    return {
+        "failed": failed,
+        "placebo_flights": placebo,
+        "invalid_flights": sum(bool(outcome.invalid) for outcome in outcomes),
+        "controls": {"part": sum(controls), "whole": len(controls)},
+        "steady_situations": {"part": steady, "whole": len(scored.pool.flown)},
+    }
+
+
+def _first(finding: Finding) -> dict[str, Any]:
+    """The earliest safety violation of the unmutated drone in a situation."""
+    assert finding.first
+    violation, seed = finding.first
+    return {**plain(violation), "seed": seed, "situation": finding.situation}
+
+
+MOST_BYTES = 5_000_000
+"""The page fits into an e-mail."""
+SAMPLE, HOPELESS = 8, 1.3
+"""Every eighth situation is packed first; what it promises to exceed so far is not tried on all."""
+STYLES = ("page.css", "matrices.css", "karnaugh.css", "flight.css")
+SCRIPTS = (
+    "dom.js",
+    "text.js",
+    "data.js",
+    "glossary.js",
+    "charts.js",
+    "head.js",
+    "hazop.js",
+    "kills.js",
+    "map.js",
+    "player.js",
+    "situation.js",
+    "flight.js",
+    "accepted.js",
+    "karnaugh.js",
+    "mutant.js",
+    "margins.js",
+    "cell.js",
+    "follows.js",
+    "found.js",
+    "breaks.js",
+    "sections.js",
+    "paper.js",
+    "main.js",
+)
+"""In the order in which they are joined; each is a part of one strict script."""
+
+
+def page(evidence: Evidence, most_bytes: int = MOST_BYTES) -> str:
+    """The whole report as the text of one HTML file, with as many tracks as fit into `most_bytes`.
+
+    Raises:
+        InputError: a part of the study is not what it should be.
+    """
+    content, outcomes = figures(evidence), evidence.outcomes
+    names = [requirement.name for requirement in evidence.study.requirements]
+    text = ""
+    for detail in DETAILS:
+        sample = sum(map(len, packs(outcomes, names, detail, SAMPLE).texts.values()))
+        if detail is not DETAILS[-1] and sample * SAMPLE > HOPELESS * most_bytes:
+            continue
+        packed = packs(outcomes, names, detail)
+        text = html(content | {"detail": packed.says, "columns": columns(detail)}, packed.texts)
+        if len(text.encode()) <= most_bytes:
+            break
+    return text
+
+
+def html(content: Mapping[str, Any], packed: Mapping[str, str]) -> str:
+    """The page of these figures and packs of flights."""
+    style = "\n".join(asset(name) for name in STYLES)
+    script = '"use strict";\n(() => {\n' + "\n".join(asset(name) for name in SCRIPTS) + "\n})();\n"
+    policy = (
+        f"default-src 'none'; img-src data:; style-src '{_hash(style)}'; script-src '{_hash(script)}';"
+        " base-uri 'none'; form-action 'none'"
+    )
+    parts = {
+        "POLICY": policy,
+        "STYLE": style,
+        "FIGURES": inert(content),
+        "FLIGHTS": inert(packed),
+        "SCRIPT": script,
+    }
+    # in one pass, so that no part is searched for the places of others
+    return re.sub(r"@([A-Z]+)@", lambda place: parts[place[1]], asset("page.html"))
+
+
+def inert(values: Any) -> str:
+    """JSON of printable texts that nothing in HTML can take for markup: no `<`, `>` or `&` is left in it."""
+    text = json.dumps(all_printable(values), ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def asset(name: str) -> str:
+    """The text of a file in `assets/`."""
+    return files("scaloft_fi.verbs.report").joinpath("assets", name).read_text(encoding="utf-8")
+
+
+def _hash(text: str) -> str:
+    """A source expression of a Content Security Policy (W3C CSP level 3) that admits this text only."""
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()

@@ -1,0 +1,701 @@
+"""What a search found that breaks the unmutated drone.
+
+What a search found, and what it did not.
+
+What a search found, as plain JSON values.
+
+What `seek` answers: the situations that a search found.
+
+`scaloft-fi seek`: find a situation that would have shown a fault.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import click
+from click.core import ParameterSource
+
+from scaloft_fi.analysis.roster import by_field, plain
+from scaloft_fi.campaign.plan import parse_mutants
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.seeking.breaks import BreaksReport, seek_breaks
+from scaloft_fi.campaign.seeking.finds import (
+    Allowance,
+    ReplicationReport,
+    Unnamed,
+    anew,
+    break_saver,
+    holding,
+    interrupted,
+    keep,
+    replicate,
+    saver,
+)
+from scaloft_fi.campaign.seeking.proposals import require_optuna
+from scaloft_fi.campaign.seeking.seek import SeekReport, Sought
+from scaloft_fi.campaign.seeking.seek import seek as seek_mutants
+from scaloft_fi.campaign.store.archive import campaign_folder
+from scaloft_fi.campaign.store.flown_grid import study_of
+from scaloft_fi.defaults import SEARCHED
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.load import find_study
+from scaloft_fi.judge.outcome import BASELINE
+from scaloft_fi.mutants.catalogue import realise
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.sim.found import FILE, Break, Find, read_finds
+from scaloft_fi.sim.grids import grid_names, own_name
+from scaloft_fi.sim.load import claims_of
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.names import campaigns, grids, sought
+from scaloft_fi.verbs.options import (
+    answer,
+    campaign_option,
+    check_own,
+    format_option,
+    quiet_option,
+    same_platform_option,
+    study_option,
+    tables_option,
+    typed,
+    warnings_option,
+)
+from scaloft_fi.verbs.snapshot import snapshot
+from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.verdict import words
+from scaloft_fi.views.output import Answer, Output, count, flag, listing, number, optional, record, text, texts
+from scaloft_fi.views.table import Table
+
+
+def breaks_table(report: BreaksReport, campaign: str, *, claims: bool) -> Table:
+    """The breaks; `campaign` holds their flights, `claims` tells whether the stack declares claims."""
+    rows = tuple(
+        (
+            number,
+            f"{one.requirement} {one.violated}/{one.flights}",
+            one.struck or "nothing",
+            place(one),
+            belief(one),
+            f"{one.alike}/{one.flights}",
+        )
+        for number, one in enumerate(report.breaks, 1)
+    )
+    told = [
+        f"{number}: {one.situation}: {', '.join(one.words) or 'every value benign'}; after {one.t_s:.1f} s: "
+        f"`scaloft-fi replay baseline/{one.situation}/{one.flight} --campaign {campaign}`."
+        for number, one in enumerate(report.breaks, 1)
+    ]
+    beliefs = (
+        "wrong belief: the stage that was the most wrong in the last second before, and by how much."
+        if claims
+        else "wrong belief: not known, because the stack declares no claims (docs/stack.md)."
+    )
+    ended = "the budget ended the search" if report.spent else "the search came to its end"
+    again = f"{report.again} flown again to see what the drone believed"
+    notes = (
+        *told,
+        "violates: of the flights with fresh seeds; alike: those that do so in this way.",
+        beliefs,
+        f"The drone broke in {report.broken} of {report.situations} situations.",
+        f"{report.used} flights in all, {report.flown} of them flown now, {again}; {ended}.",
+    )
+    headers = ("", "violates", "strikes", "where", "wrong belief", "alike")
+    ways = f"{len(rows)} {'way' if len(rows) == 1 else 'ways'}"
+    return Table(f"The unmutated drone breaks in {ways}", headers, rows, notes)
+
+
+def place(one: Break) -> str:
+    """Where the drone is: the leg of the route, and the nearer of its ends unless a body is struck."""
+    return one.leg if one.near == one.struck else f"near {one.near}, {one.leg}"
+
+
+def belief(one: Break) -> str:
+    """The belief that was the most wrong, and by how much."""
+    return f"{one.belief}, {one.error:.2f} {one.unit}" if one.belief else "none"
+
+
+def seek_tables(report: SeekReport, own: str) -> tuple[Table, Table]:
+    """The finds, and the mutants without one; `own` is the name of the study's own grid."""
+    rows = tuple(
+        (
+            mutant,
+            evidence.requirement + f", strikes {evidence.struck}" * bool(evidence.struck),
+            f"{evidence.violated}/{evidence.flights}",
+            f"{evidence.p:.2g}",
+            f"{evidence.held}/{evidence.baselines}",
+            f"{evidence.margin:.2g}",
+            f"{evidence.mission}/{evidence.baselines}",
+            len(find.shows) - 1,
+            find.name,
+        )
+        for find in report.finds
+        for mutant, evidence in find.shows.items()
+    )
+    headers = ("mutant", "violates", "flights", "p", "baseline", "margin", "mission", "others", "find")
+    notes = (
+        *(f"{find.name}: {find.situation}: {words(find)}." for find in report.finds),
+        "Confirmed on seeds that the search never flew.  others: more sought mutants that the situation shows.",
+        spending(report),
+        "baseline: flights that hold the requirement by more than their spread; margin: what nine in ten reach.",
+        "mission: baselines that hold every operability requirement and meet the value of every axis.",
+        f"`scaloft-fi run --grid {own}+found` flies the situations.",
+    )
+    left = [one for one in report.sought if not one.shown_in]
+    lacking = tuple((one.mutant, one.effort.situations, why_not(one)) for one in left)
+    ended = "the budget ended the search" if report.spent else "the search came to its end"
+    shown = len(report.sought) - len(left)
+    return (
+        Table(f"Found: {shown} of {len(report.sought)} mutants, {len(report.finds)} situations", headers, rows, notes),
+        Table(
+            f"Not found: {len(left)}",
+            ("mutant", "situations", "why"),
+            lacking,
+            (
+                "situations: flown with one seed, where the unmutated drone holds a safety requirement with room"
+                + ("." if report.anyhow else " and does its mission."),
+                f"{report.used} flights in all, {report.flown} of them flown now; {ended}.",
+            ),
+        ),
+    )
+
+
+def replica_table(report: ReplicationReport) -> Table:
+    """The pairs of find and mutant that were flown again, and which of them hold."""
+    rows = tuple(
+        (
+            one.mutant,
+            one.requirement,
+            f"{one.again.violated}/{one.again.flights}",
+            f"{one.again.p:.2g}",
+            f"{one.again.held}/{one.again.baselines}",
+            f"{one.again.mission}/{one.again.baselines}",
+            "yes" if one.holds else "no",
+            one.find,
+        )
+        for one in report.replicas
+    )
+    held = sum(one.holds for one in report.replicas)
+    notes = (
+        *(f"{one.find}: {one.mutant} left sim/{FILE}: {one.why}." for one in report.replicas if not one.holds),
+        f"Flown on the seeds {report.first}, {report.first + 1}, ..., which nothing before used.",
+        f"p: by the exact test, adjusted by Holm over all pairs here; a pair holds at alpha={report.alpha:g} or less.",
+        "baseline: flights that hold the requirement by more than their spread; mission: flights that do the mission.",
+        f"{report.used} flights in all, {report.flown} of them flown now.",
+    )
+    headers = ("mutant", "violates", "flights", "p", "baseline", "mission", "holds", "find")
+    return Table(f"Replicated: {held} of {len(rows)} pairs of find and mutant hold", headers, rows, notes)
+
+
+def spending(report: SeekReport) -> str:
+    """How many candidates a search tested, and what they spent of alpha."""
+    tested = [one for one in report.sought if one.candidates]
+    if not tested:
+        return f"Tested on fresh seeds: no candidate; nothing of alpha={report.alpha:g} is spent."
+    candidates = sum(one.candidates for one in tested)
+    shares = sum(one.spent for one in tested)
+    most = max(one.spent for one in tested)
+    return (
+        f"Tested on fresh seeds: {candidates} candidate{'s' * (candidates > 1)} of {len(tested)} "
+        f"mutant{'s' * (len(tested) > 1)}, at alpha / 2, / 4, ... for the first, second, ... of a mutant: at most "
+        f"{most:.2g} of alpha={report.alpha:g} for one mutant, {shares:.2g} summed over all."
+    )
+
+
+def why_not(sought: Sought) -> str:
+    """Why nothing was found for a mutant: the stage at which the fault stopped, and how near it came."""
+    effort = sought.effort
+    if sought.candidates:
+        return f"{sought.candidates} candidate{'s' * (sought.candidates > 1)} that fresh seeds did not confirm"
+    if not effort.situations:
+        return "not flown"
+    if not effort.reached:
+        return "its seam carried no sample"
+    if not effort.infected:
+        return "it changed no sample"
+    if not effort.diverged:
+        return f"it changed samples in {effort.infected}, and the drone flew the same to the bit"
+    if not effort.requirement:
+        return f"no safety requirement is held with room in the {effort.infected} where it changed samples"
+    if effort.showed:
+        return f"it violated {effort.requirement} in {effort.showed}, not with every seed of the search"
+    return f"it kept {effort.nearest:.0%} of the robustness of {effort.requirement} in {effort.situation}"
+
+
+_NAMED = {
+    "name": text("name of the situation, as sim/found.yaml has it"),
+    "situation": text("its key in the grid of the search"),
+    "words": texts("its values that are not benign, in words"),
+}
+_ROBUST = "in the requirement's unit"
+_AGAIN = record(
+    "the evidence of a replication, from seeds that nothing before used",
+    {
+        "seed": count("the first seed"),
+        "p": number("p of the requirement by the exact test, adjusted by Holm over the pairs replicated together"),
+        "violated": count("flights of the mutant that violate the requirement"),
+        "flights": count("flights of the mutant"),
+        "held": count("baselines that hold the requirement by more than their spread"),
+        "baselines": count("baselines"),
+        "mission": count("baselines that hold every operability requirement and meet every axis value"),
+    },
+)
+SEEK = Output(
+    "seek",
+    "1.1",
+    "the situations that a search found: those that show mutants, or those that break the unmutated drone",
+    {
+        "finds": listing(
+            "the situations that show mutants, in the order of finding",
+            record(
+                "a find",
+                {
+                    **_NAMED,
+                    "mutant": text("id of the mutant that it was found for"),
+                    "seed": count("seed of the search"),
+                    "shows": listing(
+                        "each mutant that it shows, with the evidence from fresh seeds",
+                        record(
+                            "a mutant",
+                            {
+                                "mutant": text("id of the mutant"),
+                                "requirement": text("the requirement that it violates"),
+                                "candidate": count("which candidate of the mutant the situation was, from 1"),
+                                "p": number("p of the score's own test (0..1)"),
+                                "alpha": number("what p was compared with (0..1)"),
+                                "violated": count("its flights that violate the requirement"),
+                                "flights": count("its flights"),
+                                "struck": text("the body that the first of them strikes; empty for none"),
+                                "held": count("baselines that hold the requirement by more than their spread"),
+                                "baselines": count("baselines"),
+                                "margin": number(f"robustness that nine in ten baselines reach, {_ROBUST}"),
+                                "spread": number(f"standard deviation of robustness over the baselines, {_ROBUST}"),
+                                "mission": count(
+                                    "baselines that hold every operability requirement and meet every axis value"
+                                ),
+                                "again": optional(_AGAIN, "not replicated"),
+                            },
+                        ),
+                    ),
+                },
+            ),
+        ),
+        "sought": listing(
+            "the mutants that were sought; of `seek baseline` empty",
+            record(
+                "a mutant",
+                {
+                    "mutant": text("id of the mutant"),
+                    "shown_in": text("key of the situation that shows it; empty where none was found"),
+                    "after": count("flights of the search when it was found; 0 where it was not"),
+                    "candidates": count("situations that were tested on fresh seeds"),
+                    "spent": number("what they spent of alpha (0..1)"),
+                    "effort": record(
+                        "how far the search came, in flights with its first seed",
+                        {
+                            "situations": count("flown, where the baseline does its mission and holds with room"),
+                            "reached": count("of these, where the seam carried a sample"),
+                            "infected": count("of these, where the mutant changed one"),
+                            "diverged": count("of these, where the drone then flew otherwise than the baseline"),
+                            "showed": count("of these, where it violates what the baseline holds with room"),
+                            "nearest": number("the least share of the baseline's robustness that it kept"),
+                            "requirement": text("of which requirement; empty where no sample was changed"),
+                            "situation": text("key of the situation where; empty where no sample was changed"),
+                        },
+                    ),
+                },
+            ),
+        ),
+        "breaks": listing(
+            "of `seek baseline`: the situations that break the unmutated drone, in the order of finding",
+            record(
+                "a break",
+                {
+                    **_NAMED,
+                    "requirement": text("the requirement that is violated"),
+                    "struck": text("the body that is struck; empty for none"),
+                    "leg": text("where on the route: `corner to end`"),
+                    "near": text("the body that is struck, or the nearer end of the leg"),
+                    "belief": text("the stage whose belief was the most wrong before; empty where none was wrong"),
+                    "error": number("how far from the truth that belief was, in `unit`"),
+                    "unit": text("unit of the error"),
+                    "violated": count("flights that violate the requirement"),
+                    "flights": count("flights with fresh seeds"),
+                    "alike": count("flights that do so in the same way"),
+                    "flight": count("seed of the flight that is told of"),
+                    "t_s": number("time of its violation", "s from take-off"),
+                    "place": listing("x, y, z of the vehicle then", number("coordinate", "m, world")),
+                    "seed": count("seed of the search"),
+                },
+            ),
+        ),
+        "replicas": listing(
+            "of `seek --replicate`: the pairs of find and mutant that were flown again",
+            record(
+                "a pair",
+                {
+                    "find": text("name of the find"),
+                    "mutant": text("id of the mutant"),
+                    "requirement": text("the requirement that it is to violate"),
+                    "holds": flag("whether the find holds for the mutant; else it left sim/found.yaml"),
+                    "why": text("why it does not; empty where it does"),
+                    "again": _AGAIN,
+                },
+            ),
+        ),
+        "first": optional(count("of `seek --replicate`: the first seed"), "a search"),
+        "situations": optional(count("of `seek baseline`: situations flown"), "mutants were sought"),
+        "broken": optional(
+            count("of these situations, where the drone violates with the first seed"), "mutants were sought"
+        ),
+        "candidates": optional(
+            count("of `seek baseline`: violations that were tested on fresh seeds"), "mutants were sought"
+        ),
+        "again": optional(
+            count("of `seek baseline`: flights flown again to see what the drone believed"), "mutants were sought"
+        ),
+        "used": count("flights of the search, stored ones included"),
+        "flown": count("flights that this run flew"),
+        "spent": flag("whether the budget ended the search"),
+        "alpha": optional(number("the study's, which the candidates of a mutant share"), "of `seek baseline`"),
+        "anyhow": flag("whether situations counted where the unmutated drone does not do its mission"),
+    },
+    rows="finds",
+)
+
+
+_NONE: dict[str, Any] = {
+    **{name: [] for name in ("finds", "sought", "breaks", "replicas")},
+    **dict.fromkeys(("first", "situations", "broken", "candidates", "again", "alpha")),
+    "spent": False,
+    "anyhow": True,
+}
+"""What an answer has of the others."""
+
+
+def seek_values(report: SeekReport) -> dict[str, Any]:
+    """Plain JSON values of the form `SEEK`."""
+    return _NONE | by_field(report) | {"finds": [_find(find) for find in report.finds]}
+
+
+def breaks_values(report: BreaksReport) -> dict[str, Any]:
+    """Plain JSON values of the form `SEEK` for `seek baseline`."""
+    return _NONE | by_field(report) | {"breaks": [_break(one) for one in report.breaks]}
+
+
+def replica_values(report: ReplicationReport) -> dict[str, Any]:
+    """Plain JSON values of the form `SEEK` for `seek --replicate`."""
+    return _NONE | by_field(report) | {"replicas": [plain(one) for one in report.replicas]}
+
+
+def _find(find: Find) -> dict[str, Any]:
+    return by_field(find) | {"shows": [{"mutant": mutant, **plain(told)} for mutant, told in find.shows.items()]}
+
+
+def _break(one: Break) -> dict[str, Any]:
+    return by_field(one)
+
+
+@dataclass(frozen=True)
+class Search:
+    """How a search is made.
+
+    Attributes:
+        into: name of the campaign that holds its flights.
+        options: options of the run.
+        seed: its seed.
+        allowance: its budget.
+        progress: its progress display.
+        anyhow: whether a situation counts where the unmutated drone does not do its mission.
+        replicate: whether the finds are flown again instead.
+    """
+
+    into: str
+    options: RunOptions
+    seed: int
+    allowance: Allowance
+    progress: Progress
+    anyhow: bool = False
+    replicate: bool = False
+
+
+def study_to_search(folder: Path | None, grid: str, into: str) -> Study:
+    """The study with the grid that is searched.
+
+    Args:
+        folder: the study, as for `Study.open`.
+        grid: name of the grid.
+        into: name of the campaign that holds the flights of the search.
+
+    Raises:
+        InputError: there is no such study or grid, or the campaign was flown over another grid.
+    """
+    if grid == SEARCHED and grid not in (there := grid_names(find_study(folder) / "sim")):
+        raise InputError(
+            f"the study has no grid {grid!r}, which is searched by default: write sim/grids/{grid}.yaml, as "
+            f"docs/seek.md says, or name another grid, such as --grid {there[0]}"
+        )
+    return study_of(folder, into, grid)
+
+
+def seek(study: Study, campaign: str, mutants: Sequence[str], search: Search, named: Path | None = None) -> Answer:
+    """Find situations that show mutants, or with `baseline` those that break the unmutated drone.
+
+    With `search.replicate` the finds of the study are flown on fresh seeds instead, and those that hold stay.
+    What is found is written to the study's `sim/found.yaml`.  The same call resumes a search that was interrupted.
+
+    Args:
+        study: the study, with the grid that is searched.
+        campaign: name of the campaign whose score says what is not detected, where `mutants` is empty.
+        mutants: ids or patterns, or `baseline` alone; by default every default that is not detected and not shown.
+        search: how the search is made.
+        named: the folder of the study, where the user named it.
+
+    Raises:
+        GateError: a gate failed.
+        InputError: a mutant stands beside `baseline`, Optuna is missing, nothing is left to seek or to replicate, the
+            study cannot be flown, or it is that of the installation.
+        Interrupted: the user stopped the search; all outcomes and finds are saved.
+    """
+    others = [text for text in mutants if text != BASELINE]
+    if others and len(others) < len(mutants):
+        raise InputError(f"mutant {others[0]!r} must not stand beside {BASELINE!r}; seek each with its own command")
+    if search.replicate and len(others) < len(mutants):
+        raise InputError(f"--replicate must not stand with {BASELINE!r}: it flies situations that show mutants again")
+    if not search.replicate:
+        require_optuna()
+    check_own(study, named, study.folder / "sim" / FILE)
+    study.check()
+    if search.replicate:
+        return _replicated(study, mutants, search)
+    if mutants and not others:
+        return _breaks(study, search)
+    return _shows(study, campaign, mutants, search)
+
+
+def _shows(study: Study, campaign: str, mutants: Sequence[str], search: Search) -> Answer:
+    """Search for situations that show mutants."""
+    folder = study.folder / "sim"
+    unnamed = None if mutants else _unnamed(study, campaign, search)
+    sought = _named(study, mutants) if unnamed is None else [realise(study.matrix, id_) for id_ in unnamed.mutants]
+    report = seek_mutants(
+        study,
+        sought,
+        campaign_folder(study, search.into),
+        search.options,
+        seed=search.seed,
+        allowance=search.allowance,
+        progress=search.progress,
+        save=saver(folder, study.grid.name),
+        unnamed=unnamed,
+        anyhow=search.anyhow,
+    )
+    return Answer(SEEK, lambda: seek_values(report), lambda: seek_tables(report, own_name(folder)))
+
+
+def _replicated(study: Study, mutants: Sequence[str], search: Search) -> Answer:
+    """Fly the finds of the study on fresh seeds, and keep those that hold."""
+    folder = study.folder / "sim"
+    found = read_finds(folder)
+    wanted = {mutant.id for mutant in parse_mutants(study, mutants)} if mutants else None
+    finds = found.finds if found else ()
+    ask = {find.name: [one for one in find.shows if wanted is None or one in wanted] for find in finds}
+    if found is None or not any(ask.values()):
+        which = f" of {', '.join(mutants)}" if mutants else ""
+        raise InputError(f"{folder / FILE}: there is no find{which} to replicate; `scaloft-fi seek` finds some")
+    if found.grid != study.grid.name:
+        raise InputError(f"--grid={study.grid.name!r} must be {found.grid!r}, the grid that was searched")
+    report = replicate(
+        study,
+        finds,
+        ask,
+        campaign_folder(study, search.into),
+        search.options,
+        progress=search.progress,
+        anyhow=search.anyhow,
+    )
+    keep(folder, found.grid, holding(finds, report.replicas))
+    return Answer(SEEK, lambda: replica_values(report), lambda: (replica_table(report),))
+
+
+def _breaks(study: Study, search: Search) -> Answer:
+    """Search for situations that break the unmutated drone."""
+    claims = claims_of(study.stack, study.signals)
+    report = seek_breaks(
+        study,
+        campaign_folder(study, search.into),
+        search.options,
+        seed=search.seed,
+        allowance=search.allowance,
+        progress=search.progress,
+        save=break_saver(study.folder / "sim", study.grid.name),
+    )
+    return Answer(
+        SEEK, lambda: breaks_values(report), lambda: (breaks_table(report, search.into, claims=bool(claims)),)
+    )
+
+
+def _named(study: Study, mutants: Sequence[str]) -> Sequence[Mutant]:
+    others = [text for text in mutants if text != PLACEBO.id]
+    return [*([PLACEBO] if len(others) < len(mutants) else []), *(parse_mutants(study, others) if others else ())]
+
+
+def _unnamed(study: Study, campaign: str, search: Search) -> Unnamed:
+    """What is sought when nobody names mutants: the same as before where that search was interrupted.
+
+    Raises:
+        InputError: nothing is left to seek.
+    """
+    folder = campaign_folder(study, search.into)
+    defaults = study.roster.defaults.values()
+    before = interrupted(folder, search.seed, campaign)
+    if before is not None and set(before.mutants) <= set(defaults):
+        return before
+    survivors = _survivors(replace(study, grid_name=None), campaign)
+    for sentence in study.finds.warnings:
+        search.progress.line(f"warning: {sentence}")
+    mutants = [id_ for id_ in defaults if id_ in survivors and not study.finds.of(id_)]
+    if not mutants:
+        least = f"every default is detected or shown by a situation in sim/{FILE}"
+        raise InputError(f"--campaign={campaign!r}: {least}; name the mutants to seek")
+    if len(mutants) < len(survivors):
+        shown = f"{len(survivors) - len(mutants)} of {len(survivors)} defaults that are not detected"
+        search.progress.line(
+            f"not sought: {shown}, because situations in sim/{FILE} show them; a mutant that is named is sought again"
+        )
+    return anew(folder, search.seed, campaign, mutants)
+
+
+def _survivors(study: Study, campaign: str) -> set[str]:
+    """The defaults that the score of a campaign does not call detected."""
+    with snapshot(study, campaign) as now:
+        detected = {mutant.subject.id for mutant in now.score.mutants if mutant.detected}
+    return set(study.roster.defaults.values()) - detected
+
+
+@verb(
+    "seek",
+    examples=(
+        ("Seek situations for all that the last score calls not detected", "scaloft-fi seek --budget 1h"),
+        (
+            "Seek a situation for one fault, with 2,000 flights at most",
+            "scaloft-fi seek LESS-depth --budget 2000flights",
+        ),
+        ("Seek situations that break the unmutated drone", "scaloft-fi seek baseline --budget 30m"),
+        ("Fly what was found on seeds that nothing before used", "scaloft-fi seek --replicate"),
+    ),
+    sections={
+        "Where": "--study --campaign --grid --into",
+        "How": "--replicate --budget --seed --any --jobs --same-platform",
+        "What is printed": "--format --tables --warnings --quiet --help",
+    },
+)
+@click.argument("mutants", nargs=-1, shell_complete=sought, metavar="[baseline | ID|GLOB...]")
+@study_option
+@campaign_option
+@click.option(
+    "--grid",
+    shell_complete=grids,
+    default=SEARCHED,
+    show_default=True,
+    metavar="NAME",
+    help="The grid that is searched: a file in the study's sim/grids/, with free axes.",
+)
+@click.option(
+    "--into",
+    shell_complete=campaigns,
+    metavar="NAME",
+    help="The campaign that holds the flights of the search.  [default: the name of the grid]",
+)
+@click.option(
+    "--budget",
+    metavar="TIME|FLIGHTS",
+    help="End after this wall time (90s, 10m, 2h), or after this number of flights (2000flights), stored ones "
+    "included.  It decides how far the search goes, not what it finds before.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    metavar="S",
+    help="Seed of the search: the same seed and mutants make the same finds.",
+)
+@click.option(
+    "--replicate",
+    is_flag=True,
+    help="Search nothing: fly the finds in sim/found.yaml (of the named mutants) on seeds that nothing before used; "
+    "what does not hold leaves the file.",
+)
+@click.option(
+    "--any",
+    "anyhow",
+    is_flag=True,
+    help="Take situations too where the unmutated drone violates an operability requirement, or does not meet the "
+    "value of an axis; the find says so.",
+)
+@click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
+@same_platform_option
+@format_option
+@tables_option
+@warnings_option
+@quiet_option
+def seek_command(
+    mutants: tuple[str, ...],
+    study_folder: Path | None,
+    campaign: str,
+    grid: str,
+    into: str | None,
+    replicate: bool,
+    budget: str | None,
+    seed: int,
+    anyhow: bool,
+    jobs: int | None,
+    same_platform: bool,
+    style: str,
+    tables_folder: Path | None,
+    warnings: bool,
+    quiet: bool,
+) -> None:
+    """Find situations that show mutants: the mutant violates a safety requirement, the unmutated drone does not.
+
+    Sought are the named mutants, else every cell's default that the score of --campaign does not call detected and no
+    situation in the study's sim/found.yaml shows.
+    PLACEBO stands for the unmutated drone under other seeds, which no search should find anything for.
+    A situation counts where the unmutated drone does its mission in nine of ten flights (--any lifts that).
+    Robustness guides the search.  What it finds is shrunk towards the benign values, confirmed on seeds that the search
+    never flew, by the score's own test, and written to sim/found.yaml, which `scaloft-fi run --grid NAME+found` flies
+    (NAME: the study's own grid).  An interrupted search resumes with the same command.  A search picks what it finds by
+    its flights; --replicate flies the finds again on other seeds, with one test over all of them.
+
+    `seek baseline` finds situations that break the unmutated drone itself, each in a way of its own: it violates
+    another requirement, strikes something else or elsewhere, or another stage believed what is not true.
+    """
+    from scaloft_fi.campaign.processes import cores, one_thread_each
+
+    one_thread_each()
+    from scaloft_fi.campaign.progress import Progress, Silence
+    from scaloft_fi.campaign.runs.gates import RunOptions
+    from scaloft_fi.campaign.seeking.finds import Allowance
+
+    _refuse_with_replicate(replicate=replicate)
+    options = RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed())
+    progress = Silence() if quiet else Progress()
+    search = Search(into or grid, options, seed, Allowance.parse(budget), progress, anyhow, replicate)
+    study = study_to_search(study_folder, grid, search.into)
+    answer(seek(study, campaign, mutants, search, named=study_folder), style, tables_folder)
+
+
+def _refuse_with_replicate(*, replicate: bool) -> None:
+    """Refuse the options of a search where none is made.
+
+    Raises:
+        InputError: there is one.
+    """
+    context = click.get_current_context()
+    for name in ("budget", "seed"):
+        if replicate and context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            raise InputError(f"--{name}={context.params[name]} must not stand with --replicate, which searches nothing")

@@ -1,0 +1,387 @@
+"""What a log's signals can read, and a formula that uses each: what their declarations do not say.
+
+The signals of a study: what its requirements and the predicates of its axes may speak of.
+
+`scaloft-fi signals`: list the study's signals, without flying.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from scaloft_fi.document import is_there
+from scaloft_fi.judge.bounds import ANY, SIGHT_M, TRUTH, Cap, cap_of
+from scaloft_fi.sim.happenings import HAPPENINGS
+from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, Signal, belief_signals, clearance_name, truth_signals
+from scaloft_fi.stack.declaration import UNITS, Belief
+from scaloft_fi.verbs.listing import Listing, Record, number_range, tell_listing
+from scaloft_fi.verbs.names import signals
+from scaloft_fi.verbs.operators import OWN, package_of
+from scaloft_fi.verbs.options import format_option, grid_of_study_option, study_option, tables_option
+from scaloft_fi.verbs.verb import verb
+from scaloft_fi.views.output import Output, listing, number, optional, record, text
+
+if TYPE_CHECKING:
+    from scaloft_fi.study import Study
+
+
+@dataclass(frozen=True)
+class SignalFact:
+    """What a signal can read.
+
+    Attributes:
+        example: a formula that uses it: `always( ... )` for a requirement, `eventually( ... )` for a predicate.
+        unknown: what it reads where there is nothing to measure, in words; "" where there always is.
+        least, most: between which numbers it is measured; None where nothing bounds it.
+        elsewhere: the number that it reads there, where that is not in its range.
+    """
+
+    example: str
+    unknown: str = ""
+    least: float | None = None
+    most: float | None = None
+    elsewhere: float | None = None
+
+
+_SPEED = "always(abs(NAME) <= 2)"
+_QUATERNION = SignalFact("always(NAME >= 0)")
+
+FACTS: Mapping[str, SignalFact] = {
+    "elapsed_s": SignalFact("always(elapsed_s >= 30 implies waypoints_left < 3)"),
+    "remaining_s": SignalFact("always(remaining_s < 0.05 implies landed >= 0.5)"),
+    "x_m": SignalFact("eventually(x_m < -1)"),
+    "y_m": SignalFact("eventually(y_m > 5)"),
+    "z_m": SignalFact("always(z_m <= 2.5)"),
+    "vx_mps": SignalFact(_SPEED),
+    "vy_mps": SignalFact(_SPEED),
+    "vz_mps": SignalFact("always(vz_mps >= -1)"),
+    "qx": _QUATERNION,
+    "qy": _QUATERNION,
+    "qz": _QUATERNION,
+    "qw": _QUATERNION,
+    "yaw_rad": SignalFact("eventually(yaw_rad > 1.5)"),
+    "speed_mps": SignalFact("always(speed_mps / 0.8 <= 1)"),
+    "clearance_m": SignalFact("always(clearance_m > 0)"),
+    "person_range_m": SignalFact("always(person_range_m > 0.5)", f"{FAR_M:g} without a person"),
+    "person_sight_m": SignalFact(
+        "always(person_sight_m / 3 <= 1 implies speed_mps / 0.25 <= 1)",
+        f"{FAR_M:g} without a person in sight within {SIGHT_M:g} m",
+    ),
+    "waypoints_left": SignalFact("always(landed >= 0.5 implies waypoints_left < 0.5)"),
+    "home_m": SignalFact("always(landed >= 0.5 implies home_m <= 1)"),
+    "landed": SignalFact("always(remaining_s < 0.05 implies landed >= 0.5)"),
+    "light": SignalFact("always(light <= 0.05)"),
+    "obstacle_pixels": SignalFact("eventually(obstacle_pixels >= 1)", "0 without an obstacle in view"),
+    "waypoint_wall_m": SignalFact(
+        "eventually(waypoint_wall_m <= 0.5)",
+        f"{FAR_M:g} farther than 0.5 m from every waypoint but home",
+    ),
+    "mass_kg": SignalFact("always(mass_kg > 1.7)"),
+    "takeoff_charge": SignalFact("eventually(takeoff_charge < 0.3)"),
+    "wind_x_mps": SignalFact("eventually(abs(NAME) > 1)"),
+    "wind_y_mps": SignalFact("eventually(abs(NAME) > 1)"),
+    "wind_z_mps": SignalFact("eventually(abs(NAME) > 1)"),
+    "haze_per_m": SignalFact("eventually(haze_per_m >= 0.1)"),
+    "drift_x_m": SignalFact("eventually(abs(NAME) > 0.2)"),
+    "drift_y_m": SignalFact("eventually(abs(NAME) > 0.2)"),
+    "drift_z_m": SignalFact("eventually(abs(NAME) > 0.2)"),
+}
+"""By name of the signal; `NAME` in an example stands for it."""
+
+MEANINGS: Mapping[str, str] = {
+    "person_sight_m": f"as person_range_m, where a straight line to the person is free; {FAR_M:g} otherwise",
+    "wind_x_mps": "velocity of the air, world",
+    "wind_y_mps": "velocity of the air, world",
+    "wind_z_mps": "velocity of the air, world",
+    "haze_per_m": "extinction of light by dust; the distance of sight is 3 / haze_per_m",
+    "drift_x_m": "error of the localisation that happenings bring, world",
+    "drift_y_m": "error of the localisation that happenings bring, world",
+    "drift_z_m": "error of the localisation that happenings bring, world",
+}
+"""Of signals whose declarations do not say it, or only beside another signal."""
+
+
+def fact_of(name: str) -> SignalFact | None:
+    """The facts of a signal; None for one that a study or a plugin brings."""
+    fact = FACTS.get(name)
+    if fact is None:
+        return None
+    (least, _), *_, (far, most) = (spans := TRUTH.get(name, ANY))[0], spans[-1]
+    apart = len(spans) > 1 and far == most == FAR_M
+    if apart:
+        most = spans[-2][1]
+    ends = [end if math.isfinite(end) else None for end in (least, most)]
+    example = fact.example.replace("NAME", name)
+    return replace(fact, example=example, least=ends[0], most=ends[1], elsewhere=FAR_M if apart else None)
+
+
+BOTH, REALISED, TO_ASK = "requirements, axes", "axes", "neither yet"
+OVERVIEW = {"signal": "name", "unit": "unit", "range": "range", "meaning": "meaning", "used in": "used_in"}
+FORM = Output(
+    "signals",
+    "1.0",
+    "the signals that requirements and the predicates of axes may use",
+    {
+        "signals": listing(
+            "the signals, those that the study could ask for last",
+            record(
+                "a signal, sampled at 20 Hz",
+                {
+                    "name": text("its name"),
+                    "unit": text("its unit; empty for a plain number"),
+                    "meaning": text("what it is"),
+                    "origin": text("where it comes from"),
+                    "used_in": text("which formulas may use it", (BOTH, REALISED, TO_ASK)),
+                    "range": text("what is measured, in words"),
+                    "least": optional(number("least number that is measured"), "nothing bounds it"),
+                    "most": optional(number("greatest number that is measured"), "nothing bounds it"),
+                    "beyond": text("what it reads beyond `most`"),
+                    "compare": text("the thresholds that formulas may have; empty for any"),
+                    "unknown": text("what it reads where there is nothing to measure; empty where there always is"),
+                    "recorded": text("where the record of a command has it; empty where our simulator flies"),
+                    "example": text("a formula that uses it"),
+                },
+            ),
+        )
+    },
+    rows="signals",
+)
+PER_METRE, PIXELS = "_per_m", "obstacle_pixels"
+
+
+@dataclass(frozen=True)
+class Found:
+    """A signal and where it comes from.
+
+    Attributes:
+        signal: name, unit and meaning.
+        origin: where it comes from, in words.
+        used_in: `BOTH`, `REALISED` or `TO_ASK`.
+        belief: the belief that it is; None for another.
+        fact: what it can read.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    origin: str
+    used_in: str
+    fact: SignalFact
+    belief: Belief | None = None
+
+
+def signal_list(study: Study) -> Listing:
+    """Every signal that the study has, and the optional ones that it could ask for; `FORM` says what a record has.
+
+    Raises:
+        InputError: a part of the study cannot be read.
+    """
+    caps, recorded = study.caps, _recorded(study)
+    records = tuple(_record(found, cap_of(found.name, caps), recorded) for found in _found(study))
+    formulas = (
+        "used in: the formulas of requirements.yaml; the predicates `realised` of axes, false in a flight without it"
+    )
+    notes = (
+        f"{formulas}; neither, before sim/world.yaml lists it under `signals`.",
+        "`scaloft-fi signals NAME` shows one whole, with a formula.  All are sampled at 20 Hz.",
+    )
+    overview = OVERVIEW | ({"in the record": "recorded"} if recorded is not None else {})
+    return Listing("signal", f"Signals: {len(records)}", overview, records, _sheet, FORM, notes)
+
+
+def _found(study: Study) -> Iterator[Found]:
+    world = study.grid.world()
+    seen: set[str] = set()
+    for signal in truth_signals(world.surfaces, ()):
+        seen.add(signal.name)
+        found = _truth(signal, world.bodies)
+        yield replace(found, fact=replace(found.fact, most=_pixels(study))) if signal.name == PIXELS else found
+    for name in world.signals:
+        yield _declared(name, BOTH)
+    for belief, signal in zip(study.stack.beliefs, belief_signals(study.stack.beliefs), strict=True):
+        origin = f"belief of the stack {study.stack.name}"
+        yield Found(signal.name, signal.unit, signal.meaning, origin, BOTH, _belief_fact(belief), belief)
+    seen |= {*world.signals, *study.stack.belief_names}
+    for name in study.signals:
+        if name not in seen:
+            fact = SignalFact(f"always({name} >= 0)")
+            yield Found(name, unit_of(name), "as the command records it", "sim/record.yaml", BOTH, fact)
+    yield from _passing(study, {*seen, *study.signals})
+    for name in SIGNALS:
+        if name not in world.signals:
+            yield _declared(name, TO_ASK)
+
+
+def _pixels(study: Study) -> float:
+    depth = study.grid.documents["sensors"].need("depth")
+    return depth.need("width").number() * depth.need("height").number()
+
+
+def _truth(signal: Signal, bodies: Mapping[str, Any]) -> Found:
+    fact, origin = fact_of(signal.name), "ground truth"
+    if fact is None:
+        surface = signal.name.removeprefix("clearance_").removesuffix("_m")
+        fact = _clearance_fact(signal.name)
+        origin = f"ground truth, body {surface} of sim/world.yaml" if surface in bodies else f"ground truth, {surface}"
+    return Found(signal.name, signal.unit, MEANINGS.get(signal.name, signal.meaning), origin, BOTH, fact)
+
+
+def _clearance_fact(name: str) -> SignalFact:
+    absent = f"{CLEARANCE_CAP_M:g} where it is not there, and for ground whose contact is excused"
+    return SignalFact(f"always({name} > 0)", absent, most=CLEARANCE_CAP_M)
+
+
+def _declared(name: str, used_in: str) -> Found:
+    declared = SIGNALS[name]
+    package = package_of(declared.make)
+    origin = "optional signal" if package == OWN else f"optional signal of the package {package}"
+    most = declared.most if math.isfinite(declared.most) else None
+    fact = fact_of(name) or SignalFact(f"eventually({name} >= {_threshold(most):g})", most=most)
+    return Found(name, declared.unit, declared.meaning, origin, used_in, fact)
+
+
+def _belief_fact(belief: Belief) -> SignalFact:
+    """A belief that is 0 or 1 has a mark or is unknown as 0; else its example compares it with half of its range."""
+    most = belief.most if math.isfinite(belief.most) else None
+    unknown = "" if math.isnan(belief.unknown) else f"{belief.unknown:g} while the stack does not know it"
+    if belief.mark is not None and belief.mark.values:
+        last = len(belief.mark.values) - 1
+        return SignalFact(f"always({belief.name} <= {last - 0.5:g})", unknown, 0.0, float(last))
+    if not belief.unit and belief.unknown == 0.0:
+        return SignalFact(f"once({belief.name} >= 0.5)", unknown, 0.0, most)
+    return SignalFact(f"always({belief.name} <= {_threshold(most):g})", unknown, most=most)
+
+
+def _threshold(most: float | None) -> float:
+    return 1.0 if most is None else most / 2.0
+
+
+def _passing(study: Study, known: set[str]) -> Iterator[Found]:
+    """The signals that only flights with a happening, or with an optional body, record."""
+    passing, told = study.grid.passing_signals, set(known)
+    entries = study.grid.documents["world"].mapping().get("happenings")
+    brought: dict[str, list[str]] = {}
+    moved: dict[str, list[str]] = {}
+    for happening, entry in (entries.mapping() if entries else {}).items():
+        kind = HAPPENINGS[entry.need("kind").text()]
+        for name in kind.signals:
+            brought.setdefault(name, []).append(happening)
+        if body := kind.read(entry).moved:
+            for axis in "xy":
+                moved.setdefault(f"{body}_{axis}_m", []).append(happening)
+    for name in passing:
+        if name in told:
+            continue
+        told.add(name)
+        if by := moved.get(name) or brought.get(name):
+            unknown = "not recorded in a flight without the happening, where `realised` is false"
+            fact = fact_of(name) or SignalFact(f"eventually({name} > 1)")
+            fact = replace(fact, unknown=unknown)
+            meaning = (
+                "position of the body, world" if name in moved else MEANINGS.get(name, "as the happening notes it")
+            )
+            yield Found(name, unit_of(name), meaning, f"happening {', '.join(by)} of sim/world.yaml", REALISED, fact)
+        else:
+            body = name.removeprefix("clearance_").removesuffix("_m")
+            unknown = "not recorded in a flight without the body, where `realised` is false"
+            fact = SignalFact(f"eventually({clearance_name(body)} < 0.8)", unknown, most=CLEARANCE_CAP_M)
+            yield Found(name, "m", f"hull to {body}, at most 1", f"ground truth, optional body {body}", REALISED, fact)
+
+
+def unit_of(name: str) -> str:
+    """The unit that a signal's name ends in; "" for none.
+
+    >>> unit_of("person_x_m"), unit_of("haze_per_m"), unit_of("landed")
+    ('m', '1/m', '')
+    """
+    if name.endswith(PER_METRE):
+        return "1/m"
+    return UNITS.get(name.rpartition("_")[2], "") if "_" in name else ""
+
+
+def _recorded(study: Study) -> Mapping[str, str] | None:
+    """Where the record of a command has each signal; None where our simulator flies."""
+    path = study.folder / "sim" / "record.yaml"
+    if study.command is None or not is_there(path):
+        return None
+    from scaloft_fi.outside.records.record_map import Entry, load_record_map
+    from scaloft_fi.outside.records.recorded import DERIVED
+
+    def place(entry: Entry) -> str:
+        if entry.source is None:
+            return f"always {entry.constant:g}"
+        source = entry.source
+        return f"column {source.column}" if source.column else f"{source.topic}: {source.field}"
+
+    derived = dict.fromkeys([*DERIVED, "elapsed_s"], "follows from others")
+    return derived | {name: place(entry) for name, entry in load_record_map(path).signals.items()}
+
+
+def _record(found: Found, cap: Cap | None, recorded: Mapping[str, str] | None) -> Record:
+    fact, limit = found.fact, cap and f"{'at most' if cap.itself else 'less than'} {cap.most_m:g}"
+    told = number_range(fact.least, cap.most_m if cap else fact.most)
+    beyond = cap.beyond.replace(" m ", " ", 1) if cap else ""
+    lacking = "not in the record" if recorded is not None else ""
+    names = found.belief.mark.values if found.belief and found.belief.mark else ()
+    return {
+        "name": found.name,
+        "unit": found.unit,
+        "meaning": found.meaning + "".join(f", {place} {word}" for place, word in enumerate(names)),
+        "origin": found.origin,
+        "used_in": found.used_in,
+        "range": told if fact.elsewhere is None else f"{told}, or {fact.elsewhere:g}",
+        "least": fact.least,
+        "most": cap.most_m if cap else fact.most,
+        "beyond": beyond,
+        "compare": f"with {limit} {found.unit}".rstrip() if limit else "",
+        "unknown": fact.unknown,
+        "recorded": (recorded or {}).get(found.name, lacking),
+        "example": fact.example,
+    }
+
+
+def _sheet(one: Record) -> list[tuple[str, str]]:
+    asks = f"signals: [{one['name']}] in sim/world.yaml" if one["used_in"] == TO_ASK else ""
+    return [
+        ("meaning", one["meaning"]),
+        ("unit", one["unit"] or "none: a plain number"),
+        ("range", one["range"] or "any number"),
+        ("beyond", one["beyond"]),
+        ("compare it", one["compare"]),
+        ("nothing there", one["unknown"]),
+        ("comes from", one["origin"]),
+        ("used in", one["used_in"]),
+        ("to have it", asks),
+        ("in the record", one["recorded"]),
+        ("example", one["example"]),
+    ]
+
+
+@verb(
+    "signals",
+    examples=(
+        ("List all signals", "scaloft-fi signals"),
+        ("Show two of them whole", "scaloft-fi signals person_sight_m speed_mps"),
+        ("List what the grid `wide` adds, as CSV", "scaloft-fi signals --grid wide --format csv"),
+    ),
+)
+@click.argument("names", nargs=-1, shell_complete=signals, metavar="[NAME]...")
+@study_option
+@grid_of_study_option
+@format_option
+@tables_option
+def signals_command(
+    names: tuple[str, ...], study_folder: Path | None, grid: str | None, style: str, tables_folder: Path | None
+) -> None:
+    """List the signals that the study's requirements and the predicates of its axes may use.
+
+    Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: range, unit, what the signal
+    reads where there is nothing to measure, where it comes from, and a formula that uses it.
+    """
+    tell_listing(signal_list, names, style, study_folder, grid, tables=tables_folder)

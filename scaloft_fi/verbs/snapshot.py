@@ -1,0 +1,278 @@
+"""The command that flies again what no longer counts.
+
+Stored flights that no longer count: how many, why, and the command that flies them again.
+
+A campaign at one moment: everything that a verb reads, from a store that is opened once.
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from scaloft_fi.analysis.detection import Spending
+from scaloft_fi.analysis.pool import LEAST
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.analysis.score import Score, score_of
+from scaloft_fi.campaign.runs.request import Remembered, remembered
+from scaloft_fi.campaign.runs.run import spending_of
+from scaloft_fi.campaign.store.archive import Archive, campaign_folder
+from scaloft_fi.campaign.store.flown_grid import opened
+from scaloft_fi.campaign.store.held import Held, Now, held_in, latest_in, nothing_to_show, stale_in, with_tracks
+from scaloft_fi.campaign.store.platforms import Platforms, warning_for
+from scaloft_fi.campaign.store.store import Flown, Store
+from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
+from scaloft_fi.judge.status import Rulings, rulings_of
+from scaloft_fi.mutants.catalogue import defaults
+from scaloft_fi.sim.grid import ALL
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.verdict import MOST_NAMED, in_campaign
+from scaloft_fi.views.output import count, listing, optional, record, text
+
+
+def stale_of(study: Study, store: Store, now: Now, name: str) -> Stale:
+    """The flights of a campaign that no longer count and were not flown again, with the command that does it.
+
+    Args:
+        study: the study, with the grid of the campaign.
+        store: of the campaign, open.
+        now: its flights beside the study.
+        name: of the campaign.
+    """
+    found = stale_in(now, store)
+    return Stale(found.why, _again(study, store, name, found.flown) if found.flown else "")
+
+
+def _again(study: Study, store: Store, name: str, stale: Sequence[Flown]) -> str:
+    """The `run` that flies these flights; of what it asks for besides, the campaign holds the flights that count."""
+    held = store.flights()
+    known = {flight.mutant for flight in held}
+    asking = stale if _mutants(stale, study.roster) else held  # baselines alone are flown again beside their mutants
+    mutants = _mutants(asking, study.roster) or [PLACEBO_ID]
+    seeds = {flight.seed for flight in asking if flight.mutant in mutants} or {flight.seed for flight in stale}
+    pool = {flight.seed for flight in stale if flight.mutant == BASELINE}
+    words = [f"scaloft-fi run{in_campaign(name)}"]
+    ids = {mutant.id for mutant in defaults(study.matrix)}
+    if len(mutants) <= MOST_NAMED or not (ids.issuperset(mutants) and known.issuperset(ids)):
+        words += [f"--mutant {shlex.quote(id_)}" for id_ in mutants]
+    words += _situations(study, store, {flight.situation for flight in stale}, {flight.situation for flight in held})
+    words += [] if seeds == {0} else [f"--seeds {_range(seeds)}"]
+    words += [f"--baseline-seeds {_range(pool)}"] if pool - seeds - set(range(LEAST)) else []
+    return " ".join(words)
+
+
+def _mutants(flights: Sequence[Flown], roster: Roster) -> list[str]:
+    """The mutants among `flights`, in the canonical order; a control that was flown once comes with every run."""
+    flown = Counter(flight.mutant for flight in flights)
+    canaries = {id_ for id_, number in flown.items() if number == 1 and cell_of(id_) in roster.controls}
+    return sorted(flown.keys() - canaries - {BASELINE, PLACEBO_ID}, key=roster.rank)
+
+
+def _situations(study: Study, store: Store, stale: Collection[str], held: Collection[str]) -> list[str]:
+    """The options that choose these situations, among others of which the campaign holds flights."""
+    grid = study.grid
+    if grid.choose == ALL and set(grid.by_key) <= set(held):
+        return []
+    for one in remembered(store):
+        if len(stale) > MOST_NAMED and {key for key, _ in one.draws}.issuperset(stale):
+            return [f"--choose {shlex.quote(one.text)}", *([f"--choose-seed {one.seed}"] if one.seed else [])]
+    return [f"--situation {shlex.quote(key)}" for key in sorted(stale, key=study.space.rank)]
+
+
+def _range(seeds: Collection[int]) -> str:
+    """The seeds as `--seeds` takes them, with those between."""
+    least, most = min(seeds), max(seeds)
+    return f"{least}-{most}" if least else str(most + 1)
+
+
+REASONS = 2
+"""How many reasons a sentence names before it counts the rest."""
+KEYS = {
+    "stale": record(
+        "the stored flights that no longer count and were not flown again",
+        {
+            "flights": count("how many"),
+            "reasons": listing(
+                "why they no longer count, the commonest reason first",
+                record("one reason", {"why": text("the reason, in words"), "flights": count("how many")}),
+            ),
+            "command": optional(text("what flies them again"), "there are none that the study still has"),
+        },
+    )
+}
+"""What the forms of all verbs that read a campaign have besides."""
+
+
+@dataclass(frozen=True)
+class Stale:
+    """The stored flights that no longer count and were not flown again.
+
+    Attributes:
+        why: number of them by reason; the commonest reason is first.
+        command: what flies them again; empty where the study has none of them any more.
+    """
+
+    why: Mapping[str, int] = field(default_factory=dict)
+    command: str = ""
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """Plain JSON values of `KEYS`."""
+        reasons = [{"why": why, "flights": flights} for why, flights in self.why.items()]
+        return {"stale": {"flights": sum(self.why.values()), "reasons": reasons, "command": self.command or None}}
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The same for people; empty when every flight counts.
+
+        >>> Stale({"operator delay changed": 3}, "scaloft-fi run --mutant LATE-human@3s").sentences
+        ('3 stored flights no longer count: operator delay changed; `scaloft-fi run --mutant LATE-human@3s` flies \
+them again',)
+        """
+        if not self.why:
+            return ()
+        flights, counted = sum(self.why.values()), len(self.why) > 1
+        reasons = [f"{why} ({number})" if counted else why for why, number in self.why.items()]
+        rest = [f"{len(reasons) - REASONS} more reasons (`scaloft-fi status`)"] if len(reasons) > REASONS else []
+        told = f"{flights} stored flight{'s' * (flights != 1)} no longer count{'s' * (flights == 1)}"
+        again = f"`{self.command}` flies {'them' if flights != 1 else 'it'} again"
+        ends = again if self.command else "the study has no such flight any more"
+        return (f"{told}: {', '.join([*reasons[:REASONS], *rest])}; {ends}",)
+
+
+NONE = Stale()
+"""Every stored flight counts."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """What a campaign holds while a snapshot of its store lasts; each part is read when it is first asked for.
+
+    Attributes:
+        study: what was flown, with the grid of the campaign.
+        name: of the campaign, as `--campaign` takes it; of an archive the name that was archived.
+        folder: of the campaign.
+        store: open, within a snapshot.
+    """
+
+    study: Study
+    name: str
+    folder: Path
+    store: Store
+
+    @property
+    def archive(self) -> Archive | None:
+        """The archive that is read; None for a campaign that was flown here."""
+        return self.store if isinstance(self.store, Archive) else None
+
+    @cached_property
+    def outcomes(self) -> tuple[Outcome, ...]:
+        """The outcomes that count, ordered by mutant, situation and seed, without tracks.
+
+        Raises:
+            InputError: there are none.
+        """
+        return self.store.standing(self.now.stands) or nothing_to_show(self.store, self.folder)
+
+    @cached_property
+    def now(self) -> Now:
+        """The study as it is now, beside which stored flights count or are stale."""
+        return Now(self.study, self.store)
+
+    @cached_property
+    def rulings(self) -> Rulings:
+        """What each of these flights shows beside its baseline: all that a score needs.
+
+        Raises:
+            InputError: there are none.
+        """
+        return rulings_of(self.outcomes)
+
+    @cached_property
+    def held(self) -> Held:
+        """The same outcomes, of which there may be none, beside what is stale and what is planned and not flown."""
+        return held_in(self.study, self.store, self.folder)
+
+    @cached_property
+    def stale(self) -> Stale:
+        """The stored flights that no longer count and were not flown again."""
+        return stale_of(self.study, self.store, self.now, self.name)
+
+    @cached_property
+    def latest(self) -> tuple[Outcome, ...]:
+        """One outcome of each flight: the one that counts, else one that the study has outgrown."""
+        return latest_in(self.study, self.store)
+
+    @cached_property
+    def score(self) -> Score:
+        """The campaign's score.
+
+        Raises:
+            InputError: it has no outcome that counts.
+        """
+        return score_of(self.rulings, self.study.roster, self.study.space, self.spending)
+
+    @cached_property
+    def spending(self) -> Spending:
+        """How alpha is spent on the campaign's mutants."""
+        return spending_of(self.study, self.store)
+
+    @cached_property
+    def platform(self) -> Mapping[str, str]:
+        """On which most flights that count were flown, part by part; `other platforms` tells of the rest."""
+        platform = next((one for one, _ in self._platforms.by_platform(self.held.current)), self._platforms.own)
+        return {**platform, **({"other platforms": self.mixture} if self.mixture else {})}
+
+    @cached_property
+    def mixture(self) -> str:
+        """A sentence about the platforms of the flights that count; empty for one platform."""
+        return self._platforms.mixture(self.held.current)
+
+    @cached_property
+    def _platforms(self) -> Platforms:
+        return Platforms(self.store)
+
+    @cached_property
+    def platform_warning(self) -> str:
+        """What a reader must know of the platforms of the flights; empty when there is nothing, as for a record.
+
+        Raises:
+            InputError: there are no outcomes.
+        """
+        return self.mixture if self.archive else warning_for(self._platforms, self.outcomes)
+
+    @cached_property
+    def choices(self) -> Sequence[Remembered]:
+        """How the campaign's situations were chosen."""
+        return remembered(self.store)
+
+    def with_tracks(
+        self, outcomes: Iterable[Outcome], mutants: Collection[str], seeds: Collection[int] | None = None
+    ) -> tuple[Outcome, ...]:
+        """The same outcomes, those of `mutants` (`baseline` among the ids) and `seeds` (None: all) with tracks."""
+        return with_tracks(self.study, self.store, outcomes, mutants, seeds)
+
+
+@contextmanager
+def snapshot(study: Study, campaign: str) -> Iterator[Snapshot]:
+    """The campaign at this moment, whatever others write to it meanwhile.
+
+    Args:
+        study: the study, with any of its grids.
+        campaign: name of the campaign.
+
+    Raises:
+        InputError: there is no campaign.
+    """
+    folder = campaign_folder(study, campaign)
+    study, store = opened(study, folder)
+    with store, store.snapshot():
+        name = store.manifest.campaign if isinstance(store, Archive) else campaign
+        yield Snapshot(study, name, folder, store)

@@ -1,0 +1,769 @@
+"""The HAZOP worksheet filled back: every cell of the matrix beside what its flights say, with room for the team.
+
+The columns are those of the classic sheet (`method.md`, section 1.3), the tool's findings, and columns that only people
+can fill.  It never invents a risk matrix: severity is what the study says, and likelihood stays empty.
+
+The worksheet as text: for a terminal, Markdown, LaTeX, and CSV that a spreadsheet opens.
+
+Deviations that are not credible stand in a log of their own, with their reason; CSV is one table and has them there.
+
+The worksheet as an XLSX workbook: sheet, survivors, log of deviations not credible, what the columns say.
+
+openpyxl writes it.  Every text is written as a text, with the mark that keeps it one when somebody edits the cell: a
+study's `=1+1` is never a formula.  The same sheet gives the same bytes: the file carries no clock.
+
+The HAZOP worksheet as plain JSON values: what `worksheet` prints for programs.
+
+What `worksheet` answers.
+
+`scaloft-fi worksheet`: the HAZOP worksheet filled back with what the flights say.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.roster import plain
+from scaloft_fi.analysis.score import MutantScore, Score
+from scaloft_fi.analysis.survivor import Disposition
+from scaloft_fi.console import PIPED, line, printable
+from scaloft_fi.defaults import CAMPAIGN
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix, Parameter, SeverityClass, worst_first
+from scaloft_fi.hazop.render import ladder
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import Status
+from scaloft_fi.mutants.catalogue import default_of
+from scaloft_fi.output import write_named
+from scaloft_fi.study import NO_FINDS, KnownFinds, Study
+from scaloft_fi.verbs.margin import CELL_MARGINS, UNKNOWN, cell_margin_values, cell_margins
+from scaloft_fi.verbs.matrix import CELL, cell_values
+from scaloft_fi.verbs.options import (
+    FORMATS,
+    answer,
+    campaign_option,
+    check_writable,
+    study_option,
+    tell_warnings,
+    write,
+)
+from scaloft_fi.verbs.score_record import FIRM, VERDICTS, P
+from scaloft_fi.verbs.snapshot import KEYS as STALE
+from scaloft_fi.verbs.snapshot import Stale, snapshot
+from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.verdict import NO_POOL, acceptance, effect, flies, next_find, words, would_decide
+from scaloft_fi.views.output import (
+    Answer,
+    Output,
+    by_name,
+    count,
+    flag,
+    inner,
+    listing,
+    optional,
+    ratio,
+    record,
+    text,
+    texts,
+)
+from scaloft_fi.views.table import FORMULA, Format, Table, csv_text, latex, markdown, render
+
+SheetValue = str | int | float | None
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the sheet.
+
+    Attributes:
+        key: as in JSON and CSV.
+        title: as people read it.
+        about: what stands in it.
+        short: whether it is among those that fit a page.
+        width: of a spreadsheet [characters].
+    """
+
+    key: str
+    title: str
+    about: str
+    short: bool = False
+    width: int = 14
+
+
+STUDY = (
+    Column("cell", "Deviation id", "guideword and parameter", short=True, width=20),
+    Column("node", "Study node", "the stages between which the parameter flows", width=24),
+    Column("parameter", "Parameter", "what the guideword is asked of", width=18),
+    Column("design_intent", "Design intent", "what every deviation deviates from", width=36),
+    Column("guideword", "Guideword", "of IEC 61882, or a declared extension", width=14),
+    Column("deviation", "Deviation", "what differs from the design intent", short=True, width=36),
+    Column("status", "Status", "credible, control, or not meaningful", width=14),
+    Column("rationale", "Rationale", "why it is not meaningful, or what the study predicts", width=36),
+    Column("causes", "Possible causes", "what could bring it about", width=40),
+    Column("effect", "Consequence", "what it does locally, then to the flight", width=40),
+    Column(
+        "severity",
+        "Severity",
+        "class by the study's own list; else for the team",
+        short=True,
+        width=10,
+    ),
+    Column("requirements", "Requirements", "those at risk", short=True, width=14),
+    Column("operators", "Faults", "how it is made, with the ladder of magnitudes", width=36),
+    Column("mutant", "Default mutant", "the one that the findings speak of", width=24),
+)
+FINDINGS = (
+    Column("situations_flown", "Situations flown", "with a flight that counts", width=11),
+    Column("reached", "Reached", "situations where the fault's seam carried a sample", width=11),
+    Column("infected", "Infected", "situations where it changed a sample", width=11),
+    Column("verdict", "Verdict", "by safety requirements", short=True, width=14),
+    Column("firm", "Firm", "whether it stays detected when any one seed is left out", short=True, width=14),
+    Column("operability", "Operability", "verdict by operability requirements", short=True, width=14),
+    Column("p", "p", "chance of as many violations if the mutant did nothing (Holm), per requirement", width=18),
+    Column("needed", "Would decide", "what would decide an undecided mutant, if what was seen goes on", width=22),
+    Column("kill_rate", "Kills", "situations with a kill, of those that test the mutant", short=True, width=10),
+    Column("killed_by", "Killed by", "requirements, with situations killed in / tested in", width=18),
+    Column("margin", "Margin", "smallest magnitude that is killed in any situation", short=True, width=14),
+    Column(
+        "where",
+        "Where",
+        "shortest condition for the situations with a kill; without one, for those where a violation was seen",
+        short=True,
+        width=30,
+    ),
+    Column("killing", "Situations with a kill", "their keys", width=30),
+    Column("stopped_at", "Stopped at", "stage reached in situations without a kill, with situations", width=26),
+    Column("disposition", "Disposition", "of a survivor that somebody accepted", short=True, width=30),
+    Column("find", "Find", "a situation that a search found, which shows the survivor", short=True, width=30),
+    Column("flies_find", "Flies it", "the command that flies the find", short=True, width=40),
+)
+FOUND = ("find", "flies_find")
+"""The columns of a survivor's find."""
+SPARE = ("severity", *FOUND)
+"""The columns that a page leaves out where no row has a value."""
+TEAM = (
+    Column("safeguards", "Existing safeguards", "for the team", width=24),
+    Column("likelihood", "Likelihood", "for the team, by its own matrix", width=10),
+    Column("recommendation", "Recommendation", "for the team", short=True, width=30),
+    Column("responsible", "Responsible", "for the team", short=True, width=16),
+    Column("due", "Due date", "for the team", width=12),
+    Column("action_status", "Action status", "for the team", width=14),
+)
+COLUMNS = (*STUDY, *FINDINGS, *TEAM)
+
+
+@dataclass(frozen=True)
+class SheetRow:
+    """One cell of the matrix as the sheet has it.
+
+    Attributes:
+        cell: of the matrix.
+        values: by the column's key; the team's columns are empty.
+        score: of its default mutant; None where it was not flown.
+        margins: of its faults, as plain JSON values.
+        disposition: of its default mutant; None where nobody accepted it.
+        severity: class of the cell; None where it has none.
+    """
+
+    cell: Cell
+    values: Mapping[str, SheetValue]
+    score: MutantScore | None = None
+    margins: Sequence[Mapping[str, Any]] = ()
+    disposition: Disposition | None = None
+    severity: SeverityClass | None = None
+
+    @property
+    def survives(self) -> bool:
+        """Whether the default mutant of a credible cell was flown and is not detected."""
+        return self.cell.status is CellStatus.CREDIBLE and self.score is not None and not self.score.detected
+
+
+def sheet_rows(
+    matrix: Matrix,
+    outcomes: Iterable[Outcome],
+    scored: Score,
+    space: Space,
+    dispositions: Sequence[Disposition] = (),
+    finds: KnownFinds = NO_FINDS,
+    campaign: str = CAMPAIGN,
+) -> tuple[SheetRow, ...]:
+    """The sheet, in the order of the matrix: credible cells, controls, and those that are not meaningful.
+
+    Args:
+        matrix: of the study.
+        outcomes: of a campaign.
+        scored: the same, scored.
+        space: the grid.
+        dispositions: of the study.
+        finds: of the study.
+        campaign: name of the campaign, for commands.
+    """
+    flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
+    outcomes = tuple(outcomes)
+    margins = cell_margins(outcomes, scored, matrix)
+    bounds = cell_margin_values(outcomes, scored, matrix)
+    accepted = {disposition.mutant: disposition for disposition in dispositions}
+    parameters = {parameter.id: parameter for parameter in matrix.parameters}
+    rows = []
+    for cell in matrix:
+        values: dict[str, SheetValue] = dict.fromkeys(column.key for column in COLUMNS)
+        severity = matrix.severities.get(cell.name)
+        values |= _of_study(cell, parameters[cell.parameter]) | {"severity": severity.id if severity else None}
+        score = known = None
+        if cell.status is not CellStatus.NOT_MEANINGFUL:
+            mutant = default_of(cell).id
+            score, known = flown.get(mutant), accepted.get(mutant)
+            values |= {"mutant": mutant}
+            if cell.status is CellStatus.CREDIBLE and margins[cell.name] != UNKNOWN:
+                values |= {"margin": margins[cell.name]}
+            values |= {"disposition": acceptance(known)} if known else {}
+            if score:
+                values |= _of_flights(score, space, scored.lacking) | _of_find(score, finds, campaign, space.grid)
+        rows.append(SheetRow(cell, values, score, bounds[cell.name], known, severity))
+    return tuple(rows)
+
+
+def _of_study(cell: Cell, parameter: Parameter) -> dict[str, SheetValue]:
+    return {
+        "cell": cell.name,
+        "node": parameter.node,
+        "parameter": parameter.title,
+        "design_intent": parameter.intent,
+        "guideword": cell.guideword,
+        "deviation": cell.deviation,
+        "status": cell.status.replace("_", " "),
+        "rationale": cell.reason or cell.predicted,
+        "causes": "; ".join(cell.causes),
+        "effect": cell.effect,
+        "requirements": ", ".join(cell.requirements),
+        "operators": "; ".join(f"{fault.operator} at {fault.seam} {ladder(fault)}".strip() for fault in cell.faults),
+    }
+
+
+def _of_flights(score: MutantScore, space: Space, lacking: Collection[str]) -> dict[str, SheetValue]:
+    return {
+        "situations_flown": len(score.results),
+        "reached": sum(result.reached for result in score.results),
+        "infected": sum(result.infected for result in score.results),
+        "verdict": score.verdict.words,
+        "firm": score.firmness.words if score.firmness else "",
+        "operability": score.operability.verdict.words,
+        "p": ", ".join(f"{name} {p:.2g}" for name, p in p_of(score).items()) or None,
+        "needed": would_decide(score, lacking) or None,
+        "kill_rate": f"{score.kill_rate.part} of {score.kill_rate.whole}" if score.tested else None,
+        "killed_by": ", ".join(f"{name} {ratio.short}" for name, ratio in score.requirements),
+        "where": score.condition(space),
+        "killing": " ".join(score.killing),
+        "stopped_at": _stopped(score),
+    }
+
+
+def _of_find(score: MutantScore, finds: KnownFinds, campaign: str, grid: str) -> dict[str, SheetValue]:
+    find, mutant = next_find(score, finds), score.subject.id
+    if find is None:
+        return {}
+    return {
+        "find": f"{find.name}: {words(find)} ({effect(find.shows[mutant])})",
+        "flies_find": flies(find, mutant, finds, campaign, grid),
+    }
+
+
+def p_of(score: MutantScore) -> Mapping[str, float]:
+    """Nothing of a mutant that was not put to the test: there is nothing to explain."""
+    return score.safety.p if score.tested else {}
+
+
+def _stopped(score: MutantScore) -> str:
+    """The stages that flights reached in situations without a kill, with situations, furthest first."""
+    counts = Counter(result.status for result in score.results if not result.kills)
+    return ", ".join(
+        f"{status.value} {counts[status]}" for status in sorted(counts, key=lambda s: s.stage, reverse=True)
+    )
+
+
+def population(rows: Sequence[SheetRow]) -> str:
+    """What the findings speak of, in a few sentences."""
+    flown = [row.score for row in rows if row.score is not None]
+    most = max((len(score.results) for score in flown), default=0)
+    meaningful = sum(row.cell.status is not CellStatus.NOT_MEANINGFUL for row in rows)
+    pooled = any(score.tested for score in flown) or not any(score.verdict is Verdict.UNDECIDED for score in flown)
+    return (
+        f"Findings speak of each cell's default mutant: {len(flown)} of the {meaningful} cells that can happen were "
+        f"flown, in up to {most} situations.  A situation tests a mutant that changes a sample there, if the unmutated "
+        "drone holds a safety requirement there steadily; it is a kill if most flights of a detected mutant violate "
+        "that one."
+    ) + ("" if pooled else f"  No verdict: {NO_POOL}.")
+
+
+TITLE, LOG_TITLE = "HAZOP worksheet", "Deviations not credible"
+LOG_KEYS = ("cell", "parameter", "rationale")
+IN_TERMINAL = ("cell", "severity", "verdict", "operability", "kill_rate", "margin", "where", "disposition")
+SURVIVORS_TITLE = "Survivors, worst class first"
+SURVIVORS_KEYS = ("cell", "effect", "severity", "verdict", "disposition")
+FINDS_TITLE, FINDS_KEYS = "Finds for survivors", ("cell", *FOUND)
+LATEX_NOTE = (
+    "% needs longtable, booktabs, array, pdflscape\n"
+    "% letters that are not Latin need XeLaTeX or LuaLaTeX, with a font that has them"
+)
+LONG_WORD = 16
+"""A column is made wide enough for words up to this length [characters]."""
+
+
+def parts(rows: Sequence[SheetRow]) -> tuple[list[SheetRow], list[SheetRow]]:
+    """The deviations that can happen, and the log of those that are not credible."""
+    log = [row for row in rows if row.cell.status is CellStatus.NOT_MEANINGFUL]
+    return [row for row in rows if row.cell.status is not CellStatus.NOT_MEANINGFUL], log
+
+
+def columns(keys: Sequence[str] = ()) -> list[Column]:
+    """The columns with these keys, or those that fit a page."""
+    return [column for column in COLUMNS if (column.key in keys if keys else column.short)]
+
+
+def survivors(rows: Sequence[SheetRow]) -> list[SheetRow]:
+    """The credible deviations flown and not detected, the worst class first; none where no cell has a class."""
+    classed = any(row.severity for row in rows)
+    return worst_first((row for row in rows if row.survives), lambda row: row.severity) if classed else []
+
+
+def filled(shown: Sequence[Column], rows: Sequence[SheetRow]) -> list[Column]:
+    """The columns without those that may be spared and have no value in any row."""
+    return [column for column in shown if column.key not in SPARE or any(row.values[column.key] for row in rows)]
+
+
+def value_text(value: SheetValue) -> str:
+    """A value in a cell; nothing where there is none."""
+    return "" if value is None else str(value)
+
+
+def to_text(rows: Sequence[SheetRow], *, width: int | None = None, marked: bool | None = None) -> str:
+    """For a terminal: the tables of `sheet_tables`.
+
+    Args:
+        rows: of the worksheet.
+        width: of the text, as of `render`.
+        marked: whether it has colours, as of `render`.
+    """
+    return render(sheet_tables(rows), Format.TABLE, width=width, marked=marked)
+
+
+def sheet_tables(rows: Sequence[SheetRow]) -> tuple[Table, ...]:
+    """The findings of each deviation, survivors by class and finds where there are any, then the log."""
+    sheet, log = parts(rows)
+    found, alive = [row for row in sheet if row.values["find"]], survivors(rows)
+    return (
+        _table(
+            TITLE, filled(columns(IN_TERMINAL), sheet), sheet, (population(rows), "Every column: --format csv or xlsx.")
+        ),
+        *([_table(SURVIVORS_TITLE, columns(SURVIVORS_KEYS), alive)] if alive else []),
+        *([_table(FINDS_TITLE, columns(FINDS_KEYS), found)] if found else []),
+        _table(LOG_TITLE, columns(LOG_KEYS), log),
+    )
+
+
+def _table(title: str, shown: Sequence[Column], rows: Sequence[SheetRow], notes: tuple[str, ...] = ()) -> Table:
+    lines = tuple(tuple(line(value_text(row.values[column.key])) for column in shown) for row in rows)
+    return Table(title, tuple(column.title for column in shown), lines, notes)
+
+
+def to_markdown(rows: Sequence[SheetRow]) -> str:
+    """Markdown tables; every character of the study's is taken literally."""
+    sheet, log = parts(rows)
+    alive = survivors(rows)
+    return "\n".join(
+        [
+            f"### {TITLE}\n",
+            *_piped(filled(columns(), sheet), sheet),
+            f"\n{markdown(population(rows))}\n",
+            *([f"### {SURVIVORS_TITLE}\n", *_piped(columns(SURVIVORS_KEYS), alive), ""] if alive else []),
+            f"### {LOG_TITLE}\n",
+            *_piped(columns(LOG_KEYS), log),
+            "",
+        ]
+    )
+
+
+def _piped(shown: Sequence[Column], rows: Sequence[SheetRow]) -> list[str]:
+    lines = [[markdown(value_text(row.values[column.key])) for column in shown] for row in rows]
+    header = [[column.title for column in shown], ["---"] * len(shown)]
+    return [f"| {' | '.join(cells)} |" for cells in (*header, *lines)]
+
+
+def to_latex(rows: Sequence[SheetRow]) -> str:
+    """A fragment with long tables on landscape pages, header rows repeated."""
+    sheet, log = parts(rows)
+    alive = survivors(rows)
+    tables = [
+        _longtable(TITLE, filled(columns(), sheet), sheet),
+        latex(population(rows)),
+        *([_longtable(SURVIVORS_TITLE, columns(SURVIVORS_KEYS), alive)] if alive else []),
+        _longtable(LOG_TITLE, columns(LOG_KEYS), log),
+    ]
+    return "\n".join(
+        [
+            LATEX_NOTE,
+            r"\begin{landscape}\scriptsize\setlength{\tabcolsep}{2.5pt}\raggedright",
+            *tables,
+            r"\end{landscape}",
+            "",
+        ]
+    )
+
+
+def _longtable(title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) -> str:
+    widths = [_width(column, rows) for column in shown]
+    # without \\hspace TeX would not hyphenate a cell's first word
+    spec = "".join(
+        f">{{\\raggedright\\arraybackslash\\hspace{{0pt}}}}"
+        f"p{{\\dimexpr {width / sum(widths):.5f}\\linewidth-2\\tabcolsep\\relax}}"
+        for width in widths
+    )
+    header = _row([column.title for column in shown], latex)
+    lines = [_row([value_text(row.values[column.key]) for column in shown], latex) for row in rows]
+    caption = f"\\caption{{{latex(title)}}}\\\\"
+    head = [f"\\begin{{longtable}}{{{spec}}}", caption, "\\toprule", header, "\\midrule", "\\endhead", "\\bottomrule"]
+    return "\n".join([*head, "\\endfoot", *lines, "\\end{longtable}"])
+
+
+def _width(column: Column, rows: Sequence[SheetRow]) -> float:
+    """The share of a column: in a narrow one its longest word, capitals half as wide again, fills half of it."""
+    words = " ".join([column.title, *(value_text(row.values[column.key]) for row in rows)]).replace("-", "- ").split()
+    longest = max(len(word) + sum(letter.isupper() for letter in word) / 2 for word in words)
+    return max(column.width, 2 * min(LONG_WORD, longest))
+
+
+def _row(cells: Sequence[str], escape: Callable[[str], str]) -> str:
+    # an empty group, so that a text that begins with [ or * is no option of the line before
+    return "{}" + " & ".join(map(escape, cells)) + r" \\\addlinespace[2pt]"
+
+
+def to_csv(rows: Sequence[SheetRow]) -> str:
+    """Every column of every cell; a text that a spreadsheet would take for a formula begins with `'`."""
+    lines = ([row.values[column.key] for column in COLUMNS] for row in rows)
+    return csv_text([column.key for column in COLUMNS], lines)
+
+
+LONGEST = 32_767
+"""Characters of a cell: Excel's own limit, which openpyxl would cut at without a word."""
+CUT = " [cut]"
+_ESCAPE = re.compile(r"_(?=x[0-9A-Fa-f]{4}_)")
+"""What Excel would read as a character (ECMA-376, ST_Xstring: _x0041_ is an A)."""
+EPOCH = (1980, 1, 1, 0, 0, 0)
+"""Date of every file in the archive: the earliest that ZIP knows."""
+FILLS = {"study": "D9E2F3", "findings": "E2EFDA", "team": "FFF2CC"}
+"""Header colours of the three parts; the titles say the same in words."""
+FRAME = ("Company", "Team", "Process", "Operation mode", "Date", "Page")
+"""Header fields of the classic sheet, for the team to fill in."""
+
+
+def to_xlsx(rows: Sequence[SheetRow]) -> bytes:
+    """The workbook.
+
+    Raises:
+        InputError: openpyxl is not installed.
+    """
+    try:
+        from openpyxl import Workbook
+    except ImportError:
+        raise InputError("--format=xlsx needs openpyxl: pip install 'scaloft-fi[xlsx]'") from None
+    sheet, log = parts(rows)
+    book = Workbook()
+    _fill(book.active, TITLE, COLUMNS, sheet)
+    if alive := survivors(rows):
+        _fill(book.create_sheet(), SURVIVORS_TITLE, columns(SURVIVORS_KEYS), alive)
+    _fill(book.create_sheet(), LOG_TITLE, columns(LOG_KEYS), log)
+    _about(book.create_sheet(), rows)
+    raw = io.BytesIO()
+    book.save(raw)
+    return _without_clock(raw.getvalue())
+
+
+def _fill(page: Any, title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) -> None:
+    from openpyxl.utils import get_column_letter
+
+    page.title = title
+    for at, column in enumerate(shown, 1):
+        page.column_dimensions[get_column_letter(at)].width = column.width
+        _head(_put(page, 1, at, column.title), column)
+    for number, row in enumerate(rows, 2):
+        for at, column in enumerate(shown, 1):
+            _put(page, number, at, row.values[column.key])
+    page.freeze_panes = "B2"
+    page.auto_filter.ref = f"A1:{get_column_letter(len(shown))}{len(rows) + 1}"
+    page.page_setup.orientation, page.page_setup.fitToWidth, page.page_setup.fitToHeight = "landscape", 1, 0
+    page.sheet_properties.pageSetUpPr.fitToPage = True
+    page.print_title_rows = "1:1"
+
+
+def _head(cell: Any, column: Column) -> None:
+    from openpyxl.styles import Font, PatternFill
+
+    part = "team" if column in TEAM else "findings" if column in FINDINGS else "study"
+    cell.font, cell.fill = Font(bold=True), PatternFill("solid", fgColor=FILLS[part])
+
+
+def _put(page: Any, line: int, at: int, value: SheetValue) -> Any:
+    from openpyxl.styles import Alignment
+
+    cell = page.cell(line, at)
+    cell.alignment = Alignment(wrap_text=True, vertical="top")
+    if isinstance(value, str):
+        text = _ESCAPE.sub("_x005F_", printable(value))
+        cell.value = text if len(text) <= LONGEST else text[: LONGEST - len(CUT)] + CUT
+        cell.data_type = "s"
+        cell.quotePrefix = text.startswith(FORMULA)
+    else:
+        cell.value = value
+    return cell
+
+
+def _about(page: Any, rows: Sequence[SheetRow]) -> None:
+    """What the columns say, and the fields at the head of the classic sheet."""
+    page.title = "About"
+    lines: list[tuple[str, str]] = [*((name, "") for name in FRAME), ("Population", population(rows)), ("", "")]
+    lines += [(column.title, column.about) for column in COLUMNS]
+    for number, pair in enumerate(lines, 1):
+        for at, part in enumerate(pair, 1):
+            _put(page, number, at, part)
+    page.column_dimensions["A"].width, page.column_dimensions["B"].width = 24, 100
+
+
+def _without_clock(raw: bytes) -> bytes:
+    """The archive with every time taken out."""
+    text = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(raw)) as old, zipfile.ZipFile(text, "w", zipfile.ZIP_DEFLATED) as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "docProps/core.xml":
+                content = re.sub(rb"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", b"1980-01-01T00:00:00Z", content)
+            entry: Any = zipfile.ZipInfo(name, EPOCH)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            new.writestr(entry, content)
+    return text.getvalue()
+
+
+_RESULTS = record(
+    "what the flights of the default mutant say",
+    {
+        "situations_flown": count("situations with a flight that counts"),
+        "reached": count("situations where the fault's seam carried a sample"),
+        "infected": count("situations where it changed a sample"),
+        "status": text("the furthest stage that a flight reached", [status.value for status in Status]),
+        "verdict": text("by safety requirements", VERDICTS),
+        "firm": FIRM,
+        "operability": text("by operability requirements", VERDICTS),
+        "p": P,
+        "needed": optional(count("seeds that would decide an undecided mutant"), "decided, or none would"),
+        "anew": flag("whether that takes a campaign of its own"),
+        "kill_rate": ratio("situations with a kill, of those that put it to the test"),
+        "kill_rate_flown": ratio("situations with a kill, of those flown"),
+        "requirements": by_name(
+            "by requirement that kills it", ratio("situations with such a kill, of those that test it by it")
+        ),
+        "where": text("shortest condition for the situations with a kill, else for those with a violation seen"),
+        "killing": texts("keys of the situations with a kill"),
+        "stopped_at": record(
+            "situations without a kill, by the stage that flights reached",
+            {status.value: count(f"situations with {status.value}") for status in Status},
+        ),
+    },
+)
+WORKSHEET = Output(
+    "worksheet",
+    "2.0",
+    "the HAZOP worksheet with the findings",
+    {
+        "rows": listing(
+            "every deviation, in the order of the matrix",
+            record(
+                "a deviation",
+                {
+                    **CELL,
+                    "node": text("the stages between which the parameter flows"),
+                    "design_intent": text("what every deviation deviates from"),
+                    "margins": inner(CELL_MARGINS),
+                    "results": optional(_RESULTS, "not flown"),
+                    "disposition": optional(
+                        record(
+                            "of a survivor that somebody accepted",
+                            {
+                                "owner": text("who"),
+                                "reason": text("why"),
+                                "expires": {**text("last day"), "format": "date"},
+                                "situations": texts("keys of the situations for which; empty for all"),
+                            },
+                        ),
+                        "nobody has accepted it",
+                    ),
+                    "find": optional(text("a situation that a search found, which shows the survivor, in words")),
+                    "flies_find": optional(text("the command that flies it")),
+                    "team": record(
+                        "what only people can fill in", {one.key: optional(text(one.title)) for one in TEAM}
+                    ),
+                },
+            ),
+        ),
+        **STALE,
+    },
+    rows="rows",
+)
+
+
+def worksheet_values(rows: Sequence[SheetRow]) -> dict[str, Any]:
+    """Plain JSON values of the form `WORKSHEET`."""
+    return {"rows": [_row_shape(row) for row in rows]}
+
+
+def _row_shape(row: SheetRow) -> dict[str, Any]:
+    known = row.disposition
+    accepted = None
+    if known is not None:
+        days = known.expires.isoformat()
+        accepted = {"owner": known.owner, "reason": known.reason, "expires": days, "situations": list(known.situations)}
+    return {
+        **cell_values(row.cell, row.severity),
+        **{key: row.values[key] for key in ("node", "design_intent", "find", "flies_find")},
+        "margins": list(row.margins),
+        "results": None if row.score is None else _results(row, row.score),
+        "disposition": accepted,
+        "team": {column.key: None for column in TEAM},
+    }
+
+
+def _results(row: SheetRow, score: MutantScore) -> dict[str, Any]:
+    stopped = Counter(result.status for result in score.results if not result.kills)
+    return {
+        **{key: row.values[key] for key in ("situations_flown", "reached", "infected", "where")},
+        "status": score.status.value,
+        "verdict": score.verdict.value,
+        "firm": score.firmness.value if score.firmness else None,
+        "operability": score.operability.verdict.value,
+        "p": dict(p_of(score)),
+        "needed": score.safety.needed,
+        "anew": score.safety.anew,
+        "kill_rate": plain(score.kill_rate),
+        "kill_rate_flown": plain(score.kill_rate_flown),
+        "requirements": plain(dict(score.requirements)),
+        "killing": list(score.killing),
+        "stopped_at": {status.value: stopped[status] for status in Status},
+    }
+
+
+XLSX = "xlsx"
+STYLES = (*Format, XLSX)
+"""How the sheet is written."""
+_ENDS = {".txt": "table", ".md": "markdown", ".csv": "csv", ".json": "json", ".tex": "latex", ".xlsx": XLSX}
+
+
+class Worksheet(Answer):
+    """The HAZOP worksheet with what the flights found.
+
+    Args:
+        rows: the rows of the sheet.
+        stale: the flights that no longer count.
+        warnings: as of `Answer`.
+    """
+
+    def __init__(self, rows: Sequence[SheetRow], stale: Stale, warnings: Sequence[str]) -> None:
+        super().__init__(
+            WORKSHEET,
+            lambda: worksheet_values(rows) | stale.values,
+            lambda: sheet_tables(rows),
+            warnings=(*stale.sentences, *warnings),
+        )
+        self._sheet = rows
+
+    def text(self, style: str = "table") -> str:
+        """What the verb prints; as `csv` the sheet for people.
+
+        Raises:
+            InputError: there is no such style.
+        """
+        made = {Format.TABLE: to_text, Format.MARKDOWN: to_markdown, Format.CSV: to_csv, Format.LATEX: to_latex}
+        return made[Format(style)](self._sheet) if style in made else super().text(style)
+
+    def content(self, style: str) -> bytes:
+        """The bytes of a file in a style of `STYLES`."""
+        if style == XLSX:
+            return to_xlsx(self._sheet)
+        if style == Format.TABLE:
+            return to_text(self._sheet, width=PIPED, marked=False).encode()
+        return self.text(style).encode()
+
+    def save(self, path: Path | str) -> Path:
+        """Write the sheet; the end of the name decides the format.
+
+        Args:
+            path: a name that ends in `.xlsx`, `.csv`, `.md`, `.tex`, `.json` or `.txt`.
+
+        Raises:
+            InputError: the name ends otherwise, the file cannot be written, or openpyxl is missing for `.xlsx`.
+        """
+        file = Path(path)
+        style = _ENDS.get(file.suffix.lower())
+        if style is None:
+            raise InputError(f"path={str(path)!r} must end in {', '.join(_ENDS)}")
+        write_named(file, self.content(style), "path")
+        return file
+
+
+def worksheet(study: Study, campaign: str) -> Worksheet:
+    """Every deviation of the matrix beside what its default mutant did in the campaign.
+
+    Raises:
+        InputError: there is no such campaign, or it holds no flight that counts.
+    """
+    with snapshot(study, campaign) as now:
+        study, finds, stale = now.study, now.study.finds, now.stale
+        rows = sheet_rows(study.matrix, now.outcomes, now.score, study.space, study.dispositions, finds, now.name)
+    return Worksheet(rows, stale, finds.warnings)
+
+
+@verb(
+    "worksheet",
+    examples=(
+        ("Print the worksheet with what the flights found", "scaloft-fi worksheet"),
+        ("Bring it to the HAZOP meeting as a workbook", "scaloft-fi worksheet --format xlsx --output worksheet.xlsx"),
+        ("Put it into a paper", "scaloft-fi worksheet --format latex --output worksheet.tex"),
+    ),
+)
+@study_option
+@campaign_option
+@click.option(
+    "--format",
+    "style",
+    type=click.Choice((*FORMATS, "xlsx")),
+    default="table",
+    show_default=True,
+    help="How the sheet is written; csv, xlsx and json have every column.  A text that a spreadsheet would take for a "
+    "formula begins with ' in csv, and is a plain text in xlsx.",
+)
+@click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Write the sheet to FILE.")
+def worksheet_command(study_folder: Path | None, campaign: str, style: str, output: Path | None) -> None:
+    """Print the HAZOP worksheet: every deviation beside what its default mutant did in the campaign.
+
+    Deviations that are not credible stand in a log with their reason.  What only a team can judge (likelihood,
+    recommendation, ...) is left empty; severity is the class that the study gives.
+    """
+    if style == "xlsx" and output is None:
+        raise click.UsageError("--format xlsx goes into a file: name it with --output")
+    check_writable(output)
+    from scaloft_fi.study import Study
+
+    sheet = worksheet(Study.open(study_folder), campaign)
+    if output is None:
+        answer(sheet, style)
+        return
+    tell_warnings(sheet)
+    write(output, sheet.content(style))

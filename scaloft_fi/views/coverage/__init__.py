@@ -1,1 +1,0 @@
-"""Situation coverage for readers."""

@@ -1,1 +1,0 @@
-"""Flights as rows, and two campaigns side by side."""

@@ -1,1 +1,0 @@
-"""Pages about kills and survivors: what kills what, and what to do about the rest."""

@@ -1,1 +1,0 @@
-"""What a study has, told without flying: its signals, seams, operators and axes."""

@@ -1,0 +1,603 @@
+"""A table as typed columns, for data frames: what `pandas.DataFrame(...)` and `polars.DataFrame(...)` take as it is.
+
+The shapes of JSON values, as parts of a JSON Schema (draft 2020-12); each says what its value is and in which unit.
+
+A record is closed: it has each of its keys, and no others.  What may be missing is null (`optional`).
+
+What a verb prints with `--format json`: an object with a schema version and named values of declared shapes.
+
+The JSON of a verb as flat tables: each list of records is a table, and what stands in no list is one row.
+
+A record in a record gives columns `outer_inner`, a list of plain values is one cell, a list of records in a record is a
+table of its own, `table_key`, whose first column says whose a record is.
+
+The JSON of a verb as CSV, one table a file; lists have `;` between, and nothing stands where JSON has null.
+
+Flat tables as columns whose types follow from the declared shapes.
+
+What a verb answers: its tables as columns, its text, its JSON; verbs print it, scripts read it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+
+from scaloft_fi.console import json_text
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.views.table import Format, Table, TableCell, csv_text, html, render
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+SHOWN, ACROSS = 10, 8
+"""Rows and, in a text, columns that are shown."""
+
+
+class ColumnType(StrEnum):
+    """The type of a column."""
+
+    WHOLE = "int64"
+    """Whole numbers; there is always a value."""
+    NUMBER = "float64"
+    """Numbers; NaN where there is no value."""
+    TRUTH = "bool"
+    """True or false."""
+    TEXT = "text"
+    """Texts (an array of objects); "" where there is nothing to say."""
+    TEXTS = "texts"
+    """Lists of texts."""
+    NUMBERS = "numbers"
+    """Lists of numbers."""
+    WHOLES = "wholes"
+    """Lists of whole numbers."""
+
+
+class Columns(dict[str, Any]):
+    """Columns of equal length by name: an array (rows,) each, or a list of lists.
+
+    It is a dict, because pandas makes a data frame of no other mapping.  The arrays cannot be written, since data
+    frames may share their memory.  A text column is an array of `str`.  A column of lists is a list, because polars
+    cannot read arrays of lists; its type there follows from the values, so that of empty lists is `List(Null)`, and
+    `arrow` has the exact types.
+
+    Args:
+        title: what the rows are, for a reader.
+        types: type of each column, in their order.
+        rows: the rows; None where a number has no value.
+
+    Attributes:
+        title: what the rows are.
+        types: type of each column.
+        rows: number of rows.
+    """
+
+    title: str
+    types: dict[str, ColumnType]
+    rows: int
+
+    def __init__(self, title: str, types: Mapping[str, ColumnType], rows: Iterable[Mapping[str, Any]]) -> None:
+        listed = list(rows)
+        super().__init__({name: _column(kind, [row[name] for row in listed]) for name, kind in types.items()})
+        self.title, self.types, self.rows = title, dict(types), len(listed)
+
+    def __missing__(self, name: object) -> NoReturn:
+        raise KeyError(f"no column {name!r}{did_you_mean(str(name), self)}")
+
+    def arrow(self) -> Any:
+        """The same as a `pyarrow.Table`, where numbers without a value are null.
+
+        Raises:
+            InputError: pyarrow is not installed.
+        """
+        pyarrow = needed_pyarrow()
+        types = {
+            ColumnType.WHOLE: pyarrow.int64(),
+            ColumnType.NUMBER: pyarrow.float64(),
+            ColumnType.TRUTH: pyarrow.bool_(),
+            ColumnType.TEXT: pyarrow.string(),
+            ColumnType.TEXTS: pyarrow.list_(pyarrow.string()),
+            ColumnType.NUMBERS: pyarrow.list_(pyarrow.float64()),
+            ColumnType.WHOLES: pyarrow.list_(pyarrow.int64()),
+        }
+        columns = [pyarrow.array(self[name], types[kind], from_pandas=True) for name, kind in self.types.items()]
+        return pyarrow.Table.from_arrays(columns, names=list(self.types))
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """The Arrow PyCapsule protocol, which `pandas.DataFrame.from_arrow` reads.
+
+        Raises:
+            InputError: pyarrow is not installed.
+        """
+        return self.arrow().__arrow_c_stream__(requested_schema)
+
+    def _table(self, rows: int, columns: int | None = None) -> Table:
+        """The first `rows` rows and `columns` columns (None: all) as a table of texts."""
+        names = list(self)[:columns]
+        shown = min(rows, self.rows)
+        cells = tuple(tuple(_cell(self[name][row]) for name in names) for row in range(shown))
+        more = {"rows": self.rows - shown, "columns": len(self) - len(names)}
+        note = " and ".join(f"{count} more {what}" for what, count in more.items() if count)
+        return Table(self.title, tuple(names), cells, (f"... {note}",) if note else ())
+
+    def __str__(self) -> str:
+        return render((self._table(SHOWN, ACROSS),), Format.TABLE)
+
+    def __repr__(self) -> str:
+        return f"<{self.title}: {self.rows} rows of {', '.join(self)}>"
+
+    def _repr_html_(self) -> str:
+        return html((self._table(SHOWN),))
+
+
+def needed_pyarrow() -> Any:
+    """The module pyarrow.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    try:
+        import pyarrow
+    except ImportError as error:
+        raise InputError("Arrow data needs pyarrow: pip install 'scaloft-fi[parquet]'") from error
+    return pyarrow
+
+
+def _column(kind: ColumnType, values: Sequence[Any]) -> NDArray[Any] | list[Any]:
+    import numpy as np
+
+    if kind in (ColumnType.TEXTS, ColumnType.NUMBERS, ColumnType.WHOLES):
+        return list(map(_utf8, values))
+    array: NDArray[Any]
+    if kind is ColumnType.WHOLE:
+        array = np.array(values, dtype=np.int64)
+    elif kind is ColumnType.TRUTH:
+        array = np.array(values, dtype=np.bool_)
+    elif kind is ColumnType.NUMBER:
+        array = np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+    else:
+        array = np.array([_utf8(value) for value in values], dtype=object)
+    array.setflags(write=False)
+    return array
+
+
+def _utf8(value: Any) -> Any:
+    """A text or a list of texts in which lone surrogates, which UTF-8 cannot hold, are spelled out."""
+    if isinstance(value, list):
+        return [_utf8(entry) for entry in value]
+    return value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value
+
+
+def _cell(value: Any) -> TableCell:
+    if isinstance(value, list):
+        return ", ".join(map(str, value))
+    if isinstance(value, str):
+        return value
+    if value.dtype == bool:
+        return "yes" if value else "no"
+    return "" if value != value else f"{value:g}"  # NaN is the one number that differs from itself
+
+
+Shape = Mapping[str, Any]
+"""A JSON Schema."""
+
+
+def text(about: str, one_of: Iterable[str] = ()) -> Shape:
+    """A text; `one_of` lists all values that it can have."""
+    allowed = [str(value) for value in one_of]
+    return {"type": "string", "description": about, **({"enum": allowed} if allowed else {})}
+
+
+def number(about: str, unit: str = "") -> Shape:
+    """A finite number; the unit stands behind what it is: `time [s]`."""
+    return {"type": "number", "description": f"{about} [{unit}]" if unit else about}
+
+
+def count(about: str) -> Shape:
+    """A whole number from 0."""
+    return {"type": "integer", "minimum": 0, "description": about}
+
+
+def flag(about: str) -> Shape:
+    """True or false."""
+    return {"type": "boolean", "description": about}
+
+
+def anything(about: str) -> Shape:
+    """A value whose shape somebody else decides, such as an argument of an operator."""
+    return {"description": about}
+
+
+def optional(shape: Shape, missing: str = "") -> Shape:
+    """The value, or null; `missing` says what null means where the name does not."""
+    about = f"{shape['description']}; null: {missing}" if missing else shape["description"]
+    return {"anyOf": [{**shape, "description": about}, {"type": "null"}], "description": about}
+
+
+def record(about: str, keys: Mapping[str, Shape]) -> Shape:
+    """An object with exactly these keys."""
+    return {
+        "type": "object",
+        "description": about,
+        "properties": dict(keys),
+        "required": list(keys),
+        "additionalProperties": False,
+    }
+
+
+def listing(about: str, each: Shape) -> Shape:
+    """A list of values of one shape."""
+    return {"type": "array", "description": about, "items": each}
+
+
+def by_name(about: str, each: Shape) -> Shape:
+    """An object whose keys are names of the study, such as requirements, with values of one shape."""
+    return {"type": "object", "description": about, "additionalProperties": each}
+
+
+def ratio(about: str) -> Shape:
+    """`part` of `whole`; 0 of 0 is no share."""
+    return record(about, {"part": count("how many of them"), "whole": count("how many there are")})
+
+
+def texts(about: str) -> Shape:
+    """A list of texts."""
+    return listing(about, {"type": "string"})
+
+
+def inner(shape: Shape) -> Shape:
+    """The shape of a value that is not null."""
+    alternatives = shape.get("anyOf")
+    return alternatives[0] if alternatives else shape
+
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+VERSION = "of this form: the first number changes when a key goes or changes its meaning, the second when one is added"
+
+
+@dataclass(frozen=True)
+class Output:
+    """A form of JSON.
+
+    Attributes:
+        verb: whose answer it is.
+        version: of the form: MAJOR.MINOR, as `VERSION` says.
+        about: what it says, in half a sentence.
+        keys: the shape of each value, by its name.
+        rows: name of the list that `--format csv` prints.
+    """
+
+    verb: str
+    version: str
+    about: str
+    keys: Mapping[str, Shape]
+    rows: str
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """The JSON Schema (draft 2020-12) that every answer of the verb satisfies."""
+        head = {"$schema": DIALECT, "$id": f"urn:scaloft-fi:output:{self.verb}:{self.version}", "title": self.verb}
+        version = {**text(VERSION), "const": self.version}
+        return {**head, **record(self.about, {"version": version, **self.keys})}
+
+    def json(self, values: Mapping[str, Any]) -> str:
+        """The JSON text of `record`."""
+        return json_text(self.record(values), indent=2) + "\n"
+
+    def record(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """The whole as plain JSON values, its version first.
+
+        Args:
+            values: plain JSON values by the names of `keys`.
+
+        Raises:
+            ValueError: a name is missing or not declared.
+        """
+        if values.keys() != self.keys.keys():
+            raise ValueError(f"{self.verb}: declared {sorted(self.keys)}, given {sorted(values)}")
+        return {"version": self.version, **{name: values[name] for name in self.keys}}
+
+
+@dataclass(frozen=True)
+class Rows(Output):
+    """A form that is a bare list of rows, without a version in it: what `export` prints.
+
+    Attributes:
+        keys: the shape of each column, by its name.
+        named: the beginning of the names of further columns, one for each requirement of the study, and their shape.
+    """
+
+    named: tuple[str, Shape] = ("", {})
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """The JSON Schema of the list."""
+        head = {"$schema": DIALECT, "$id": f"urn:scaloft-fi:output:{self.verb}:{self.version}", "title": self.verb}
+        beginning, shape = self.named
+        row = {**record("a flight", self.keys), "patternProperties": {f"^{beginning}": shape}}
+        return {**head, **listing(self.about, row)}
+
+
+SUMMARY = "summary"
+"""The table of what stands in no list: one row."""
+
+
+@dataclass(frozen=True)
+class Flat:
+    """A table of plain values.
+
+    Attributes:
+        about: what a row is.
+        columns: the fields by the name of their column.
+        rows: the values, those of a row in the order of the columns; None where there is none.
+    """
+
+    about: str
+    columns: Mapping[str, Field]
+    rows: Sequence[Sequence[Any]]
+
+
+class Field(NamedTuple):
+    """A column, or a list of records.
+
+    Attributes:
+        name: of the column.
+        path: the keys that lead to it.
+        shape: of its values.
+        lacking: whether a value may be missing.
+    """
+
+    name: str
+    path: tuple[str, ...]
+    shape: Shape
+    lacking: bool = False
+
+    @property
+    def records(self) -> Shape | None:
+        """The shape of the records in its list; None for a column."""
+        items = inner(inner(self.shape).get("items", {}))
+        return items if "properties" in items else None
+
+    def of(self, value: Any) -> Any:
+        """What stands there; None where the way ends before."""
+        for key in self.path:
+            value = value.get(key) if value is not None else None
+        return value
+
+
+ITSELF = Field("", (), {})
+"""A value itself."""
+
+
+def flat_tables(output: Output, values: Mapping[str, Any]) -> dict[str, Flat]:
+    """Each table by its name, the summary last.
+
+    Args:
+        output: the form of the values.
+        values: plain JSON values of this form; None for a list that has no entries.
+    """
+    made: dict[str, Flat] = {}
+    fields = list(_fields({"properties": output.keys}, [values], ITSELF))
+    for field in fields:
+        if field.records:
+            made |= _tables(field, field.records, None, [(None, one) for one in field.of(values) or ()])
+    if single := {field.name: field for field in fields if not field.records}:
+        made[SUMMARY] = Flat(output.about, single, [[field.of(values) for field in single.values()]])
+    return made
+
+
+def _tables(
+    listed: Field, shape: Shape, owner: Field | None, owned: Sequence[tuple[Any, Mapping[str, Any]]]
+) -> dict[str, Flat]:
+    """The table of records of one shape, and those of the records in them.
+
+    Args:
+        listed: the list; its name is that of the table.
+        shape: of its records.
+        owner: the column that says whose a record is; None where it is nobody's.
+        owned: whose each record is, and the record.
+    """
+    fields = list(_fields(shape, [one for _, one in owned], ITSELF))
+    columns = {field.name: field for field in fields if not field.records}
+    rows = [[*([whose] if owner else []), *(field.of(one) for field in columns.values())] for whose, one in owned]
+    about = inner(listed.shape)["description"]
+    made = {listed.name: Flat(about, {owner.name: owner, **columns} if owner else columns, rows)}
+    label, labelled = next(iter(shape["properties"].items()))
+    for field in fields:
+        if field.records:
+            below = [(one[label], each) for _, one in owned for each in field.of(one) or ()]
+            whose = Field(f"of_{label}", (), labelled)
+            made |= _tables(field._replace(name=f"{listed.name}_{field.name}"), field.records, whose, below)
+    return made
+
+
+def _fields(shape: Shape, values: Sequence[Any], field: Field) -> Iterator[Field]:
+    """The fields of values of one shape; names of the study come in the order of their first appearance."""
+    bare, known = inner(shape), [value for value in values if value is not None]
+    lacking, named = field.lacking or bare is not shape, bare.get("additionalProperties")
+    if "properties" in bare:
+        keys = dict(bare["properties"])
+    elif isinstance(named, Mapping):
+        keys, lacking = {key: named for value in known for key in value}, True
+    else:
+        yield Field(field.name, field.path, shape, lacking)
+        return
+    for key, each in keys.items():
+        below = [value[key] for value in known if key in value]
+        name = f"{field.name}_{key}" if field.name else key
+        yield from _fields(each, below, Field(name, (*field.path, key), each, lacking))
+
+
+def csv_tables(output: Output, values: Mapping[str, Any]) -> dict[str, str]:
+    """The CSV text of each table by its name; the summary has a line for each value."""
+    return {name: _text(name, flat) for name, flat in flat_tables(output, values).items()}
+
+
+def _text(name: str, flat: Flat) -> str:
+    rows = [[cell(value) for value in row] for row in flat.rows]
+    if name == SUMMARY:
+        return csv_text(("what", "value"), zip(flat.columns, *rows, strict=True))
+    return csv_text(flat.columns, rows)
+
+
+def table_names(output: Output) -> list[str]:
+    """The names of its tables."""
+    return list(flat_tables(output, dict.fromkeys(output.keys)))
+
+
+def cell(value: Any) -> Any:
+    """A plain JSON value as one cell.
+
+    >>> cell([["a", "b"], True])
+    'a;b;true'
+    """
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, list | tuple):
+        return ";".join(str(cell(entry)) for entry in value)
+    return value
+
+
+_TYPES = {"integer": ColumnType.WHOLE, "number": ColumnType.NUMBER, "boolean": ColumnType.TRUTH}
+
+
+def columns_of(name: str, flat: Flat) -> Columns:
+    """The columns of a table."""
+    types = {column: type_of(field) for column, field in flat.columns.items()}
+    rows = [
+        {column: _value(kind, value) for (column, kind), value in zip(types.items(), row, strict=True)}
+        for row in flat.rows
+    ]
+    return Columns(f"{name}: {flat.about}", types, rows)
+
+
+def summary_of(flat: Flat) -> dict[str, Any]:
+    """The single values of a summary by name, each list as a tuple."""
+    (row,) = flat.rows
+    return {
+        name: tuple(value) if isinstance(value, list) else value for name, value in zip(flat.columns, row, strict=True)
+    }
+
+
+def type_of(field: Field) -> ColumnType:
+    """The type of a column; whole numbers and truth values of which one may be missing are numbers (true is 1)."""
+    shape = inner(field.shape)
+    if "items" in shape:
+        return ColumnType.NUMBERS if _bare(inner(shape["items"])) in _TYPES else ColumnType.TEXTS
+    kind = _TYPES.get(_bare(shape), ColumnType.TEXT)
+    return ColumnType.NUMBER if field.lacking and kind is not ColumnType.TEXT else kind
+
+
+def _bare(shape: Shape) -> str:
+    """The type of JSON values; a number that may be the text `inf` is a number."""
+    named: str | Sequence[str] = shape.get("type", "")
+    return named if isinstance(named, str) else named[0]
+
+
+def _value(kind: ColumnType, value: Any) -> Any:
+    if kind in (ColumnType.TEXTS, ColumnType.NUMBERS):
+        return [float(one) if kind is ColumnType.NUMBERS else str(cell(one)) for one in value or ()]
+    if kind is ColumnType.TEXT:
+        return "" if value is None else str(cell(value))
+    return float(value) if kind is ColumnType.NUMBER and value is not None else value
+
+
+class Answer(Mapping[str, Columns]):
+    """What a verb answers: a mapping with columns for each table that the verb writes with `--tables`, by its name.
+
+    It is a picture of the moment at which it was asked for, and nothing changes it.
+
+    Args:
+        form: the form of its JSON.
+        values: makes the plain JSON values of the form.
+        tables: makes the tables for people.
+        told: makes the text for people, where it is not that of the tables.
+        rows: name of the table that `csv` prints; by default the one of the form.
+        warnings: what a reader must know beside it, in sentences.
+
+    Attributes:
+        warnings: what a reader must know beside it, in sentences; often nothing.
+    """
+
+    warnings: tuple[str, ...]
+
+    def __init__(
+        self,
+        form: Output,
+        values: Callable[[], Mapping[str, Any]],
+        tables: Callable[[], Sequence[Table]] = tuple,
+        *,
+        told: Callable[[Format], str] | None = None,
+        rows: str = "",
+        warnings: Sequence[str] = (),
+    ) -> None:
+        self._form, self._make, self._tables, self.warnings = form, values, tables, tuple(warnings)
+        self._rows = rows or form.rows
+        self._told = told or (lambda how: render(tables(), how))
+
+    @cached_property
+    def summary(self) -> Mapping[str, Any]:
+        """What stands in no table: single values by name, a list as a tuple; None where there is no value."""
+        return MappingProxyType(summary_of(self._flat[SUMMARY])) if SUMMARY in self._flat else MappingProxyType({})
+
+    def record(self) -> dict[str, Any]:
+        """The whole as plain JSON values: what the verb prints with `--format json`."""
+        return self._form.record(self._values)
+
+    def text(self, style: str = "table") -> str:
+        """What the verb prints.
+
+        Args:
+            style: `table`, `markdown`, `latex`, `json`, or `csv` for the one table that the verb prints.
+
+        Raises:
+            InputError: there is no such style.
+        """
+        if style not in list(Format):
+            raise InputError(f"style={style!r} must be one of {', '.join(Format)}{did_you_mean(style, list(Format))}")
+        how = Format(style)
+        if how is Format.JSON:
+            return self._form.json(self._values)
+        return self.csv()[self._rows] if how is Format.CSV else self._told(how)
+
+    def csv(self) -> dict[str, str]:
+        """The text of a CSV file for each table by its name: what the verb writes with `--tables`."""
+        return csv_tables(self._form, self._values)
+
+    @cached_property
+    def _values(self) -> Mapping[str, Any]:
+        return self._make()
+
+    @cached_property
+    def _flat(self) -> Mapping[str, Any]:
+        return flat_tables(self._form, self._values)
+
+    @cached_property
+    def _columns(self) -> Mapping[str, Columns]:
+        return {name: columns_of(name, flat) for name, flat in self._flat.items() if name != SUMMARY}
+
+    def __getitem__(self, name: str) -> Columns:
+        if name not in self._columns:
+            raise KeyError(f"{self._form.verb} has no table {name!r}{did_you_mean(str(name), self._columns)}")
+        return self._columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def __repr__(self) -> str:
+        rows = ", ".join(f"{name} ({columns.rows})" for name, columns in self.items())
+        return f"<{self._form.verb}: {rows or ', '.join(self.summary)}>"
+
+    def _repr_html_(self) -> str:
+        return html(self._tables())

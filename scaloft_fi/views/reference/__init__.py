@@ -1,1 +1,0 @@
-"""Pages of the reference, made from what the code declares."""

@@ -1,0 +1,435 @@
+"""Texts of a study that must appear as they are, whatever a format makes of its characters.
+
+The colours of words that a reader looks for: what is well, what is not, what is not known.  The words say it too.
+
+How wide the columns of a text table are on a terminal, and which columns it has room for.
+
+A table as text for a terminal of some width: columns side by side, or a record for each row where there is no room.
+
+First the columns are made narrower between words; then those are left out that the table can spare, which a note names;
+at last each row becomes a record, a line for each of its values.  Ids, paths and commands are never broken.
+
+Tables as HTML, for notebooks.
+
+Whole numbers in a sentence, their runs in short.
+
+A table as data, and how it is printed: text, Markdown, CSV, JSON or LaTeX.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cache, lru_cache
+from html import escape
+from itertools import accumulate
+
+from scaloft_fi.console import (
+    PROSE,
+    Marked,
+    Style,
+    broken,
+    coloured,
+    json_text,
+    kept_together,
+    line,
+    printable,
+    styled,
+    wrapped,
+)
+from scaloft_fi.console import width as terminal_width
+
+_MARKDOWN = re.compile(r"([\\`*_\[\]<>&|~$#])")
+_LATEX = {
+    "\\": r"\textbackslash{}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "|": r"\textbar{}",
+    '"': r"{\char34}",  # in every font encoding
+    "-": "{-}",  # two of them would become a dash
+    "`": "{`}",
+    "'": "{'}",
+    **{mark: f"\\{mark}" for mark in "{}$&%#_"},
+}
+FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "＝", "＋", "－", "＠")  # noqa: RUF001 - those, too, begin a formula
+"""What makes a spreadsheet take a text for a formula (OWASP, CSV injection)."""
+
+
+def markdown(text: str) -> str:
+    r"""The text as a cell of a Markdown table.
+
+    >>> markdown("<b> a|b")
+    '\\<b\\> a\\|b'
+    """
+    return _MARKDOWN.sub(r"\\\1", line(text))
+
+
+def code(text: str) -> str:
+    r"""The text as code in a line of Markdown, in a fence longer than any within it.
+
+    >>> code("a `b`"), code("a")
+    ('`` a `b` ``', '`a`')
+    """
+    shown = line(text)
+    runs = [len(run) for run in re.findall("`+", shown)]
+    fence = "`" * (max(runs, default=0) + 1)
+    return f"{fence} {shown} {fence}" if runs else f"{fence}{shown}{fence}"
+
+
+def latex(text: str) -> str:
+    r"""The text in LaTeX; letters that are not Latin need a Unicode engine.
+
+    >>> latex("5 % & x_y")
+    '5 \\% \\& x\\_y'
+    """
+    return "".join(_LATEX.get(letter, letter) for letter in line(text))
+
+
+def xml(text: str) -> str:
+    r"""The text on one line as the content of an element or an attribute of XML.
+
+    >>> xml("<a>\x1b & \n b")
+    '&lt;a&gt;\\x1b &amp; b'
+    """
+    return escape(line(text))
+
+
+def spreadsheet_text(text: str) -> str:
+    r"""The text as a cell of a CSV that a spreadsheet opens: what would be a formula there gets OWASP's leading `'`.
+
+    So does a text that would look like one with it: who reads the file back takes one `'` away from each cell that
+    matches `'+[=+@-]` or the like (see `FORMULA`).
+
+    >>> spreadsheet_text("=1+1"), spreadsheet_text("1+1"), spreadsheet_text("'=1")
+    ("'=1+1", '1+1', "''=1")
+    """
+    shown = printable(text)
+    return f"'{shown}" if shown.lstrip("'").startswith(FORMULA) else shown
+
+
+_GOOD = ("detected", "held", "steady", "accepted")
+_BAD = ("not detected", "violated", "red", "invalid", "expired", "uncovered")
+_DOUBT = ("undecided", "not tested", "unsteady", "vacuous", "open", "stale", "untested")
+_STYLES = {
+    word: style for words, style in ((_GOOD, Style.GOOD), (_BAD, Style.BAD), (_DOUBT, Style.DOUBT)) for word in words
+}
+_FIRST = re.compile(rf"({'|'.join(sorted(_STYLES, key=len, reverse=True))})(?=$|[,;:]| at | in )", re.IGNORECASE)
+_COMMAND = re.compile(r"`[^`\n]+`")
+
+
+def style_of(text: str) -> Style | None:
+    """The style of a text that is, or begins with, a word with a meaning; None for any other text.
+
+    >>> style_of("Not detected"), style_of("violated at 8.10 s"), style_of("redrawn")
+    (<Style.BAD: '31'>, <Style.BAD: '31'>, None)
+    """
+    found = _FIRST.match(text)
+    return _STYLES[found[1].lower()] if found else None
+
+
+def commands(text: str, *, marked: bool) -> str:
+    """The text with its commands, which stand between backticks, marked if wanted."""
+    return _COMMAND.sub(lambda command: styled(command[0], Style.COMMAND), text) if marked else text
+
+
+GAP = 2
+"""Between two columns [characters]."""
+
+
+def limits(headers: Sequence[str], rows: Sequence[Sequence[str]], width: int) -> list[int] | None:
+    """The widths of the columns of a table that is at most `width` wide; None where a word would have to be broken.
+
+    First to give way is the column that costs the fewest lines.  The first column names its row and keeps its width.
+    """
+    columns: list[tuple[str, ...]] = list(zip(*rows, strict=True)) if rows else [()] * len(headers)
+    least = [max(map(_longest_word, (header, *column))) for header, column in zip(headers, columns, strict=True)]
+    natural = [max(map(len, (header, *column))) for header, column in zip(headers, columns, strict=True)]
+    least[0] = natural[0]
+    if sum(least) + GAP * (len(least) - 1) > width:
+        return None
+    start = [max(low, min(wanted, width)) for low, wanted in zip(least, natural, strict=True)]
+    return _narrowed(start, least, [(header, *column) for header, column in zip(headers, columns, strict=True)], width)
+
+
+def height(rows: Sequence[Sequence[str]], widths: Sequence[int]) -> int:
+    """Lines that rows take in columns of these widths."""
+    return sum(max(map(_lines, row, widths), default=1) for row in rows)
+
+
+def _longest_word(cell: str) -> int:
+    return _words(cell)[1]
+
+
+def _narrowed(widths: list[int], least: Sequence[int], columns: Sequence[Sequence[str]], width: int) -> list[int]:
+    """`widths` taken in, a character at a time, until the table is `width` wide."""
+    narrowed = list(widths)
+
+    @cache
+    def lines(column: int, width: int) -> list[int]:
+        return [1 if len(cell) <= width else _lines(cell, width) for cell in columns[column]]
+
+    def cost(column: int) -> int:
+        """Lines that the table gains when this column is narrower by one."""
+        narrower = lines(column, narrowed[column] - 1)
+        return sum(now - height for now, height in zip(narrower, heights, strict=True) if now > height)
+
+    while sum(narrowed) + GAP * (len(narrowed) - 1) > width:
+        able = [column for column, now in enumerate(narrowed) if now > least[column]]
+        heights = [max(row) for row in zip(*map(lines, range(len(narrowed)), narrowed), strict=True)]
+        narrowed[min(able, key=lambda able: (cost(able), -narrowed[able], -able))] -= 1
+    return narrowed
+
+
+@lru_cache(maxsize=100_000)
+def _lines(cell: str, width: int) -> int:
+    """Lines that a cell takes, wrapped between its words."""
+    ends, _ = _words(cell)
+    lines = begin = 0
+    while begin < len(ends):
+        # a blank stands behind each word, but for the last one of a line; a word that is too long has its own line
+        begin = max(bisect_right(ends, (ends[begin - 1] if begin else 0) + width + 1, begin), begin + 1)
+        lines += 1
+    return max(lines, 1)
+
+
+@lru_cache(maxsize=100_000)
+def _words(cell: str) -> tuple[tuple[int, ...], int]:
+    """Where each word of a cell ends, with the blank behind it, and the length of the longest one."""
+    lengths = list(map(len, kept_together(cell).split()))
+    return tuple(accumulate(length + 1 for length in lengths)), max(lengths, default=0)
+
+
+INDENT = "  "
+Cells = Sequence[Sequence[str]]
+
+
+def body_text(headers: Sequence[str], rows: Cells, width: int, spare: Sequence[str] = (), *, marked: bool) -> str:
+    """Headers and rows as text without a line break at its end.
+
+    Args:
+        headers: of the columns, printable.
+        rows: printable, a line each.
+        width: of the terminal [characters].
+        spare: headers of the columns that the table can spare, in the order in which they are left out.
+        marked: whether words with a meaning get colours.
+    """
+    most = sum(1 + len(row) for row in rows)  # lines of the records
+    gone: list[str] = []
+    while True:
+        kept = [at for at, header in enumerate(headers) if header not in gone]
+        names, cells = [headers[at] for at in kept], [[row[at] for at in kept] for row in rows]
+        widths = limits(names, cells, width)
+        if widths is not None and height([names, *cells], widths) <= 1 + most:
+            body = _columns(names, cells, widths, marked=marked)
+            return f"{body}\n{_left_out(gone, width, marked=marked)}" if gone else body
+        if len(gone) == len(spare):
+            return "\n\n".join(_record(headers, row, width, marked=marked) for row in rows)
+        gone.append(spare[len(gone)])
+
+
+def heading(title: str, width: int, *, marked: bool) -> str:
+    """The title of a table; a word with a meaning before a colon gives it its colour."""
+    text = wrapped(title, width)
+    if not marked:
+        return text
+    meaning = style_of(title.partition(":")[0])
+    strong = "\n".join(styled(line, Style.STRONG) for line in text.split("\n"))
+    return styled(strong, meaning) if meaning else strong
+
+
+def note(text: str, width: int, *, marked: bool) -> str:
+    """A sentence under a table."""
+    return commands(wrapped(text, min(width, PROSE)), marked=marked)
+
+
+def _left_out(gone: Sequence[str], width: int, *, marked: bool) -> str:
+    text = f"Left out for want of room: {', '.join(gone)}; `--format csv` has every column."
+    return note(text, width, marked=marked)
+
+
+def _columns(headers: Sequence[str], rows: Cells, widths: Sequence[int], *, marked: bool) -> str:
+    import tabulate
+
+    tabulate.MIN_PADDING = 0  # a header needs no more room than its letters
+    cells = [[_cell(cell, width, marked=marked) for cell, width in zip(row, widths, strict=True)] for row in rows]
+    names = [_cell(header, width, marked=False) for header, width in zip(headers, widths, strict=True)]
+    return tabulate.tabulate(cells, names, "simple", disable_numparse=True)
+
+
+def _cell(cell: str, width: int, *, marked: bool) -> str:
+    lines = [cell] if len(cell) <= width else broken(cell, width)
+    meaning = style_of(cell) if marked else None
+    return "\n".join(styled(line, meaning) for line in lines) if meaning else "\n".join(lines)
+
+
+def _record(headers: Sequence[str], row: Sequence[str], width: int, *, marked: bool) -> str:
+    """A row as lines: what names it, then below it each other value behind its header."""
+    label = max(map(len, headers[1:]), default=0) + len(INDENT)
+    name = wrapped(row[0], width)
+    lines = ["\n".join(styled(each, Style.STRONG) for each in name.split("\n")) if marked else name]
+    for header, value in zip(headers[1:], row[1:], strict=True):
+        if value:
+            meaning = style_of(value) if marked else None
+            text = wrapped(value, width, f"{INDENT}{header.ljust(label)}", INDENT + " " * label)
+            head = len(INDENT) + label
+            lines.append(text[:head] + styled(text[head:], meaning) if meaning else text)
+    return "\n".join(lines)
+
+
+def html(tables: Sequence[Table]) -> str:
+    """The tables with their titles and notes; every text of a study is escaped."""
+    return "\n".join(map(_one, tables))
+
+
+def _one(table: Table) -> str:
+    head = "".join(f"<th>{xml(name)}</th>" for name in table.headers)
+    rows = "\n".join(f"<tr>{''.join(map(_html_cell, row))}</tr>" for row in table.rows)
+    notes = "".join(f"<div>{xml(note)}</div>" for note in table.notes)
+    caption = f'<caption style="text-align: left">{xml(table.title)}</caption>'
+    return f"<table>{caption}\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody></table>\n{notes}"
+
+
+def _html_cell(value: object) -> str:
+    return f'<td style="text-align: left">{"" if value is None else xml(str(value))}</td>'
+
+
+def ranges(numbers: Iterable[int]) -> str:
+    """Whole numbers in a sentence.
+
+    >>> ranges([4, 0, 1, 2, 7])
+    '0-2, 4, 7'
+    """
+    runs: list[list[int]] = []
+    for number in sorted(numbers):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs)
+
+
+TableCell = str | int | float | None
+
+
+class Format(StrEnum):
+    """How tables are printed."""
+
+    TABLE = "table"
+    MARKDOWN = "markdown"
+    CSV = "csv"
+    JSON = "json"
+    LATEX = "latex"
+
+
+_TABULATE = {Format.MARKDOWN: "github", Format.LATEX: "latex_booktabs"}
+_HARMLESS = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|-", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A titled table.
+
+    Attributes:
+        title: of the table.
+        headers: of the columns.
+        rows: the values, those of a row in the order of the headers.
+        notes: sentences under the table.
+        spare: headers of the columns that a narrow terminal does without, in the order in which they are left out.
+    """
+
+    title: str
+    headers: tuple[str, ...]
+    rows: tuple[tuple[TableCell, ...], ...]
+    notes: tuple[str, ...] = ()
+    spare: tuple[str, ...] = ()
+
+    def records(self) -> list[dict[str, TableCell]]:
+        """The rows as plain JSON values, by header."""
+        return [dict(zip(self.headers, row, strict=True)) for row in self.rows]
+
+
+def render(tables: Sequence[Table], how: Format, *, width: int | None = None, marked: bool | None = None) -> str:
+    """The tables as one text, ending in a line break.
+
+    Args:
+        tables: to render.
+        how: the format.
+        width: of the terminal, for text [characters]; that of standard output when None.
+        marked: whether text has colours; as standard output has them when None.
+    """
+    if how is Format.JSON:
+        return json_text([_plain(table) for table in tables], indent=2) + "\n"
+    if how is Format.TABLE:
+        columns = terminal_width() if width is None else width
+        colours = coloured() if marked is None else marked
+        text = "\n".join(_text(table, columns, marked=colours) for table in tables)
+        return Marked(text) if colours else text
+    return "\n".join(_tabulated_one(table, how) for table in tables)
+
+
+def csv_text(headers: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    """A line of headers and a line for each row, without a formula; nothing stands where there is no value."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(map(_in_csv, headers))
+    writer.writerows(map(_in_csv, row) for row in rows)
+    return text.getvalue()
+
+
+def tabulated(headers: Sequence[str], rows: Iterable[Sequence[TableCell]], how: Format, style: str = "") -> str:
+    """Headers and rows with `tabulate`, every cell a text of one line that the format takes literally.
+
+    Args:
+        headers: of the columns.
+        rows: of the table; nothing stands where there is no value.
+        how: Markdown or LaTeX.
+        style: the table style of `tabulate`; by default the one of `how`.
+    """
+    import tabulate
+
+    tabulate.MIN_PADDING = 0  # a header needs no more room than its letters
+
+    literal = markdown if how is Format.MARKDOWN else line  # tabulate escapes LaTeX itself
+    names = list(map(literal, headers))
+    return tabulate.tabulate(_cells(rows, literal), names, style or _TABULATE[how], disable_numparse=True)
+
+
+def _cells(rows: Iterable[Sequence[TableCell]], literal: Callable[[str], str]) -> list[list[str]]:
+    return [["" if cell is None else literal(str(cell)) for cell in row] for row in rows]
+
+
+def _plain(table: Table) -> dict[str, object]:
+    return {"title": table.title, "rows": table.records(), "notes": list(table.notes)}
+
+
+def _text(table: Table, width: int, *, marked: bool) -> str:
+    """The table for a terminal, with a blank line between its title and its body."""
+    headers, rows = list(map(line, table.headers)), _cells(table.rows, line)
+    parts = [heading(line(table.title), width, marked=marked), ""]
+    parts.append(body_text(headers, rows, width, table.spare, marked=marked))
+    parts += [note(line(each), width, marked=marked) for each in table.notes]
+    return "\n".join(parts) + "\n"
+
+
+def _tabulated_one(table: Table, how: Format) -> str:
+    title, notes = line(table.title), list(map(line, table.notes))
+    if how is Format.CSV:
+        return csv_text([f"# {title}"], ()) + csv_text(table.headers, table.rows)
+    body = tabulated(table.headers, table.rows, how)
+    if how is Format.LATEX:
+        return f"% {title}\n{body}\n" + "".join(f"% {note}\n" for note in notes)
+    return f"### {markdown(title)}\n\n{body}\n" + "".join(f"\n{note}\n" for note in notes)
+
+
+def _in_csv(value: object) -> object:
+    """A text that a spreadsheet takes for a number, and the sign `-` alone, are no formulas."""
+    if isinstance(value, str) and value[:1].isalnum() and value.isprintable():
+        return value  # nearly every cell, without a search
+    return spreadsheet_text(value) if isinstance(value, str) and not _HARMLESS.fullmatch(value) else value

@@ -1,1 +1,0 @@
-"""The HAZOP worksheet filled back."""
