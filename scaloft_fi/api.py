@@ -36,8 +36,8 @@ from scaloft_fi.mutants.operator import (
     the,
 )
 from scaloft_fi.mutants.sample import on_each, within
-from scaloft_fi.sim.load import declare_claims, declare_stack
 from scaloft_fi.sim.log import signal
+from scaloft_fi.sim.stacks import declare_claims, declare_stack
 from scaloft_fi.stack import messages
 from scaloft_fi.stack.config import Bounds
 from scaloft_fi.stack.declaration import (

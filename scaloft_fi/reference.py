@@ -28,7 +28,7 @@ from scaloft_fi.views.table import markdown
 
 OUTPUTS: dict[str, str] = {
     "new": "scaloft_fi.verbs.new:NEW",
-    "matrix": "scaloft_fi.verbs.matrix:MATRIX",
+    "matrix": "scaloft_fi.verbs.matrix_record:MATRIX",
     "mutants": "scaloft_fi.verbs.mutants:MUTANTS",
     "signals": "scaloft_fi.verbs.signals:FORM",
     "seams": "scaloft_fi.verbs.seams:FORM",

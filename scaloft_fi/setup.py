@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.document import is_there, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import in_one_line
-from scaloft_fi.sim.load import StackChoice
+from scaloft_fi.sim.stacks import StackChoice
 from scaloft_fi.stack.declaration import Declaration
 
 if TYPE_CHECKING:

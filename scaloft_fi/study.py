@@ -301,7 +301,7 @@ class Study(Setup):
     def matrix(self) -> Matrix:
         """The deviation matrix."""
         from scaloft_fi.mutants.catalogue import with_events
-        from scaloft_fi.sim.observer import events_in
+        from scaloft_fi.sim.events import events_in
 
         matrix, world = load_matrix(self.folder / "hazop", self.stack.by_name), self.folder / "sim" / "world.yaml"
         return with_events(matrix, events_in(load(world), self.stack.beliefs))

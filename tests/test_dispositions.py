@@ -11,7 +11,7 @@ from builders import GRID
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.study import draft, load_dispositions
 
 MATRIX = load_matrix(Path(__file__).parents[1] / "hazop", REFERENCE.by_name)

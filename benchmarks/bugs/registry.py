@@ -20,7 +20,7 @@ from bugs import (
 )
 from bugs.bug import Bug
 from bugs.staged import declaration
-from scaloft_fi.sim.load import STACKS, declare_stack
+from scaloft_fi.sim.stacks import STACKS, declare_stack
 
 BUGS: tuple[Bug, ...] = tuple(
     module.BUG

@@ -13,6 +13,7 @@ import numpy as np
 from scaloft_fi.stack.declaration import Declaration, Stack, Task, Wire
 from scaloft_fi.stack.messages import SensorFrames
 from scaloft_fi.stack.reference.companion import Companion, ExposureControl, Stages
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.estimator import Estimator
 from scaloft_fi.stack.reference.flight_control import FlightControl, InnerLoop
 from scaloft_fi.stack.reference.memory import ObstacleMemory
@@ -20,7 +21,7 @@ from scaloft_fi.stack.reference.messages import Route
 from scaloft_fi.stack.reference.mission import BatteryMonitor, Mission, SpeedLimitStage
 from scaloft_fi.stack.reference.planner import Planner
 from scaloft_fi.stack.reference.proximity import ProximityMonitor, Recoil
-from scaloft_fi.stack.reference.stack import REFERENCE, ReferenceConfig, ReferenceStack
+from scaloft_fi.stack.reference.stack import ReferenceConfig, ReferenceStack
 
 
 class Receiver:

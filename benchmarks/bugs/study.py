@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from scaloft_fi.sim.load import STACKS, SimConfig
+from scaloft_fi.sim.load import SimConfig
+from scaloft_fi.sim.stacks import STACKS
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.study import Study
 

@@ -10,7 +10,7 @@ from planner import Planner
 
 from scaloft_fi.outside.border import Land, Motion
 from scaloft_fi.outside.stack import OUTSIDE, DeclaredWire, VelocityStack, seams_of, shaped, words_of
-from scaloft_fi.sim.load import declare_stack
+from scaloft_fi.sim.stacks import declare_stack
 
 
 class Round:

@@ -24,10 +24,10 @@ from scaloft_fi.registry import PLUGIN_GROUP, load_plugin
 from scaloft_fi.sim.grid import Grid, assembled, contradictions
 from scaloft_fi.sim.grids import FILE, FOLDER, WITH_FOUND
 from scaloft_fi.sim.happenings import HAPPENINGS
-from scaloft_fi.sim.load import StackChoice
 from scaloft_fi.sim.log import SIGNALS, clearance_name, signal_names
 from scaloft_fi.sim.patch import PARTS, leaves
 from scaloft_fi.sim.situation import Axis, AxisValue, read_axis, read_constraints
+from scaloft_fi.sim.stacks import StackChoice
 from scaloft_fi.sim.world import GROUND, WALL
 
 if TYPE_CHECKING:

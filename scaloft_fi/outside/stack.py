@@ -28,6 +28,7 @@ from scaloft_fi.stack.messages import (
     Stamps,
     Thrust,
 )
+from scaloft_fi.stack.reference.declaration import SEAMS
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
 from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl, InnerLoop
 from scaloft_fi.stack.reference.messages import (
@@ -42,7 +43,7 @@ from scaloft_fi.stack.reference.messages import (
     VelocityCommand,
 )
 from scaloft_fi.stack.reference.mission import Mission, SpeedLimitStage
-from scaloft_fi.stack.reference.stack import SEAMS, ReferenceConfig, ReferenceStack
+from scaloft_fi.stack.reference.stack import ReferenceConfig, ReferenceStack
 
 FLIGHT_CONTROL = ("imu", "fix", "thrust")
 """Seams of our drone that are left where velocities come from outside."""

@@ -14,9 +14,10 @@ from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.mutants.wire import TapError
 from scaloft_fi.sim.build import build, connect, place
 from scaloft_fi.sim.contact import Feeler
+from scaloft_fi.sim.events import Lookout, events_of
 from scaloft_fi.sim.load import SimConfig
 from scaloft_fi.sim.log import Count, Ending, FlightLog, Recorder
-from scaloft_fi.sim.observer import Lookout, Observer, events_of
+from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import Sensors
 from scaloft_fi.sim.situation import Situation

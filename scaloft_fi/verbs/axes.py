@@ -1,7 +1,4 @@
-"""The axes of a grid: what each value sets, and by which formula a flight is known to have met it.
-
-`scaloft-fi axes`: list the study's axes, without flying.
-"""
+"""`scaloft-fi axes`: list the study's axes, without flying."""
 
 from __future__ import annotations
 

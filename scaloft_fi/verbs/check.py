@@ -1,9 +1,4 @@
-"""What the dry check of a study found: lines, tables and plain JSON values.
-
-What `check` answers.
-
-`scaloft-fi check`: the whole study dry.
-"""
+"""`scaloft-fi check`: the whole study dry."""
 
 from __future__ import annotations
 

@@ -1,9 +1,7 @@
-"""Completion in bash, zsh and fish: what the shell asks, what it is answered, and the script that lets it ask.
+"""`scaloft-fi completion`: the script by which a shell completes verbs, options and the names of a study.
 
 A name is offered only if it is made of letters that no shell gives a meaning (`SAFE`), whatever a study calls its
 things: what is completed stands in the command line, and the next key may be Enter.
-
-`scaloft-fi completion`: the script by which a shell completes verbs, options and the names of a study.
 """
 
 from __future__ import annotations

@@ -1,11 +1,4 @@
-"""The situation coverage as plain JSON values, as `coverage` and `score` print it.
-
-Situation coverage as tables: all of its numbers, and how the situations were chosen.
-
-What `coverage` answers.
-
-`scaloft-fi coverage`: how much of the situations a campaign covers.
-"""
+"""`scaloft-fi coverage`: how much of the situations a campaign covers."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""What two campaigns say of the same flights.
-
-What `diff` answers.
-
-`scaloft-fi diff`: hold two campaigns against each other.
-"""
+"""`scaloft-fi diff`: hold two campaigns against each other."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""Survivors and the dispositions that accept them, in words.
-
-What `dispositions` answers.
-
-`scaloft-fi dispositions`: the survivors of a campaign beside those that were accepted.
-"""
+"""`scaloft-fi dispositions`: the survivors of a campaign beside those that were accepted."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""What is installed and what decides the bits of a flight, as plain JSON values and as tables.
-
-`scaloft-fi doctor`: the platform, the installation, and whether a known flight has its published digest.
-"""
+"""`scaloft-fi doctor`: the platform, the installation, and whether a known flight has its published digest."""
 
 from __future__ import annotations
 

@@ -1,9 +1,4 @@
-"""What the requirements say of records, as a table and as plain JSON values.
-
-What `judge` answers.
-
-`scaloft-fi judge`: judge records of flights with the study's requirements.
-"""
+"""`scaloft-fi judge`: judge records of flights with the study's requirements."""
 
 from __future__ import annotations
 

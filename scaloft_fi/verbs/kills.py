@@ -1,9 +1,4 @@
-"""What kills what, as tables: conditions and orders, situations, the minimal suite, subsumption, survivors.
-
-What `kills` answers.
-
-`scaloft-fi kills`: what kills what, and what to do about the rest.
-"""
+"""`scaloft-fi kills`: what kills what, and what to do about the rest."""
 
 from __future__ import annotations
 

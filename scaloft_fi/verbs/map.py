@@ -1,7 +1,4 @@
-"""From a situation of a study to its plan, and to the facts that a program can read.
-
-`scaloft-fi map`: mine, bodies and route of one situation, without flying.
-"""
+"""`scaloft-fi map`: mine, bodies and route of one situation, without flying."""
 
 from __future__ import annotations
 

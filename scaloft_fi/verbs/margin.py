@@ -1,15 +1,4 @@
-"""A margin as people read it.
-
-Margins as plain JSON values: what `margin` and `matrix --margins` print for programs.
-
-Margins for readers: a table for each fault, and the deviation matrix with a margin in every cell.
-
-When a fault strikes, for readers: a table of its times and one of its events, each phase on a rail of the flight.
-
-What `margin` answers: by a search that flies, or of the flights that a campaign holds.
-
-`scaloft-fi margin`: the smallest magnitude of a fault that is killed, by bisection.
-"""
+"""`scaloft-fi margin`: the smallest magnitude of a fault that is killed, by bisection."""
 
 from __future__ import annotations
 

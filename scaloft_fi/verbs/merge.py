@@ -1,9 +1,4 @@
-"""What a merge of campaigns came to.
-
-What `merge` answers.
-
-`scaloft-fi merge`: join campaigns flown in parts.
-"""
+"""`scaloft-fi merge`: join campaigns flown in parts."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Mutants as plain JSON values: what `mutants` prints for programs.
-
-`scaloft-fi mutants`: the catalogue of mutants; list it, derive it from the matrix, prove it current.
-"""
+"""`scaloft-fi mutants`: the catalogue of mutants; list it, derive it from the matrix, prove it current."""
 
 from __future__ import annotations
 
@@ -15,7 +12,7 @@ from scaloft_fi.console import say, tell, tell_line, width
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.verbs import names
-from scaloft_fi.verbs.matrix import ARGUMENTS
+from scaloft_fi.verbs.matrix_record import ARGUMENTS
 from scaloft_fi.verbs.options import check_own, format_option, study_option
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Output, count, flag, listing, number, record, text

@@ -207,7 +207,7 @@ def _flight_names(study: Path, context: click.Context, typed: str) -> Iterator[s
 
 
 def _format_names(_study: Path, _context: click.Context, _typed: str) -> Names:
-    return sorted(declared(FORMAT, "views/exchange"))
+    return sorted(declared(FORMAT, "verbs/export"))
 
 
 def _operator_names(study: Path, _context: click.Context, _typed: str) -> Names:
@@ -233,7 +233,7 @@ def _stack_names(study: Path, what: str) -> Names:
 def _signal_names(study: Path, _context: click.Context, _typed: str) -> Iterator[str]:
     from scaloft_fi.document import load
 
-    yield from rows(r"^ +([a-z]\w*) +\| ", "sim/signals.py")
+    yield from rows(r"^ +([a-z]\w*) +\| ", "sim/log.py")
     for surface in ("wall", "ground", *load(study / "sim" / "world.yaml").need("bodies").mapping()):
         yield f"clearance_{surface}_m"
     yield from _stack_names(study, BELIEF)
@@ -241,7 +241,7 @@ def _signal_names(study: Path, _context: click.Context, _typed: str) -> Iterator
 
 
 def _document_names(_study: Path, _context: click.Context, _typed: str) -> Names:
-    return rows(r'^ +Document\("(\w+)"', "views/documents/listed.py")
+    return rows(r'^ +Document\("(\w+)"', "verbs/documents/listed.py")
 
 
 mutants = _completer(lambda study, _context, typed: _mutant_names(study, typed))

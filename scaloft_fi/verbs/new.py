@@ -1,7 +1,4 @@
-"""What `new` wrote.
-
-`scaloft-fi new`: write a small study, or a plugin package with a study that uses it.
-"""
+"""`scaloft-fi new`: write a small study, or a plugin package with a study that uses it."""
 
 from __future__ import annotations
 
@@ -67,7 +64,7 @@ def new_command(folder: Path, plugin: bool, name: str | None, style: str) -> Non
     The first line of each document names its JSON Schema in schemas/, with which an editor completes keys; in a
     package, `scaloft-fi schema --write` makes that folder once the package is installed.
     """
-    from scaloft_fi.sim.load import STACKS
+    from scaloft_fi.sim.stacks import STACKS
     from scaloft_fi.templates import check_package_name, plugin_files, study_files, write_new
     from scaloft_fi.verbs.documents.listed import pointed, schema_files
     from scaloft_fi.views.output import Answer

@@ -1,11 +1,4 @@
-"""Which installed package a declared thing comes from.
-
-Samples of messages as short texts, and an operator's example as one line for each poll.
-
-The operators that a study can use: arguments, what each needs of a message, where it fits, and its example.
-
-`scaloft-fi operators`: list the study's operators, without flying.
-"""
+"""`scaloft-fi operators`: list the study's operators, without flying."""
 
 from __future__ import annotations
 

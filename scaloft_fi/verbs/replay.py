@@ -1,17 +1,7 @@
-"""One flight as CSV: a line for each sample, a column for each signal, every number with all its digits.
-
-A flight flown once more, with its log: what it says, its map beside its baseline, its recording.
-
-A flight that was flown once more, compared with the same flight in a campaign.
-
-What a flight that was flown again was, and how it compares with the campaign's.
-
-One flight as MCAP, which Foxglove and others play: its pose and path, its signals, its events.
+"""`scaloft-fi replay`: fly one flight again, bit for bit, and draw it.
 
 Channels are JSON with their schemas in the file; `/pose` and `/path` have the shapes of `foxglove.PoseInFrame` and
 `foxglove.PosesInFrame`, `/signals` has every signal of the log by name, `/events` is `foxglove.Log`.
-
-`scaloft-fi replay`: fly one flight again, bit for bit, and draw it.
 """
 
 from __future__ import annotations
@@ -27,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.command import Commanded
+from scaloft_fi.campaign.flights.fly import Commanded
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive
 from scaloft_fi.campaign.store.flown_grid import opened

@@ -1,11 +1,4 @@
-"""How the looks of a sequential run went.
-
-The flights that a run left out, by parameter and by situation, so that nobody reads a part as the whole.
-
-A campaign with its score, and how `run`, `score` and a script show it: tables, text, plain JSON values.
-
-`scaloft-fi score`: what a campaign's flights say, again, without flying.
-"""
+"""`scaloft-fi score`: what a campaign's flights say, again, without flying."""
 
 from __future__ import annotations
 
@@ -20,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from scaloft_fi.analysis.coverage import Coverage, coverage_of
-from scaloft_fi.analysis.detection import Noise, Verdict, noise_of
+from scaloft_fi.analysis.detection import Noise, Spending, Verdict, noise_of
 from scaloft_fi.analysis.pool import findings
 from scaloft_fi.analysis.roster import plain
 from scaloft_fi.analysis.score import By, Score, groups, score_of
@@ -29,10 +22,10 @@ from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.plan import Plan
 from scaloft_fi.campaign.runs.request import Look
 from scaloft_fi.campaign.runs.run import borrowed
-from scaloft_fi.console import joined, say
+from scaloft_fi.console import joined, say, width, wrapped
 from scaloft_fi.errors import ExitCode, InputError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.status import Rulings
+from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.first_screen import first_screen, group_table, screen_text, tables_behind
 from scaloft_fi.verbs.options import (
@@ -262,6 +255,26 @@ def scored_campaign(
         others = borrowed(study, baseline_from, [key for key, _ in listed if key in flown])
     score = score_of(rulings, study.roster, study.space, spending, others)
     return ScoredCampaign(study, campaign, rulings, score, noise, warning, stale, _accepted(study, score, today))
+
+
+def detected_so_far(study: Study, outcomes: Iterable[Outcome], spending: Spending) -> list[str]:
+    """Lines of what `scaloft-fi score` would count as detected now, of the mutants flown so far.
+
+    Args:
+        study: the study.
+        outcomes: what the campaign holds.
+        spending: of the campaign's alpha.
+    """
+    scored = score_of(rulings_of(outcomes), study.roster, study.space, spending)
+    faults = scored.counted or [mutant for mutant in scored.mutants if mutant.flown]
+    flown = Counter(mutant.subject.guideword for mutant in faults)
+    detected = Counter(mutant.subject.guideword for mutant in faults if mutant.detected)
+    if not flown:
+        return []
+    known = [word.id for word in study.matrix.guidewords if flown[word.id]]
+    words = "  ".join(f"`{word} {detected[word]}/{flown[word]}`" for word in known)
+    text = f"detected so far: {detected.total()} of {flown.total()} flown:  {words}"
+    return wrapped(text, width() - 1, "", "  ").replace("`", "").split("\n")
 
 
 def scored_run(flown: FlownRun, campaign: str) -> ScoredCampaign:

@@ -1,7 +1,4 @@
-"""The seams of a study's stack: where faults can be patched in, with what, and which cells do.
-
-`scaloft-fi seams`: list the study's seams, without flying.
-"""
+"""`scaloft-fi seams`: list the study's seams, without flying."""
 
 from __future__ import annotations
 

@@ -1,13 +1,4 @@
-"""What a search found that breaks the unmutated drone.
-
-What a search found, and what it did not.
-
-What a search found, as plain JSON values.
-
-What `seek` answers: the situations that a search found.
-
-`scaloft-fi seek`: find a situation that would have shown a fault.
-"""
+"""`scaloft-fi seek`: find a situation that would have shown a fault."""
 
 from __future__ import annotations
 
@@ -49,7 +40,7 @@ from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.sim.found import FILE, Break, Find, read_finds
 from scaloft_fi.sim.grids import grid_names, own_name
-from scaloft_fi.sim.load import claims_of
+from scaloft_fi.sim.stacks import claims_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import campaigns, grids, sought
 from scaloft_fi.verbs.options import (

@@ -1,9 +1,4 @@
-"""What a log's signals can read, and a formula that uses each: what their declarations do not say.
-
-The signals of a study: what its requirements and the predicates of its axes may speak of.
-
-`scaloft-fi signals`: list the study's signals, without flying.
-"""
+"""`scaloft-fi signals`: list the study's signals, without flying."""
 
 from __future__ import annotations
 

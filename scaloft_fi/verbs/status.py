@@ -1,9 +1,4 @@
-"""What a campaign holds: flights by status, those still to be flown, and those that do not count any more.
-
-What `status` answers.
-
-`scaloft-fi status`: what a campaign holds.
-"""
+"""`scaloft-fi status`: what a campaign holds."""
 
 from __future__ import annotations
 

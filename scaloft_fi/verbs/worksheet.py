@@ -1,22 +1,10 @@
-"""The HAZOP worksheet filled back: every cell of the matrix beside what its flights say, with room for the team.
+"""`scaloft-fi worksheet`: the HAZOP worksheet filled back with what the flights say.
 
 The columns are those of the classic sheet (`method.md`, section 1.3), the tool's findings, and columns that only people
 can fill.  It never invents a risk matrix: severity is what the study says, and likelihood stays empty.
 
-The worksheet as text: for a terminal, Markdown, LaTeX, and CSV that a spreadsheet opens.
-
-Deviations that are not credible stand in a log of their own, with their reason; CSV is one table and has them there.
-
-The worksheet as an XLSX workbook: sheet, survivors, log of deviations not credible, what the columns say.
-
 openpyxl writes it.  Every text is written as a text, with the mark that keeps it one when somebody edits the cell: a
 study's `=1+1` is never a formula.  The same sheet gives the same bytes: the file carries no clock.
-
-The HAZOP worksheet as plain JSON values: what `worksheet` prints for programs.
-
-What `worksheet` answers.
-
-`scaloft-fi worksheet`: the HAZOP worksheet filled back with what the flights say.
 """
 
 from __future__ import annotations
@@ -48,7 +36,7 @@ from scaloft_fi.mutants.catalogue import default_of
 from scaloft_fi.output import write_named
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
 from scaloft_fi.verbs.margin import CELL_MARGINS, UNKNOWN, cell_margin_values, cell_margins
-from scaloft_fi.verbs.matrix import CELL, cell_values
+from scaloft_fi.verbs.matrix_record import CELL, cell_values
 from scaloft_fi.verbs.options import (
     FORMATS,
     answer,

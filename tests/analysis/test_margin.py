@@ -17,7 +17,7 @@ from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.verbs.margin import LEGEND, cell_margins, margin_tables, margin_text, margin_values
 
 MATRIX = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)

@@ -29,7 +29,7 @@ from scaloft_fi.mutants.catalogue import realise, with_events
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.stack.declaration import Declaration
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 KINDS = {"SR1": Kind.SAFETY, "SR2": Kind.SAFETY, "OP1": Kind.OPERABILITY}
 

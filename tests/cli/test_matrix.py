@@ -21,7 +21,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import FOLDERS, load_matrix
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Guideword, Matrix, Parameter
 from scaloft_fi.hazop.render import overview, sheet
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.verbs.matrix import matrix_command
 
 CHECKOUT = Path(__file__).resolve().parents[2]

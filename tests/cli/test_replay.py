@@ -96,7 +96,7 @@ class _Replayed:
 
     def compared(self, numpy: str, outcome: Outcome, *, clean: str = "clean 2", same_platform: bool = False) -> str:
         """What `replay` says of `outcome` on the platform `numpy`, whose baseline has the digest `clean`."""
-        self._monkeypatch.setattr("scaloft_fi.campaign.store.origin.fingerprint", lambda: {"numpy": numpy})
+        self._monkeypatch.setattr("scaloft_fi.verbs.replay.fingerprint", lambda: {"numpy": numpy})
         again = LoggedFlight(self.study, self.clean, LOG, replace(self.baseline, digest=clean))
         self._monkeypatch.setattr("scaloft_fi.verbs.replay.fly_with_log", lambda *_: again)
         flown = LoggedFlight(self.study, self.flight, LOG, outcome)

@@ -31,7 +31,7 @@ LATE, MORE = "LATE-human@3s", "MORE-goal@0.6m"
 @pytest.fixture
 def ruled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: Call) -> Ruled:
     flyer = Ruled(tmp_path / "flown.txt", {LATE: fast})
-    monkeypatch.setattr("scaloft_fi.campaign.flights.physics.Physics", lambda: flyer)
+    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: flyer)
     return flyer
 
 
@@ -146,7 +146,7 @@ def test_what_breaks_the_unmutated_drone_is_printed_and_written(
         way = Signature(names[0], violations[0].struck, "home to corner", "corner", "person detection")
         return (Breach(way, names, violations[0].t_s, (0.0, 1.0, 1.6), 1.5, "m"),)
 
-    monkeypatch.setattr("scaloft_fi.campaign.seeking.finds.recalled", recalled)
+    monkeypatch.setattr("scaloft_fi.campaign.seeking.breaks.recalled", recalled)
     ruled.baseline = fast
     (copy / "sim" / "grids" / "small.yaml").write_text(SMALL, encoding="utf-8")
     words = ("baseline", "--grid", "small", "--into", "where", "--budget", "70flights", "--jobs", "1")

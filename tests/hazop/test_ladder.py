@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Magnitude, Worse, mild_to_strong, neutral, worse
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 REFERENCE = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
 LADDERS = [

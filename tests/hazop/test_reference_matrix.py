@@ -8,7 +8,7 @@ import pytest
 
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Magnitude
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 HAZOP = Path(__file__).resolve().parents[2] / "hazop"
 MATRIX = load_matrix(HAZOP, REFERENCE.by_name)

@@ -11,7 +11,7 @@ import pytest
 
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Cell, CellStatus
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.study import Study
 
 HAZOP = Path(__file__).resolve().parents[2] / "hazop"

@@ -9,8 +9,8 @@ from scaloft_fi.judge.stl import Formula, FormulaError, tokenize
 from scaloft_fi.judge.stl.parse import parse
 from scaloft_fi.sim import observer
 from scaloft_fi.sim.log import signal_names
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import BELIEFS
-from scaloft_fi.stack.reference.stack import REFERENCE
 
 
 @pytest.mark.parametrize(

@@ -14,10 +14,10 @@ from scaloft_fi.document import load
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.catalogue import with_events
-from scaloft_fi.sim.observer import events_in
+from scaloft_fi.sim.events import events_in
 from scaloft_fi.stack import messages as m
 from scaloft_fi.stack.reference import messages as own
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 STUDY = Path(__file__).parents[2]
 

@@ -14,7 +14,7 @@ from scaloft_fi.mutants.operator import Facts, Hold, Period, Seconds, Tap, TapCo
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.mutants.wire import contexts, wire_for
 from scaloft_fi.stack.messages import Detections
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 FACTS = Facts(settings={"memory": {"voxel_m": 0.15}})
 

@@ -10,8 +10,8 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.operator import IMAGE, Example, Tap, TapContext, operator
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.stack.messages import Battery, DepthFrame
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import Target
-from scaloft_fi.stack.reference.stack import REFERENCE
 
 BAD = [
     ("delay", "person", {"delay_s": -1.0}, "operator 'delay': delay_s=-1 must be >= 0"),

@@ -15,7 +15,7 @@ from scaloft_fi.mutants.operator import Operator, TapContext
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.stack.declaration import Seam
 from scaloft_fi.stack.messages import field_type, number_fields, vector_fields
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 
 def same(a: Any, b: Any) -> bool:

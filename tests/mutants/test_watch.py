@@ -13,8 +13,8 @@ from scaloft_fi.mutants.operator import Occurrences, Tap, Windows
 from scaloft_fi.mutants.sample import within
 from scaloft_fi.mutants.watch import WatchingWire
 from scaloft_fi.mutants.wire import SeamCount, TapError, TappedWire
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import Target
-from scaloft_fi.stack.reference.stack import REFERENCE
 
 
 def tapped(taps: Mapping[str, Tap]) -> TappedWire:

@@ -14,8 +14,8 @@ from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.mutants.operator import Facts
 from scaloft_fi.mutants.wire import SeamCount, TapError, TappedWire, contexts, wire_for
 from scaloft_fi.stack.declaration import PlainWire
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import Target
-from scaloft_fi.stack.reference.stack import REFERENCE
 
 CONTEXT = contexts("PLACEBO", "T0O0W0D0H0", 0, Facts())
 

@@ -7,7 +7,7 @@ import pytest
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside.border import Motion
 from scaloft_fi.outside.command import Text, load_command
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 GOOD = {
     "flyer": "command",

@@ -14,7 +14,7 @@ from scaloft_fi.mutants.wire import TappedWire, contexts, wire_for
 from scaloft_fi.outside.border import BorderError
 from scaloft_fi.outside.command import ClockTopic, Relay, Relays, Told, load_command, run_command
 from scaloft_fi.stack.declaration import Declaration, PlainWire, Wire
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 RELAY = {"drive": Relay("/cmd_raw", "/cmd", "lines")}
 PROGRAM = """

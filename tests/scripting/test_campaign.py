@@ -20,7 +20,7 @@ STUDY = Path(__file__).parents[2]
 @pytest.fixture
 def campaign(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> scaloft_fi.OpenCampaign:
     """A campaign of the reference study; the current folder is empty."""
-    monkeypatch.setattr("scaloft_fi.campaign.flights.physics.Physics", Paper)
+    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", Paper)
     monkeypatch.chdir(tmp_path)
     return scaloft_fi.open(STUDY).campaign(f"{tmp_path}/script/c")
 
@@ -140,6 +140,6 @@ def test_an_unknown_format_or_grouping_names_the_nearest(campaign: scaloft_fi.Op
 def test_a_gate_that_fails_is_an_error_of_its_own(
     campaign: scaloft_fi.OpenCampaign, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.flights.physics.Physics", lambda: Paper(tame=True))
+    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: Paper(tame=True))
     with pytest.raises(scaloft_fi.GateError, match="a control shows nothing"):
         campaign.run("LATE-human", "T0O0W0D0H1", jobs=1)

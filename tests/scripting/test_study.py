@@ -65,7 +65,7 @@ def test_what_is_no_study_is_one_sentence(study: Path | str, grid: str | None, s
 def test_a_flight_of_nobody_is_refused_before_anything_is_prepared(
     study: scaloft_fi.OpenStudy, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.flights.physics.Physics", lambda: pytest.fail("it was prepared"))
+    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: pytest.fail("it was prepared"))
     with pytest.raises(scaloft_fi.InputError, match="LATE-humna"):
         study.fly("LATE-humna", "T0O0W0D0H1")
     with pytest.raises(scaloft_fi.InputError, match="no situation 'T9'"):

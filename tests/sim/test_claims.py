@@ -6,7 +6,7 @@ import pytest
 from tiny_stack import SOUND
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.load import CLAIMS, claims_of, declare_claims
+from scaloft_fi.sim.stacks import CLAIMS, claims_of, declare_claims
 from scaloft_fi.sources import closure
 from scaloft_fi.stack.declaration import Claim, Instant
 from scaloft_fi.stack.reference import stack as reference

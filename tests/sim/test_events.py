@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scaloft_fi.mutants.wire import SeamCount
-from scaloft_fi.sim.observer import events_of
+from scaloft_fi.sim.events import events_of
 from scaloft_fi.stack.declaration import Belief, Mark
 
 ELAPSED_S = np.arange(6) * 0.05

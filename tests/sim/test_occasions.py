@@ -19,11 +19,12 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operator import Facts
 from scaloft_fi.mutants.wire import SeamCount, TappedWire, contexts, wire_for
+from scaloft_fi.sim.events import TRUTH_EVENTS, Lookout, events_in, events_of
 from scaloft_fi.sim.flight import fly
-from scaloft_fi.sim.load import SimConfig, StackChoice
+from scaloft_fi.sim.load import SimConfig
 from scaloft_fi.sim.load import load as load_sim
 from scaloft_fi.sim.log import FlightLog
-from scaloft_fi.sim.observer import TRUTH_EVENTS, Lookout, events_in, events_of
+from scaloft_fi.sim.stacks import StackChoice
 from scaloft_fi.stack.declaration import Belief, Mark, PlainWire
 from scaloft_fi.stack.reference.messages import BELIEFS
 

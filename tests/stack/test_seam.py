@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from scaloft_fi.stack.messages import Fix, Imu
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 NUMBERS = st.sampled_from([0.0, -0.0, 1.0, np.nextafter(1.0, 2.0), np.nan, np.inf, -np.inf])
 SHAPES = st.sampled_from([(0,), (3,), (4,), (2, 8), (17,), (5, 5)])

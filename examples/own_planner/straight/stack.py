@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from scaloft_fi.sim.load import declare_stack
+from scaloft_fi.sim.stacks import declare_stack
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.planner import LocalPlan, Planner
-from scaloft_fi.stack.reference.stack import REFERENCE, ReferenceStack
+from scaloft_fi.stack.reference.stack import ReferenceStack
 
 HALF_WIDTH_M, STOP_M = 0.4, 1.2
 

@@ -251,7 +251,7 @@ class _Inspection:
                 self.failures.append(f"belief {belief.name!r} is NaN, but declares no value for unknown")
 
     def _check_claims(self, declared: Declaration, first: FlightLog) -> None:
-        from scaloft_fi.sim.load import claims_of
+        from scaloft_fi.sim.stacks import claims_of
         from scaloft_fi.stack.declaration import Instant
 
         try:

@@ -14,11 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.campaign.flights.fly import Worker, fly_log, judged
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.document import is_there
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Reading, Requirement, judge_signals
 from scaloft_fi.judge.stl import tokenize
 from scaloft_fi.mutants.mutant import PLACEBO
@@ -168,30 +166,6 @@ def _counts(
     if recorded or flight.mutant == PLACEBO:
         return recorded
     raise CommandError('neither a last line {"altered": COUNT} nor the record says how many samples the fault altered')
-
-
-@dataclass(frozen=True)
-class Commanded:
-    """Flies with the command of the study, each flight alone."""
-
-    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        """Prove before the first flight what would fail in each, and parse the formulas.
-
-        Raises:
-            InputError: the study cannot be flown.
-        """
-        assert study.command is not None
-        check_command(study, study.command, say)
-
-    def __call__(self, study: Study, flight: Flight) -> Outcome:
-        """Fly and judge one flight; a failure of the command is raised."""
-        return judged(study, flight, fly_log(study, flight))
-
-    def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
-        """Fly each flight alone: nobody can fork a simulator of somebody else's."""
-        alone = Worker(study, self)
-        for flight in batch.flights:
-            alone(Batch((flight,)), report)
 
 
 def check_command(study: Study, command: FlightCommand, say: Callable[[str], None]) -> None:

@@ -539,7 +539,7 @@ def recalled(study: Study, flight: Flight, violations: Sequence[Violation]) -> T
         ScaloftError: the flight cannot be flown, or a claim of the stack fails.
     """
     from scaloft_fi.sim.flight import FlightLoop, physics_server
-    from scaloft_fi.sim.load import claims_of
+    from scaloft_fi.sim.stacks import claims_of
     from scaloft_fi.stack.declaration import TICK_HZ
 
     claims = claims_of(study.stack, study.signals)

@@ -420,10 +420,10 @@ class Declared:
         import scaloft_fi.outside.faults  # noqa: F401 - both declare operators
         from scaloft_fi.mutants.operators import OPERATORS
         from scaloft_fi.sim.happenings import HAPPENINGS
-        from scaloft_fi.sim.load import STACKS
         from scaloft_fi.sim.log import SIGNALS
         from scaloft_fi.sim.sensors import SensorsConfig  # noqa: F401 - the sensors declare themselves
         from scaloft_fi.sim.sensors.sensor import SENSORS
+        from scaloft_fi.sim.stacks import STACKS
         from scaloft_fi.sim.world import ROLES
 
         return cls(

@@ -1,15 +1,11 @@
-r"""The campaign in the formats of other tools, each a pure function of the same dossier.
+r"""`scaloft-fi export`: one row per flight, or the campaign in the format of another tool.
 
 A format is one function in a file of this folder, or in a package that names its module in the entry-point group
 `scaloft_fi.plugins`:
 
-    from scaloft_fi.verbs.export import Dossier, export_format
-
     @export_format("killed-ids", "ids of the detected mutants, one a line")
     def killed_ids(dossier: Dossier) -> str:
         return "".join(f"{mutant.subject.id}\n" for mutant in dossier.score.mutants if mutant.detected)
-
-`scaloft-fi export`: one row per flight, or the campaign in the format of another tool.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""What `report` says of the page that it wrote.
-
-`scaloft-fi report`: one HTML file that tells a whole campaign.
-"""
+"""`scaloft-fi report`: one HTML file that tells a whole campaign."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ import numpy as np
 from scaloft_fi.stack.declaration import STEP_HZ, STEP_S, TICK_HZ, Belief, Declaration, PlainStack, Seam
 from scaloft_fi.stack.config import Bounds
 from scaloft_fi.stack.messages import Stamp, Vector
-from scaloft_fi.sim.load import declare_stack
+from scaloft_fi.sim.stacks import declare_stack
 from scaloft_fi.stack import messages
 
 from your_plugin.sensors import Pose

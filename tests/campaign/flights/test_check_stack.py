@@ -16,7 +16,7 @@ import pytest
 from tiny_stack import SOUND, FastHop, Hop, Level, hop
 
 from scaloft_fi.campaign.flights.check_stack import StackCheck, check_stack
-from scaloft_fi.sim.load import CLAIMS, STACKS
+from scaloft_fi.sim.stacks import CLAIMS, STACKS
 from scaloft_fi.stack import messages
 from scaloft_fi.stack.declaration import TICK_HZ, Claim, Declaration, Instant, Seam, Task, Wire
 

@@ -22,7 +22,7 @@ from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.mutants.catalogue import realise
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 
 CONTROL, LATE, MORE = "REVERSE-velcmd", "LATE-human@3s", "MORE-goal@1m"

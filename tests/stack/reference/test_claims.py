@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from scaloft_fi.stack.declaration import Instant
+from scaloft_fi.stack.reference.declaration import CLAIMS, SEAMS
 from scaloft_fi.stack.reference.messages import ObstacleMap
-from scaloft_fi.stack.reference.stack import CLAIMS, SEAMS
 
 BY_STAGE = {claim.stage: claim for claim in CLAIMS}
 CLEAN = {

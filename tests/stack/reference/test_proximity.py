@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.stack.messages import DepthFrame
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import Proximity
 from scaloft_fi.stack.reference.proximity import ProximityMonitor
-from scaloft_fi.stack.reference.stack import REFERENCE
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from scaloft_fi.analysis.score import score_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.run import detected_so_far
+from scaloft_fi.verbs.score import detected_so_far
 
 HUMAN = ("T0O0W0D0H1", "T0O1W0D0H1", "T1O0W0D0H1")
 

@@ -16,7 +16,7 @@ from scaloft_fi.analysis.score import score
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import CellStatus, Matrix
 from scaloft_fi.mutants.catalogue import derive
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.verbs.worksheet import sheet_rows, to_latex
 
 MATRIX = load_matrix(Path(__file__).parents[3] / "hazop", REFERENCE.by_name)

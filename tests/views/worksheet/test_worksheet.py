@@ -26,7 +26,7 @@ from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import CellStatus, Matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import derive
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.verbs.worksheet import (
     COLUMNS,
     FINDINGS,
