@@ -21,8 +21,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scaloft_fi.campaign.flights.fly import Commanded, Flyer
-from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.flights.physics import Commanded, Physics
 from scaloft_fi.campaign.plan import alone
 from scaloft_fi.campaign.processes import cores
 from scaloft_fi.campaign.store.held import flight_named

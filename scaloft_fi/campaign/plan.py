@@ -129,7 +129,7 @@ MOST_SEEDS = 100_000
 def parse_seeds(text: str, option: str = "--seeds") -> tuple[int, ...]:
     """`N` means 0..N-1, `A-B` means A to B, both included.
 
-    >>> seeds("3"), seeds("4-5")
+    >>> parse_seeds("3"), seeds("4-5")
     ((0, 1, 2), (4, 5))
 
     Raises:
@@ -146,7 +146,7 @@ def parse_seeds(text: str, option: str = "--seeds") -> tuple[int, ...]:
 def parse_shard(text: str) -> tuple[int, int]:
     """`k/n`: the k-th of n shards.
 
-    >>> shard("2/3")
+    >>> parse_shard("2/3")
     (2, 3)
 
     Raises:

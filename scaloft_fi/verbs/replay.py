@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.fly import Commanded
-from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.campaign.flights.physics import Commanded, Physics
 from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive
 from scaloft_fi.campaign.store.flown_grid import opened
 from scaloft_fi.campaign.store.held import flight_key, flight_named

@@ -12,7 +12,7 @@ STACK = """
 from dataclasses import replace
 
 from scaloft_fi.api import declare_stack
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 
 def make(task, wire):
     raise LookupError("no licence")
@@ -71,7 +71,7 @@ IMPORTS = {
     "import nowhere": "ModuleNotFoundError: No module named 'nowhere'",
     "raise RuntimeError('not today')": "RuntimeError: not today",
     "import sys; sys.exit('no')": "SystemExit: no",
-    "from scaloft_fi.sim.load import STACKS\nSTACKS.declare('reference', None)": (
+    "from scaloft_fi.sim.stacks import STACKS\nSTACKS.declare('reference', None)": (
         "ValueError: stack 'reference' is declared twice"
     ),
 }

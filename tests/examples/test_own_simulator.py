@@ -13,7 +13,8 @@ import pytest
 from effort import usually
 from plugins import call
 
-from scaloft_fi.campaign.flights.fly import Commanded, fly_log, judged
+from scaloft_fi.campaign.flights.fly import fly_log, judged
+from scaloft_fi.campaign.flights.physics import Commanded
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.outside.command import load_command

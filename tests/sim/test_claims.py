@@ -9,7 +9,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.sim.stacks import CLAIMS, claims_of, declare_claims
 from scaloft_fi.sources import closure
 from scaloft_fi.stack.declaration import Claim, Instant
-from scaloft_fi.stack.reference import stack as reference
+from scaloft_fi.stack.reference import declaration as reference
 from scaloft_fi.study import Study
 
 STUDY = Study.open()

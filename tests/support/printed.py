@@ -8,7 +8,7 @@ from enum import StrEnum
 
 import scaloft_fi
 
-FOLDERS = {"analysis", "campaign", "hazop", "judge", "sim", "views"}
+FOLDERS = {"analysis", "campaign", "hazop", "judge", "sim", "verbs", "views"}
 NOT_PRINTED = {
     "ColumnType": "types of columns for scripts",
     "Format": "a choice of an option",

@@ -14,7 +14,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 MAKERS = {"Table": 1, "tabulated": 0, "_tabulated": 0, "csv_text": 0}
 """What makes a table, and which of its arguments are the headings."""
-FOLDERS = ("views", "cli")
+FOLDERS = ("views", "verbs")
 UNTOLD = "\0"
 """What marks the source of an expression whose value only a run tells."""
 
@@ -36,7 +36,7 @@ class _Scope:
 
 
 def headings() -> list[Heading]:
-    """Of every table that `views` and `cli` make.
+    """Of every table that `views` and `verbs` make.
 
     A heading that only a run tells has no text; its place is `file: expression`.
     """

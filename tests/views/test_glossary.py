@@ -19,29 +19,27 @@ from scaloft_fi.verbs.worksheet import COLUMNS
 from scaloft_fi.views.glossary import TERMS, term
 
 TOLD_BY_A_RUN = {
-    "cli/matrix.py: (word.id for word in matrix.guidewords)": "guidewords of the study",
-    "cli/matrix.py: cell.name": "a cell of the study",
-    "cli/matrix.py: header": "of the callers, which are read too",
-    "cli/matrix.py: header[1:]": "guidewords of the study",
-    "views/columns.py: tuple(names)": "columns of a data frame, which the reference of Python has",
-    "views/flights/compare.py: first": "a campaign's name",
-    "views/flights/compare.py: second": "a campaign's name",
-    "views/flights/export.py: columns": "columns of the export, which the reference has",
-    "views/flights/log_table.py: log.signals": "signals, which `scaloft_fi.sim.log` explains",
-    "views/lists/listing.py: tuple(columns)": tuple(
+    "verbs/matrix.py: (word.id for word in matrix.guidewords)": "guidewords of the study",
+    "verbs/matrix.py: cell.name": "a cell of the study",
+    "verbs/matrix.py: header": "of the callers, which are read too",
+    "verbs/matrix.py: header[1:]": "guidewords of the study",
+    "views/output.py: tuple(names)": "columns of a data frame, which the reference of Python has",
+    "verbs/diff.py: first": "a campaign's name",
+    "verbs/diff.py: second": "a campaign's name",
+    "verbs/export/rows.py: columns": "columns of the export, which the reference has",
+    "verbs/replay.py: log.signals": "signals, which `scaloft_fi.sim.log` explains",
+    "verbs/listing.py: tuple(columns)": tuple(
         head for module in (axes, operators, seams, signals) for head in module.OVERVIEW
     ),
-    "views/outputs/csv_tables.py: flat.columns": "keys of JSON, which the reference has",
-    "views/runs/unflown.py: header": ("parameter", "situation"),
-    "views/score/first_screen.py: columns": tuple(
+    "views/output.py: flat.columns": "keys of JSON, which the reference has",
+    "verbs/score.py: header": ("parameter", "situation"),
+    "verbs/first_screen.py: columns": tuple(
         column for columns in (*first_screen.COLUMNS.values(), first_screen.CONTROL_COLUMNS) for column in columns
     ),
-    "views/score/tables.py: by.value": tuple(by.value for by in By),
-    "views/tables/table.py: f'# {title}'": "a table's title in CSV",
-    "views/tables/table.py: table.headers": "of the callers, which are read too",
-    "views/worksheet/worksheet_text.py: tuple((column.title for column in shown))": tuple(
-        column.title for column in COLUMNS
-    ),
+    "verbs/first_screen.py: by.value": tuple(by.value for by in By),
+    "views/table.py: f'# {title}'": "a table's title in CSV",
+    "views/table.py: table.headers": "of the callers, which are read too",
+    "verbs/worksheet.py: tuple((column.title for column in shown))": tuple(column.title for column in COLUMNS),
 }
 """Heads that the code around a table does not tell: what they are, or why they need no term."""
 

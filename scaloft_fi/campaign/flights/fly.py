@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -182,29 +182,3 @@ def lost(batch: Batch, reason: str) -> list[Outcome]:
 def left_of(batch: Batch, outcomes: Iterable[Outcome]) -> Batch | None:
     """The flights of a batch without an outcome; None without any."""
     return batch.without({outcome.name for outcome in outcomes})
-
-
-@dataclass(frozen=True)
-class Commanded:
-    """Flies with the command of the study, each flight alone."""
-
-    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        """Prove before the first flight what would fail in each, and parse the formulas.
-
-        Raises:
-            InputError: the study cannot be flown.
-        """
-        from scaloft_fi.campaign.flights.command import check_command
-
-        assert study.command is not None
-        check_command(study, study.command, say)
-
-    def __call__(self, study: Study, flight: Flight) -> Outcome:
-        """Fly and judge one flight; a failure of the command is raised."""
-        return judged(study, flight, fly_log(study, flight))
-
-    def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
-        """Fly each flight alone: nobody can fork a simulator of somebody else's."""
-        alone = Worker(study, self)
-        for flight in batch.flights:
-            alone(Batch((flight,)), report)

@@ -1,4 +1,4 @@
-"""The flyer that simulates flights in PyBullet, and one flight in its window, in real time."""
+"""The flyers: one simulates flights in PyBullet, one has the command of the study fly them; and PyBullet's window."""
 
 from __future__ import annotations
 
@@ -132,3 +132,29 @@ def fly_in_window(study: Study, flight: Flight) -> FlightLog:
         return under_way.log()
     finally:
         pybullet.disconnect(physicsClientId=client)
+
+
+@dataclass(frozen=True)
+class Commanded:
+    """Flies with the command of the study, each flight alone."""
+
+    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
+        """Prove before the first flight what would fail in each, and parse the formulas.
+
+        Raises:
+            InputError: the study cannot be flown.
+        """
+        from scaloft_fi.campaign.flights.command import check_command
+
+        assert study.command is not None
+        check_command(study, study.command, say)
+
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        """Fly and judge one flight; a failure of the command is raised."""
+        return judged(study, flight, fly_log(study, flight))
+
+    def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
+        """Fly each flight alone: nobody can fork a simulator of somebody else's."""
+        alone = Worker(study, self)
+        for flight in batch.flights:
+            alone(Batch((flight,)), report)

@@ -24,8 +24,8 @@ from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.campaign.flights.fly import Commanded, Flyer
-from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.flights.physics import Commanded, Physics
 from scaloft_fi.campaign.plan import Plan, alone, canary_flight, infects, together
 from scaloft_fi.campaign.progress import Progress, Reporter
 from scaloft_fi.campaign.runs import gates

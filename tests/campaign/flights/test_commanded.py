@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.campaign.flights.fly import Commanded, Worker
+from scaloft_fi.campaign.flights.fly import Worker
+from scaloft_fi.campaign.flights.physics import Commanded
 from scaloft_fi.campaign.store.held import flight_key, flight_named
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome

@@ -205,7 +205,7 @@ def test_a_worker_started_clean_ends_with_the_process_that_started_it(work: Any)
 INTERRUPTED = """
 import os, signal, sys
 import clean_work
-from scaloft_fi.campaign.processes import start
+from scaloft_fi.campaign import processes
 
 run, heard = os.getpid(), []
 
@@ -217,7 +217,7 @@ def hear(number, frame):
 signal.signal(signal.SIGINT, hear)
 print("begun", flush=True)
 for number in range(8):
-    started = getattr(start, sys.argv[1])(clean_work.work, ())
+    started = getattr(processes, sys.argv[1])(clean_work.work, ())
     started.connection.send(("pid", 0))
     assert started.connection.recv()[0] == "result"
     assert started.connection.recv() == ("done", None)

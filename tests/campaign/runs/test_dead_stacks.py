@@ -17,7 +17,7 @@ PLUGIN = """
 from dataclasses import replace
 
 from scaloft_fi.api import declare_stack
-from scaloft_fi.stack.reference.stack import REFERENCE
+from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.stack import ReferenceStack
 
 

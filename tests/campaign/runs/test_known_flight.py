@@ -39,7 +39,7 @@ class Recorded:
 
 def _fly(monkeypatch: pytest.MonkeyPatch, platform: dict[str, str], **changes: Any) -> str:
     known = published()
-    monkeypatch.setattr("scaloft_fi.campaign.store.origin.fingerprint", lambda: platform)
+    monkeypatch.setattr("scaloft_fi.campaign.runs.gates.fingerprint", lambda: platform)
     study = packaged_study()
     mutant, situation, seed = known.name.split("/")
     assert mutant == "baseline"

@@ -121,7 +121,7 @@ SOURCES = {
     "mutants/reference/route": (ROUTE,),
     "mutants/sample": (IDENTITY, LATE, ROUTE),
     "analysis/score": (),
-    "views/tables/table": (),
+    "views/table": (),
 }
 """Modules of the package, and the subjects whose flights an edit of them can change."""
 

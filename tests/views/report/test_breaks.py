@@ -36,7 +36,7 @@ def test_a_break_whose_values_do_not_go_together_any_more_is_left_out(monkeypatc
     def refuse(*_: object) -> None:
         raise InputError("the person would stand in the wall")
 
-    monkeypatch.setattr("scaloft_fi.verbs.report.flights.scene", refuse)
+    monkeypatch.setattr("scaloft_fi.verbs.report.finds.scene", refuse)
     assert broken(KNOWN, []) == []
 
 

@@ -87,7 +87,7 @@ def test_a_find_whose_values_do_not_go_together_any_more_is_named_and_left_out(
     def refuse(*_: object) -> None:
         raise InputError("the person would stand in the wall")
 
-    monkeypatch.setattr("scaloft_fi.verbs.report.flights.scene", refuse)
+    monkeypatch.setattr("scaloft_fi.verbs.report.finds.scene", refuse)
     both = told(evidence, *FINDS)
     assert (both["finds"], both["misfits"]) == ([], ["lost", *(find.name for find in FINDS)])
 
