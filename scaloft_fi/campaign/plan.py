@@ -129,7 +129,7 @@ MOST_SEEDS = 100_000
 def parse_seeds(text: str, option: str = "--seeds") -> tuple[int, ...]:
     """`N` means 0..N-1, `A-B` means A to B, both included.
 
-    >>> parse_seeds("3"), seeds("4-5")
+    >>> parse_seeds("3"), parse_seeds("4-5")
     ((0, 1, 2), (4, 5))
 
     Raises:
