@@ -13,17 +13,23 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.analysis.detection import ALPHA, MOST_ALPHA
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.document import Item, digest, is_file, is_there, load, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import find_study, load_matrix
-from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.catalogue import realise
+from scaloft_fi.hazop.matrix import CellStatus, Matrix
+from scaloft_fi.mutants.catalogue import check_catalogue, default_of, realise, with_events
+from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import write_whole
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.setup import Setup
 from scaloft_fi.sim.found import FILE, Break, Find, read_finds
 from scaloft_fi.sim.grids import FOLDER, WITH_FOUND, grid_names, own_name, searched_grid
+from scaloft_fi.sim.happenings import HAPPENINGS
+from scaloft_fi.sim.log import SIGNALS
 from scaloft_fi.sim.world import ROLES
 from scaloft_fi.sources import closure, digest_of
 
@@ -300,7 +306,6 @@ class Study(Setup):
     @cached_property
     def matrix(self) -> Matrix:
         """The deviation matrix."""
-        from scaloft_fi.mutants.catalogue import with_events
         from scaloft_fi.sim.events import events_in
 
         matrix, world = load_matrix(self.folder / "hazop", self.stack.by_name), self.folder / "sim" / "world.yaml"
@@ -309,17 +314,11 @@ class Study(Setup):
     @cached_property
     def catalogue(self) -> tuple[Mutant, ...]:
         """Every mutant; checked to equal the mutants derived from the matrix."""
-        from scaloft_fi.mutants.catalogue import check_catalogue
-
         return check_catalogue(self.folder / "mutants", self.matrix)
 
     @cached_property
     def roster(self) -> Roster:
         """The mutants for scores."""
-        from scaloft_fi.analysis.roster import Roster
-        from scaloft_fi.hazop.matrix import CellStatus
-        from scaloft_fi.mutants.catalogue import default_of
-
         credible = [cell for cell in self.matrix if cell.status is CellStatus.CREDIBLE]
         controls = frozenset(cell.name for cell in self.matrix if cell.status is CellStatus.CONTROL)
         defaults = {cell.name: default_of(cell).id for cell in credible}
@@ -332,8 +331,6 @@ class Study(Setup):
         Raises:
             InputError: the number is not above 0 and at most 0.1; the message names its place.
         """
-        from scaloft_fi.analysis.detection import ALPHA, MOST_ALPHA
-
         path = self.folder / "hazop" / "score.yaml"
         if not is_there(path):
             return ALPHA
@@ -399,9 +396,6 @@ class Study(Setup):
 
         These modules and all that they import can change every outcome; a plugin that the study does not use cannot.
         """
-        from scaloft_fi.sim.happenings import HAPPENINGS
-        from scaloft_fi.sim.log import SIGNALS
-
         declared = sys.modules.get("scaloft_fi.sim.sensors.sensor")  # a plugin that declares a sensor has imported it
         kinds = declared.SENSORS if declared else {}
         sensors = self.grid.documents["sensors"].mapping()
@@ -419,9 +413,6 @@ class Study(Setup):
 
         It and all that it imports can change an outcome of those mutants, and of no baseline.
         """
-        from scaloft_fi.mutants.mutant import PLACEBO
-        from scaloft_fi.mutants.operators import OPERATORS
-
         used = {PLACEBO.operator, *(fault.operator for cell in self.matrix for fault in cell.faults)}
         return {name: OPERATORS[name].make.__module__ for name in sorted(used) if name in OPERATORS}
 

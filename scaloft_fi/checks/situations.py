@@ -18,7 +18,7 @@ from scaloft_fi.checks.world import RouteCheck
 from scaloft_fi.document import Item, is_file, is_there, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.bounds import ANY, Ranges, ranges_of, within_rock, without
-from scaloft_fi.judge.space import MOST_LISTED
+from scaloft_fi.judge.space import MOST_LISTED, Space
 from scaloft_fi.judge.stl import FormulaError
 from scaloft_fi.registry import PLUGIN_GROUP, load_plugin
 from scaloft_fi.sim.grid import Grid, assembled, contradictions
@@ -161,8 +161,6 @@ def _check_choice(grid: Grid) -> None:
 
 def _chosen(grid: Grid) -> tuple[tuple[str, ...], int]:
     """The situations to build, all of a small grid; and how many pairs of values they have."""
-    from scaloft_fi.judge.space import Space
-
     keys = tuple(grid.by_key)
     array, pairs = greedy_array(Space.of(grid), keys, min(2, len(grid.axes)))
     return (keys if len(keys) <= MOST_LISTED else array), pairs

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from scaloft_fi.outside.border import PORTS, CameraInfo, Goal, Motion
+from scaloft_fi.outside.border import BORDERS, PORTS, CameraInfo, Goal, Motion
 from scaloft_fi.outside.exchange import Exchange, OutsideConfig
 from scaloft_fi.stack.config import ConfigError
 from scaloft_fi.stack.declaration import STEP_HZ, TICK_S, Belief, Declaration, FastPath, Seam, Stack, Task, Wire
@@ -103,7 +103,6 @@ def shaped(settings: Any) -> Declaration:
 
 
 def _make(task: Task, wire: Wire) -> Stack:
-    from scaloft_fi.outside.exchange import Exchange
 
     config: OutsideConfig = task.settings
     declared = DeclaredWire(wire, [seam.name for seam in seams_of(config)])
@@ -116,7 +115,6 @@ def _make(task: Task, wire: Wire) -> Stack:
 
 
 def _rehearsed(task: Task, wire: Wire) -> Stack:
-    from scaloft_fi.outside.border import BORDERS
 
     BORDERS[task.settings.border].need()
     return _stack(task, wire, None)

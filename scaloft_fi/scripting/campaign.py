@@ -19,13 +19,40 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import By
+from scaloft_fi.campaign.flights.fork import CAN_FORK
+from scaloft_fi.campaign.plan import parse_shard as shard_in
+from scaloft_fi.campaign.processes import cores
 from scaloft_fi.campaign.progress import Progress, Silence
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.request import Request, fly, planned_run
+from scaloft_fi.campaign.seeking.finds import Allowance
+from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive
+from scaloft_fi.campaign.store.flown_grid import study_of, study_of_all
+from scaloft_fi.campaign.workers.local import Clean
+from scaloft_fi.campaign.workers.named import LOCAL, executor_named
 from scaloft_fi.defaults import SEARCHED
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.output import write_named
 from scaloft_fi.scripting.flight import FlownFlight, Seeds, in_python, names, number
 from scaloft_fi.scripting.flight import seeds as seeds_of
+from scaloft_fi.verbs.coverage import coverage
+from scaloft_fi.verbs.diff import diff
+from scaloft_fi.verbs.dispositions import dispositions
+from scaloft_fi.verbs.export.archive import dossier
+from scaloft_fi.verbs.export.dossier import FORMATS
+from scaloft_fi.verbs.export.rows import flight_columns
+from scaloft_fi.verbs.kills import kills
+from scaloft_fi.verbs.margin import margin, when_answer
+from scaloft_fi.verbs.merge import merge
+from scaloft_fi.verbs.replay import compared, fly_with_log, ready_to_fly
+from scaloft_fi.verbs.report.analyses import gather
+from scaloft_fi.verbs.report.page import page
+from scaloft_fi.verbs.score import scored_campaign, scored_run
+from scaloft_fi.verbs.seek import Search, seek, study_to_search
+from scaloft_fi.verbs.status import status
+from scaloft_fi.verbs.worksheet import worksheet
 from scaloft_fi.views.output import Columns, ColumnType
-from scaloft_fi.views.table import Format, html
+from scaloft_fi.views.table import Format, Table, html
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.score import MutantScore
@@ -259,8 +286,6 @@ class HeldCampaign:
     @property
     def folder(self) -> Path:
         """Folder of the campaign."""
-        from scaloft_fi.campaign.store.archive import campaign_folder
-
         with in_python():
             return campaign_folder(self._study, self.name)
 
@@ -274,8 +299,6 @@ class HeldCampaign:
         Raises:
             InputError: there is no campaign, or it holds no flight that counts.
         """
-        from scaloft_fi.verbs.score import scored_campaign
-
         with in_python():
             return CampaignScore(scored_campaign(self._study, self.name, baseline_from, today))
 
@@ -285,9 +308,6 @@ class HeldCampaign:
         Raises:
             InputError: there is no campaign, or it holds no flight that counts.
         """
-        from scaloft_fi.verbs.export.archive import dossier
-        from scaloft_fi.verbs.export.rows import flight_columns
-
         with in_python():
             made = dossier(self._study, self.name)
             return flight_columns(made.rows, made.columns)
@@ -307,9 +327,6 @@ class HeldCampaign:
         Raises:
             InputError: there is no such format or campaign, or the campaign holds no flight that counts.
         """
-        from scaloft_fi.verbs.export.archive import dossier
-        from scaloft_fi.verbs.export.dossier import FORMATS
-
         with in_python():
             chosen = FORMATS[format]
             return chosen.content(dossier(self._study, self.name, today))
@@ -324,11 +341,6 @@ class HeldCampaign:
         Raises:
             InputError: there is no campaign, it holds no flight that counts, or the file cannot be written.
         """
-        from scaloft_fi.campaign.store.archive import is_archive
-        from scaloft_fi.output import write_named
-        from scaloft_fi.verbs.report.analyses import gather
-        from scaloft_fi.verbs.report.page import page
-
         with in_python():
             if path is None and is_archive(self.folder):
                 raise InputError(f"{self.folder}: an archive is a record, into which no report is written: give path")
@@ -343,8 +355,6 @@ class HeldCampaign:
         Raises:
             InputError: there is no campaign.
         """
-        from scaloft_fi.verbs.status import status
-
         with in_python():
             return status(self._study, self.name)
 
@@ -354,8 +364,6 @@ class HeldCampaign:
         Raises:
             InputError: there is no campaign, or it holds no flight that counts.
         """
-        from scaloft_fi.verbs.coverage import coverage
-
         with in_python():
             return coverage(self._study, self.name)
 
@@ -378,8 +386,6 @@ class HeldCampaign:
         Raises:
             InputError: there is no campaign, mutant, situation or part, or the campaign holds no such flight.
         """
-        from scaloft_fi.verbs.kills import kills
-
         with in_python():
             return kills(
                 self._study,
@@ -400,8 +406,6 @@ class HeldCampaign:
         Raises:
             InputError: a mutant has no phases, or the campaign fewer than two of them.
         """
-        from scaloft_fi.verbs.margin import when_answer
-
         with in_python():
             return when_answer(self._study, self.name, names(mutants, "mutants"), operability=operability)
 
@@ -411,8 +415,6 @@ class HeldCampaign:
         Raises:
             InputError: there is no campaign, or it holds no flight that counts.
         """
-        from scaloft_fi.verbs.worksheet import worksheet
-
         with in_python():
             return worksheet(self._study, self.name)
 
@@ -425,8 +427,6 @@ class HeldCampaign:
         Raises:
             InputError: there is no campaign, it holds no flight that counts, or no baseline pool to decide by.
         """
-        from scaloft_fi.verbs.dispositions import dispositions
-
         with in_python():
             return dispositions(self._study, self.name, today)
 
@@ -439,21 +439,14 @@ class HeldCampaign:
         Raises:
             InputError: one of the campaigns does not exist, or they were flown over different grids.
         """
-        from scaloft_fi.verbs.diff import diff
-
         with in_python():
             return diff(self._study, self.name, other)
 
     @property
     def _study(self) -> Study:
-        from scaloft_fi.campaign.store.flown_grid import study_of
-
         return study_of(self.study_folder, self.name, self.grid)
 
     def _repr_html_(self) -> str:
-        from scaloft_fi.campaign.store.archive import STORE_NAME, is_archive
-        from scaloft_fi.views.table import Table, html
-
         if is_archive(self.folder) or (self.folder / STORE_NAME).is_file():
             return self.status()._repr_html_()
         return html((Table(f"Campaign {self.folder}", (), (), ("Nothing was flown here yet.",)),))
@@ -529,13 +522,6 @@ class OpenCampaign(HeldCampaign):
             InputError: an argument is not allowed, or the study cannot be flown.
             Interrupted: the user stopped the run; every flight that ended is saved.
         """
-        from scaloft_fi.campaign.flights.fork import CAN_FORK
-        from scaloft_fi.campaign.plan import parse_shard as shard_in
-        from scaloft_fi.campaign.runs.gates import RunOptions
-        from scaloft_fi.campaign.runs.request import Request, fly, planned_run
-        from scaloft_fi.campaign.store.archive import campaign_folder
-        from scaloft_fi.verbs.score import scored_run
-
         with in_python():
             request = Request(
                 mutants=names(mutants, "mutants"),
@@ -573,8 +559,6 @@ class OpenCampaign(HeldCampaign):
             GateError: the flight differs from that of the campaign.
             InputError: there is no such mutant or situation, or the study cannot be flown.
         """
-        from scaloft_fi.verbs.replay import compared, fly_with_log, ready_to_fly
-
         with in_python():
             study = self._study
             flown = fly_with_log(study, ready_to_fly(study, mutant, situation, seed, lambda _text: None))
@@ -610,8 +594,6 @@ class OpenCampaign(HeldCampaign):
             InputError: an argument is not allowed, a fault has no order, or the study cannot be flown.
             Interrupted: the user stopped the search; every flight that ended is saved.
         """
-        from scaloft_fi.verbs.margin import margin
-
         with in_python():
             progress_of(progress)
             return margin(
@@ -660,9 +642,6 @@ class OpenCampaign(HeldCampaign):
             InputError: an argument is not allowed, Optuna is missing, or the study cannot be flown or written.
             Interrupted: the user stopped the search; flights and finds are saved.
         """
-        from scaloft_fi.campaign.seeking.finds import Allowance
-        from scaloft_fi.verbs.seek import Search, seek, study_to_search
-
         with in_python(budget="budget"):
             options, allowance = _options(jobs, same_platform), Allowance.parse(budget)
             search = Search(
@@ -688,9 +667,6 @@ class OpenCampaign(HeldCampaign):
             GateError: a flight has other digests on one platform, or other facts on two; nothing is written.
             InputError: there is no such campaign, two have different grids, or the campaign cannot be written.
         """
-        from scaloft_fi.campaign.store.flown_grid import study_of_all
-        from scaloft_fi.verbs.merge import merge
-
         with in_python():
             sources = names(others, "others")
             if not sources:
@@ -701,9 +677,6 @@ class OpenCampaign(HeldCampaign):
 
 def _options(jobs: int | None, same_platform: bool) -> RunOptions:
     """Options of a search."""
-    from scaloft_fi.campaign.processes import cores
-    from scaloft_fi.campaign.runs.gates import RunOptions
-
     count = cores() if jobs is None else int(number(jobs, "jobs", 1, MOST_JOBS))
     return RunOptions(jobs=count, executor=_executor("local", count, None, None), same_platform=same_platform)
 
@@ -712,10 +685,6 @@ def _executor(
     name: str, jobs: int | None, cluster_key: Path | str | None, cluster_security: Path | str | None
 ) -> Executor:
     """What runs the flights; on this machine, new interpreters where the system can hand them a connection."""
-    from scaloft_fi.campaign.processes import cores
-    from scaloft_fi.campaign.workers.local import Clean
-    from scaloft_fi.campaign.workers.named import LOCAL, executor_named
-
     count = None if jobs is None else int(number(jobs, "jobs", 1, MOST_JOBS))
     if name == LOCAL and os.name == "posix" and cluster_security is None:
         return Clean(count or cores())

@@ -24,6 +24,7 @@ from scaloft_fi.judge.status import baseline_status
 from scaloft_fi.output import write_named
 from scaloft_fi.verbs.signals import signal_list
 from scaloft_fi.views.output import Columns, ColumnType
+from scaloft_fi.views.picture import png
 from scaloft_fi.views.table import Format, Table, html, render
 
 if TYPE_CHECKING:
@@ -138,8 +139,6 @@ class Figure:
         Raises:
             InputError: the name ends otherwise, or the file cannot be written.
         """
-        from scaloft_fi.views.picture import png
-
         file = Path(path)
         end = file.suffix.lower()
         if end not in ENDS:

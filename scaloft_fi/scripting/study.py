@@ -6,11 +6,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scaloft_fi.campaign.store.archive import STORE_NAME
+from scaloft_fi.campaign.store.flown_grid import study_of
+from scaloft_fi.checks.check import check_study
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.scripting.campaign import OpenCampaign
 from scaloft_fi.scripting.flight import Figure, FlownFlight, in_python
 from scaloft_fi.study import Study
+from scaloft_fi.verbs.check import check_values
+from scaloft_fi.verbs.judge import judge
+from scaloft_fi.verbs.map import plan_of
+from scaloft_fi.verbs.replay import fly_with_log, ready_to_fly
+from scaloft_fi.verbs.signals import signal_list
 from scaloft_fi.views.output import Columns, ColumnType
+from scaloft_fi.views.plan import draw_plan
 from scaloft_fi.views.table import Table, html
 
 if TYPE_CHECKING:
@@ -129,8 +138,6 @@ class OpenStudy:
     @property
     def signals(self) -> Columns:
         """The signals that requirements and axes may use, one row each: name, unit, range (NaN: no bound), meaning."""
-        from scaloft_fi.verbs.signals import signal_list
-
         with in_python():
             records = signal_list(self.definition).records
             rows = ({"signal": one["name"], **{name: one[name] for name in SIGNAL_FACTS}} for one in records)
@@ -139,8 +146,6 @@ class OpenStudy:
     @property
     def campaigns(self) -> tuple[str, ...]:
         """Names of the campaigns in the folder of results, in alphabetical order."""
-        from scaloft_fi.campaign.store.archive import STORE_NAME
-
         stores = (self.definition.results_folder / "campaigns").glob(f"*/{STORE_NAME}")
         return tuple(sorted(store.parent.name for store in stores))
 
@@ -154,8 +159,6 @@ class OpenStudy:
         Raises:
             InputError: the campaign was flown over another grid.
         """
-        from scaloft_fi.campaign.store.flown_grid import study_of
-
         with in_python():
             chosen = name if name is not None else self.grid or CAMPAIGN
             study_of(self.folder, chosen, self.grid)
@@ -172,8 +175,6 @@ class OpenStudy:
         Raises:
             InputError: there is no such mutant or situation, or the study cannot be flown.
         """
-        from scaloft_fi.verbs.replay import fly_with_log, ready_to_fly
-
         with in_python():
             study = self.definition
             return FlownFlight(fly_with_log(study, ready_to_fly(study, mutant, situation, seed, lambda _text: None)))
@@ -187,9 +188,6 @@ class OpenStudy:
         Raises:
             InputError: there is no such situation, or the study cannot be read.
         """
-        from scaloft_fi.verbs.map import plan_of
-        from scaloft_fi.views.plan import draw_plan
-
         with in_python():
             study = self.definition
             one = study.grid.situation(situation) if situation else study.grid.situations[0]
@@ -214,8 +212,6 @@ class OpenStudy:
         Raises:
             InputError: a file cannot be read, or there is no such situation.
         """
-        from scaloft_fi.verbs.judge import judge
-
         with in_python():
             listed = [files] if isinstance(files, Path | str) else files
             return judge(
@@ -228,9 +224,6 @@ class OpenStudy:
         Args:
             fly: whether to fly one baseline flight too, which shows the seams that the stack polls.
         """
-        from scaloft_fi.checks.check import check_study
-        from scaloft_fi.verbs.check import check_values
-
         with in_python():
             findings = check_values(check_study(self.folder, fly=fly))["findings"]
             return Columns("Findings", FINDING_COLUMNS, findings)

@@ -12,6 +12,7 @@ import numpy as np
 
 from scaloft_fi.sim.mine import WallPoint
 from scaloft_fi.sim.sensors import SensorsConfig
+from scaloft_fi.sim.sensors.camera import look
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.vehicle import Vehicle
 from scaloft_fi.sim.world import ROLES, Point, World
@@ -109,10 +110,6 @@ class Scenario:
     @cached_property
     def sighting_s(self) -> float | None:
         """Time at which the nominal flight first has a person in view [s]; None if it never has."""
-        from scaloft_fi.sim.sensors.camera import (
-            look,  # starts the compiler, which verbs that only read results do not need
-        )
-
         around = self.world.surroundings()
         scene, persons = around.scene, [around.scene.names.index(name) for name in self.persons]
         begun_s = 0.0

@@ -23,7 +23,7 @@ from scaloft_fi.registry import Registry
 from scaloft_fi.sim import mesh
 from scaloft_fi.sim.happenings import Happening, Read, Surroundings, check_happenings, read_happenings
 from scaloft_fi.sim.log import SIGNALS, truth_signals
-from scaloft_fi.sim.mesh import FARTHEST_M, Mesh, Scene
+from scaloft_fi.sim.mesh import FARTHEST_M, Mesh, Scene, flaws_of
 from scaloft_fi.sim.mine import Mine, read_mine
 
 
@@ -445,7 +445,5 @@ def _scaled(world: Any) -> str:
 
 def _mesh_flaws(item: Item) -> str:
     """What is wrong with the mesh of the mine, for which open space may pass for rock; "" for a sound one."""
-    from scaloft_fi.sim.mesh import flaws_of  # brings scipy
-
     flaws = sorted(flaws_of(item.need("mine")), key=lambda flaw: not flaw.grave)
     return f"; the mesh may be the cause: {flaws[0]}" if flaws else ""

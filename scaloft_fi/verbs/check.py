@@ -9,11 +9,12 @@ from typing import Any
 
 import click
 
-from scaloft_fi.checks.check import Check, Checked
+from scaloft_fi.checks.check import Check, Checked, check_study
 from scaloft_fi.checks.finding import Severity
 from scaloft_fi.checks.situations import GridCheck
 from scaloft_fi.console import line
 from scaloft_fi.errors import ExitCode
+from scaloft_fi.hazop.load import find_study
 from scaloft_fi.verbs.options import answer, format_option, study_option, tables_option
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, count, listing, optional, record, text
@@ -168,9 +169,6 @@ def check_command(study_folder: Path | None, *, fly: bool, style: str, tables_fo
     An error (exit code 2) is what a verb would refuse, or what no flight can mean; a note (exit code 0) is what
     somebody should know.  Nothing in the study is written.
     """
-    from scaloft_fi.checks.check import check_study
-    from scaloft_fi.hazop.load import find_study
-
     check = check_study(find_study(study_folder), fly=fly)
 
     answer(checked(check), style, tables_folder)

@@ -198,6 +198,4 @@ def coverage(study: Study, campaign: str) -> Answer:
 @tables_option
 def coverage_command(study_folder: Path | None, campaign: str, style: str, tables_folder: Path | None) -> None:
     """Print the coverage of a campaign's situations, number by number."""
-    from scaloft_fi.study import Study
-
     answer(coverage(Study.open(study_folder), campaign), style, tables_folder)

@@ -158,6 +158,4 @@ def diff_command(first: str, second: str, study_folder: Path | None, style: str)
 
     What was flown with other data or code counts too, unless the campaign has the flight as the study describes it now.
     """
-    from scaloft_fi.study import Study
-
     answer(diff(Study.open(study_folder), first, second), style)

@@ -15,7 +15,7 @@ from scaloft_fi.analysis.survivor import Judged, Standing, judge
 from scaloft_fi.console import say
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import ExitCode, InputError
-from scaloft_fi.study import Study
+from scaloft_fi.study import Study, append_drafts
 from scaloft_fi.verbs.options import answer, campaign_option, check_own, format_option, study_option, today_option
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verb import verb
@@ -193,8 +193,6 @@ def dispositions_command(
 
     `scaloft-fi score --ratchet` makes a gate of it.
     """
-    from scaloft_fi.study import Study
-
     study = Study.open(study_folder)
     if writing:
         check_own(study, study_folder, study.dispositions_path)
@@ -210,8 +208,6 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
     Raises:
         InputError: there is no baseline pool to decide by.
     """
-    from scaloft_fi.analysis.survivor import Standing
-
     judged = judged_survivors(study, scored, today)
     for entry in judged:
         if entry.state is Standing.STALE:
@@ -226,9 +222,6 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
 
 def _draft(path: Path, survivors: Columns) -> None:
     """Append an entry for each survivor that nobody has accepted, and say so."""
-    from scaloft_fi.analysis.survivor import Standing
-    from scaloft_fi.study import append_drafts
-
     opened = list(survivors["mutant"][survivors["state"] == Standing.OPEN])
     if not opened:
         say("nothing to write: no survivor without a disposition")

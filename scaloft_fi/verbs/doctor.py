@@ -10,16 +10,16 @@ from typing import Any
 
 import click
 
-from scaloft_fi.campaign.processes import THREAD_SETTINGS, cores
+from scaloft_fi.campaign.processes import THREAD_SETTINGS, cores, one_thread_each
 from scaloft_fi.campaign.store.origin import DECIDES, fingerprint
 from scaloft_fi.console import say
-from scaloft_fi.errors import InputError, ScaloftError
+from scaloft_fi.errors import GateError, InputError, ScaloftError
 from scaloft_fi.hazop.load import find_study
 from scaloft_fi.registry import PLUGIN_GROUP, in_one_line
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.options import answer, format_option, study_option, tables_option
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Output, count, flag, listing, number, optional, record, text, texts
+from scaloft_fi.views.output import Answer, Output, count, flag, listing, number, optional, record, text, texts
 from scaloft_fi.views.table import Table
 
 _FOR_TESTS = "test"
@@ -283,10 +283,7 @@ def doctor_command(study_folder: Path | None, style: str, tables_folder: Path | 
 
     Other bits on another platform are no failure; another status, ending or violation is: exit code 4.
     """
-    from scaloft_fi.campaign.processes import one_thread_each
-
     one_thread_each()
-    from scaloft_fi.views.output import Answer
 
     plugins, broken = plugin_values()
     study, faults = study_values(study_folder)
@@ -294,7 +291,6 @@ def doctor_command(study_folder: Path | None, style: str, tables_folder: Path | 
     known = None
     if not no_flight:
         from scaloft_fi.campaign.runs.gates import fly_again
-        from scaloft_fi.errors import GateError
 
         try:
             known = {"same": True, "told": fly_again(say)}

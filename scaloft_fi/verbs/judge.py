@@ -149,6 +149,4 @@ def judge_command(
 
     Nothing is flown and no campaign is read.  A violation is a finding: the exit code is 0.
     """
-    from scaloft_fi.study import Study
-
     answer(judge(Study.open(study_folder), files, mapping_file, situation), style, tables_folder)

@@ -451,7 +451,6 @@ def kills_command(
     if output is not None and output.suffix.lower() not in PICTURES:
         raise InputError(f"--output={str(output)!r} must end in .svg, .png or .dot")
     check_writable(output)
-    from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
     if output is not None:

@@ -25,7 +25,7 @@ from scaloft_fi.stack.messages import (
     vector_fields,
 )
 from scaloft_fi.verbs.options import answer
-from scaloft_fi.views.output import Output
+from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Format, Table, render
 
 if TYPE_CHECKING:
@@ -218,7 +218,6 @@ def tell_listing(
         InputError: the study cannot be read, or a name fits nothing.
     """
     from scaloft_fi.study import Study
-    from scaloft_fi.views.output import Answer
 
     listing = make(Study.open(study, grid))
     chosen = listing.chosen(names) if names else listing

@@ -13,9 +13,9 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.verbs.names import situations
 from scaloft_fi.verbs.options import answer, check_writable, format_option, grid_of_study_option, study_option, write
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Output, listing, number, optional, record, text, texts
-from scaloft_fi.views.picture import scene_of
-from scaloft_fi.views.plan import Happens, Plan
+from scaloft_fi.views.output import Answer, Output, listing, number, optional, record, text, texts
+from scaloft_fi.views.picture import png, scene_of
+from scaloft_fi.views.plan import Happens, Plan, draw_plan
 from scaloft_fi.views.table import Table
 
 if TYPE_CHECKING:
@@ -198,9 +198,6 @@ def map_command(
         raise InputError(f"--output={str(output)!r} must end in .svg or .png")
     check_writable(output)
     from scaloft_fi.study import Study
-    from scaloft_fi.views.output import Answer
-    from scaloft_fi.views.picture import png
-    from scaloft_fi.views.plan import draw_plan
 
     study = Study.open(study_folder, grid)
     one = study.grid.situation(situation) if situation else study.grid.situations[0]

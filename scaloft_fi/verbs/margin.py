@@ -13,11 +13,14 @@ from scaloft_fi.analysis.detection import LARGER, Verdict
 from scaloft_fi.analysis.margin import Margin, Scale, Strike, When, lowest, margins, whens
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried, detection_of, phased_fault
-from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.plan import parse_seeds
+from scaloft_fi.campaign.processes import cores, one_thread_each
+from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.margin import find, target
 from scaloft_fi.campaign.runs.request import choose_situations
 from scaloft_fi.campaign.store.archive import campaign_folder
+from scaloft_fi.campaign.store.flown_grid import study_of
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix
@@ -733,22 +736,15 @@ def margin_command(
     NO-depth@3s#waypoint).  The flights are ordinary flights of the campaign: nothing is flown twice, and
     `scaloft-fi matrix --margins` shows what was found.
     """
-    from scaloft_fi.campaign.processes import cores, one_thread_each
-
     one_thread_each()
     campaign = campaign_over(grid, campaign)
     if when:
         if situations or seeds != "1" or tolerance is not None:
             raise click.UsageError("--when flies nothing and goes with no --situation, --seeds or --tolerance")
-        from scaloft_fi.study import Study
 
         struck = when_answer(Study.open(study_folder, grid), campaign, mutants, operability=operability)
         answer(struck, style, tables_folder)
         return
-    from scaloft_fi.campaign.plan import parse_seeds
-    from scaloft_fi.campaign.progress import Progress, Silence
-    from scaloft_fi.campaign.runs.gates import RunOptions
-    from scaloft_fi.campaign.store.flown_grid import study_of
 
     found = margin(
         study_of(study_folder, campaign, grid),

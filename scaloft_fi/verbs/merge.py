@@ -11,6 +11,7 @@ import click
 from scaloft_fi.campaign.runs.merge import Merged
 from scaloft_fi.campaign.runs.merge import merge as merged_into
 from scaloft_fi.campaign.store.archive import campaign_folder
+from scaloft_fi.campaign.store.flown_grid import study_of_all
 from scaloft_fi.console import line
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import campaigns
@@ -96,7 +97,5 @@ def merge_command(
 
     The run's own command, without --shard, then holds the gates over the whole and prints the tables; it flies nothing.
     """
-    from scaloft_fi.campaign.store.flown_grid import study_of_all
-
     study = study_of_all(study_folder, [*sources, campaign])
     answer(merge(study, campaign, sources, same_platform=same_platform), style)

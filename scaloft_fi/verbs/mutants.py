@@ -10,7 +10,17 @@ import click
 
 from scaloft_fi.console import say, tell, tell_line, width
 from scaloft_fi.errors import InputError
+from scaloft_fi.mutants.catalogue import (
+    CATALOGUE,
+    check_catalogue,
+    default_of,
+    defaults,
+    derive,
+    select,
+    write_catalogue,
+)
 from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.matrix_record import ARGUMENTS
 from scaloft_fi.verbs.options import check_own, format_option, study_option
@@ -137,8 +147,6 @@ def mutants_command(
         raise click.UsageError("--write and --check exclude each other")
     if (write or check) and (patterns or cells or only_defaults):
         raise click.UsageError("--write and --check are about the whole catalogue; give no pattern with them")
-    from scaloft_fi.mutants.catalogue import CATALOGUE, check_catalogue, defaults, derive, write_catalogue
-    from scaloft_fi.study import Study
 
     study = Study.open(study_folder)
     folder = study.folder / "mutants"
@@ -160,8 +168,6 @@ def mutants_command(
 
 def _is_current(folder: Path, matrix: Matrix) -> bool:
     """Whether the written catalogue is what the matrix gives; a warning says why it is not."""
-    from scaloft_fi.mutants.catalogue import check_catalogue
-
     try:
         check_catalogue(folder, matrix)
     except InputError as error:
@@ -174,8 +180,6 @@ def _chosen(
     derived: Sequence[Mutant], matrix: Matrix, patterns: Sequence[str], cells: Sequence[str], *, only_defaults: bool
 ) -> Sequence[Mutant]:
     """What the user asks for; without a word the whole catalogue."""
-    from scaloft_fi.mutants.catalogue import default_of, defaults, select
-
     for name in cells:
         default_of(matrix.cell(name))  # refuses a cell without mutants, with its reason
     chosen = list(select(patterns, matrix, derived))

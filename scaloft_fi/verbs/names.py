@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.shell_completion import CompletionItem
 
-from scaloft_fi.document import read_text
+from scaloft_fi.document import CATALOGUE_BYTES, load, read_text
 
 if TYPE_CHECKING:
     from scaloft_fi.document import Item
@@ -108,7 +108,6 @@ def _study(context: click.Context) -> Path:
 
 
 def _catalogue(study: Path) -> Iterator[dict[str, Any]]:
-    from scaloft_fi.document import CATALOGUE_BYTES, read_text
 
     lines = read_text(study / "mutants" / "catalogue.jsonl", CATALOGUE_BYTES).splitlines()
     return map(json.loads, filter(None, lines))
@@ -126,7 +125,6 @@ def _cell(mutant: dict[str, Any]) -> str:
 
 
 def _situation_names(study: Path, grid: str | None, typed: str) -> Iterator[str]:
-    from scaloft_fi.document import load
 
     item = _grid(study, grid)
     yield from _keys(item, typed)
@@ -136,13 +134,11 @@ def _situation_names(study: Path, grid: str | None, typed: str) -> Iterator[str]
 
 
 def _stack(study: Path) -> Item:
-    from scaloft_fi.document import load
 
     return load(study / "sim" / "stack.yaml")
 
 
 def _grid(study: Path, name: str | None) -> Item:
-    from scaloft_fi.document import load
 
     further = study / "sim" / "grids" / f"{name}.yaml"
     known = name and re.fullmatch(r"[\w-]+", name) and further.is_file()
@@ -187,7 +183,6 @@ def _campaign_names(study: Path, _context: click.Context, _typed: str) -> Names:
 
 
 def _grid_names(study: Path, _context: click.Context, _typed: str) -> Iterator[str]:
-    from scaloft_fi.document import load
 
     name = load(study / "sim" / "situations.yaml").get("name")
     own = name.text() if name else "situations"
@@ -231,7 +226,6 @@ def _stack_names(study: Path, what: str) -> Names:
 
 
 def _signal_names(study: Path, _context: click.Context, _typed: str) -> Iterator[str]:
-    from scaloft_fi.document import load
 
     yield from rows(r"^ +([a-z]\w*) +\| ", "sim/log.py")
     for surface in ("wall", "ground", *load(study / "sim" / "world.yaml").need("bodies").mapping()):

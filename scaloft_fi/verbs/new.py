@@ -12,7 +12,7 @@ import click
 from scaloft_fi.errors import InputError
 from scaloft_fi.verbs.options import answer, line_format_option
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Output, text, texts
+from scaloft_fi.views.output import Answer, Output, text, texts
 
 NEW = Output(
     "new",
@@ -67,7 +67,6 @@ def new_command(folder: Path, plugin: bool, name: str | None, style: str) -> Non
     from scaloft_fi.sim.stacks import STACKS
     from scaloft_fi.templates import check_package_name, plugin_files, study_files, write_new
     from scaloft_fi.verbs.documents.listed import pointed, schema_files
-    from scaloft_fi.views.output import Answer
 
     if name is not None and not plugin:
         raise InputError(f"--name={name!r} is the name of a package; give --plugin with it, or leave it out")

@@ -17,9 +17,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.physics import Commanded, Physics
+from scaloft_fi.campaign.flights.fly import fly_log, judged
+from scaloft_fi.campaign.flights.physics import Commanded, Physics, fly_in_window
+from scaloft_fi.campaign.processes import one_thread_each
 from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive
-from scaloft_fi.campaign.store.flown_grid import opened
+from scaloft_fi.campaign.store.flown_grid import opened, study_of
 from scaloft_fi.campaign.store.held import flight_key, flight_named
 from scaloft_fi.campaign.store.origin import differences, fingerprint
 from scaloft_fi.campaign.store.platforms import Platforms
@@ -33,8 +35,8 @@ from scaloft_fi.verbs.names import flights
 from scaloft_fi.verbs.options import campaign_option, check_writable, line_format_option, study_option, write
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Output, count, listing, number, optional, record, text, texts
-from scaloft_fi.views.picture import draw, scene_of, track_of
-from scaloft_fi.views.table import Table, csv_text
+from scaloft_fi.views.picture import draw, png, scene_of, track_of
+from scaloft_fi.views.table import Format, Table, csv_text, render
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
@@ -138,15 +140,11 @@ def ready_to_fly(study: Study, mutant: str, situation: str, seed: int, say: Call
 
 def fly_with_log(study: Study, flight: Flight) -> LoggedFlight:
     """Fly a flight, in this process."""
-    from scaloft_fi.campaign.flights.fly import fly_log
-
     return with_log(study, flight, fly_log(study, flight))
 
 
 def with_log(study: Study, flight: Flight, log: FlightLog) -> LoggedFlight:
     """The flight with this log."""
-    from scaloft_fi.campaign.flights.fly import judged
-
     return LoggedFlight(study, flight, log, judged(study, flight, log))
 
 
@@ -469,23 +467,14 @@ def replay_command(
     if output is not None and output.suffix.lower() not in ENDS:
         raise InputError(f"--output={str(output)!r} must end in .svg, .png, .mcap or .csv")
     check_writable(output)
-    from scaloft_fi.campaign.processes import one_thread_each
 
     one_thread_each()
-    from scaloft_fi.campaign.store.flown_grid import study_of
-    from scaloft_fi.views.picture import png
-    from scaloft_fi.views.table import Format, render
 
     study = study_of(study_folder, campaign)
     if gui and study.command:
         raise InputError("--gui shows flights of our simulator, and a command flies this study (sim/flyer.yaml)")
     flight = ready_to_fly(study, *named(name), say)
-    if gui:
-        from scaloft_fi.campaign.flights.physics import fly_in_window
-
-        flown = with_log(study, flight, fly_in_window(study, flight))
-    else:
-        flown = fly_with_log(study, flight)
+    flown = with_log(study, flight, fly_in_window(study, flight)) if gui else fly_with_log(study, flight)
     if style != "json":
         tell(render((flown.facts(),), Format.TABLE))
         tell("\n")

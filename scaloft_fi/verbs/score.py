@@ -359,9 +359,6 @@ def score_command(
     today: date | None,
 ) -> int:
     """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
-    from scaloft_fi.study import Study
-    from scaloft_fi.verbs.score_record import SCORE
-
     scored = scored_campaign(Study.open(study_folder), campaign, baseline_from, today)
     code = report(
         scored,
@@ -424,7 +421,6 @@ def report(
             f"{bars} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
             "baseline flights wherever a mutant infects; `scaloft-fi run` flies them"
         )
-    from scaloft_fi.analysis.score import By
 
     by = By(grouping) if grouping else None
     answer(scored.answer(output, by, everything=everything), style, tables)

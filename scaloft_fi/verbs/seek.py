@@ -12,7 +12,8 @@ from click.core import ParameterSource
 
 from scaloft_fi.analysis.roster import by_field, plain
 from scaloft_fi.campaign.plan import parse_mutants
-from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.processes import cores, one_thread_each
+from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.seeking.breaks import BreaksReport, seek_breaks
 from scaloft_fi.campaign.seeking.finds import (
@@ -665,12 +666,7 @@ def seek_command(
     `seek baseline` finds situations that break the unmutated drone itself, each in a way of its own: it violates
     another requirement, strikes something else or elsewhere, or another stage believed what is not true.
     """
-    from scaloft_fi.campaign.processes import cores, one_thread_each
-
     one_thread_each()
-    from scaloft_fi.campaign.progress import Progress, Silence
-    from scaloft_fi.campaign.runs.gates import RunOptions
-    from scaloft_fi.campaign.seeking.finds import Allowance
 
     _refuse_with_replicate(replicate=replicate)
     options = RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed())

@@ -165,6 +165,4 @@ def status(study: Study, campaign: str) -> Answer:
 @tables_option
 def status_command(study_folder: Path | None, campaign: str, style: str, tables_folder: Path | None) -> None:
     """Print how many flights a campaign holds, by status, and why those are stale that do not count any more."""
-    from scaloft_fi.study import Study
-
     answer(status(Study.open(study_folder), campaign), style, tables_folder)

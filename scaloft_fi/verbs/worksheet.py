@@ -747,7 +747,6 @@ def worksheet_command(study_folder: Path | None, campaign: str, style: str, outp
     if style == "xlsx" and output is None:
         raise click.UsageError("--format xlsx goes into a file: name it with --output")
     check_writable(output)
-    from scaloft_fi.study import Study
 
     sheet = worksheet(Study.open(study_folder), campaign)
     if output is None:

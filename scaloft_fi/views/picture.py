@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind
+from scaloft_fi.sim.mesh import section
 from scaloft_fi.sim.world import ROLES
 from scaloft_fi.views.table import xml
 
@@ -451,8 +452,6 @@ SAME_M = 1e-6
 
 def scene_of(world: World) -> MapScene:
     """What stands in a world, cut at the height of flight."""
-    from scaloft_fi.sim.mesh import section
-
     walls = tuple(section(world.mine.wall.triangles, world.mission.altitude_m))
     bodies = tuple(
         BodyOutline(body.role, hull(_level(body.mesh)), world.path_of(body), body.name) for body in world.present

@@ -13,6 +13,7 @@ import numpy as np
 
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.registry import in_one_line
+from scaloft_fi.stack.declaration import TICK_HZ, Instant, PlainWire
 from scaloft_fi.stack.messages import Thrust
 
 if TYPE_CHECKING:
@@ -84,8 +85,6 @@ class InspectingWire:
 
     def complaints(self, duration_s: float) -> list[str]:
         """A sentence for each thing that is not as declared."""
-        from scaloft_fi.stack.declaration import TICK_HZ
-
         sentences = [f"seam {name!r} is used, but not declared" for name in self._strange]
         for name, polls in self._polls.items():
             due = duration_s * polls.seam.rate_hz
@@ -206,8 +205,6 @@ class _Inspection:
 
     def result(self) -> StackCheck:
         """Fly, and say what came of it."""
-        from scaloft_fi.stack.declaration import PlainWire
-
         declared = guarded(self.setup.stack)
         first = self.flown(PlainWire(), declared, "the first baseline flight")
         if first is not None and self.takes_off(first):
@@ -252,7 +249,6 @@ class _Inspection:
 
     def _check_claims(self, declared: Declaration, first: FlightLog) -> None:
         from scaloft_fi.sim.stacks import claims_of
-        from scaloft_fi.stack.declaration import Instant
 
         try:
             claims = claims_of(declared, first.signals)
@@ -270,8 +266,6 @@ class _Inspection:
                 self.failures.append(f"claim {claim.stage!r} has the error {off} at the end of a flight")
 
     def _check_second(self, declared: Declaration, first: FlightLog) -> None:
-        from scaloft_fi.stack.declaration import PlainWire
-
         if not declared.deterministic:
             return
         before = threading.active_count()
@@ -301,8 +295,6 @@ class _Inspection:
             )
 
     def _check_raising(self, declared: Declaration, method: str) -> None:
-        from scaloft_fi.stack.declaration import PlainWire
-
         broken = replace(declared, make=lambda task, wire: _Raising(declared.make(task, wire), method))
         log = self.flown(PlainWire(), broken, f"a flight in which {method!r} raises")
         if log is not None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.processes import ATTEMPTS
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.outcome import Outcome, outcome_of
 from scaloft_fi.registry import in_one_line, plugin_behind
 
 if TYPE_CHECKING:
@@ -39,8 +39,6 @@ def fly_log(study: Study, flight: Flight) -> FlightLog:
 
 def judged(study: Study, flight: Flight, log: FlightLog) -> Outcome:
     """The outcome of a flight."""
-    from scaloft_fi.judge.outcome import outcome_of
-
     return outcome_of(
         log,
         flight.subject,

@@ -18,7 +18,7 @@ from scaloft_fi.campaign.processes import PATIENCE_S
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.log import FlightLog
-from scaloft_fi.stack.declaration import TICK_S
+from scaloft_fi.stack.declaration import TICK_HZ, TICK_S, PlainWire
 from scaloft_fi.study import Study
 
 KERNELS_S = 5.0
@@ -41,7 +41,6 @@ class Physics:
         with stderr_silenced():
             import pybullet  # noqa: F401 - its first import writes to standard error
         from scaloft_fi.sim import flight
-        from scaloft_fi.stack.declaration import TICK_HZ, PlainWire
 
         notice = Timer(NOTICE_S, say, ["compiling kernels (first run only)"])
         notice.start()

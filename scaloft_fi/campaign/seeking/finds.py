@@ -53,7 +53,8 @@ from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.output import write_whole
 from scaloft_fi.sim.found import FILE, Break, Find, Finds, read_finds
-from scaloft_fi.stack.declaration import PlainWire
+from scaloft_fi.sim.stacks import claims_of
+from scaloft_fi.stack.declaration import TICK_HZ, PlainWire
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
@@ -539,8 +540,6 @@ def recalled(study: Study, flight: Flight, violations: Sequence[Violation]) -> T
         ScaloftError: the flight cannot be flown, or a claim of the stack fails.
     """
     from scaloft_fi.sim.flight import FlightLoop, physics_server
-    from scaloft_fi.sim.stacks import claims_of
-    from scaloft_fi.stack.declaration import TICK_HZ
 
     claims = claims_of(study.stack, study.signals)
     wire = ListeningWire(claim.seam for claim in claims if claim.seam)

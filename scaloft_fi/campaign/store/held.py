@@ -22,6 +22,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, TRACK_EVERY, Outcome, track_values
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.sim.log import SAMPLE_HZ
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
@@ -324,6 +325,4 @@ def with_tracks(
 
 def _most_rows(limit_s: float) -> int:
     """The greatest number of rows of a flight's track: one for every `TRACK_EVERY` samples, the first and the last."""
-    from scaloft_fi.sim.log import SAMPLE_HZ  # most verbs read no track
-
     return math.ceil(limit_s * SAMPLE_HZ / TRACK_EVERY) + 3

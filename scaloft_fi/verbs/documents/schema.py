@@ -27,10 +27,11 @@ from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from scaloft_fi.document import LARGEST, Item
 from scaloft_fi.mutants.operator import Operator
-from scaloft_fi.sim.happenings import HappeningKind
-from scaloft_fi.sim.log import DeclaredSignal
-from scaloft_fi.sim.sensors.sensor import SensorKind
-from scaloft_fi.sim.world import Role
+from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.sim.happenings import HAPPENINGS, HappeningKind
+from scaloft_fi.sim.log import SIGNALS, DeclaredSignal
+from scaloft_fi.sim.sensors.sensor import SENSORS, SensorKind
+from scaloft_fi.sim.world import ROLES, Role
 from scaloft_fi.stack.config import Bounds, Scalar
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.verbs.operators import OWN, package_of
@@ -418,13 +419,7 @@ class Declared:
         """
         import scaloft_fi.mutants.reference
         import scaloft_fi.outside.faults  # noqa: F401 - both declare operators
-        from scaloft_fi.mutants.operators import OPERATORS
-        from scaloft_fi.sim.happenings import HAPPENINGS
-        from scaloft_fi.sim.log import SIGNALS
-        from scaloft_fi.sim.sensors import SensorsConfig  # noqa: F401 - the sensors declare themselves
-        from scaloft_fi.sim.sensors.sensor import SENSORS
         from scaloft_fi.sim.stacks import STACKS
-        from scaloft_fi.sim.world import ROLES
 
         return cls(
             operators=_chosen(OPERATORS, lambda one: one.make, own=own),

@@ -20,6 +20,7 @@ import click
 from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import load_plugins
+from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, ExportFormat, export_format
 from scaloft_fi.verbs.options import (
@@ -48,8 +49,6 @@ class ExportCommand(Verb):
 
     def sections(self, ctx: click.Context) -> list[tuple[str, list[tuple[str, str]]]]:
         """The options, then the formats."""
-        from scaloft_fi.verbs.export.dossier import FORMATS
-
         load_plugins()
         formats = [(name, FORMATS[name].summary) for name in sorted(FORMATS)]
         return [*super().sections(ctx), ("Formats", formats)]
@@ -88,9 +87,7 @@ def export_command(
         _check_new(output)
     else:
         check_writable(output)
-    from scaloft_fi.study import Study
     from scaloft_fi.verbs.export.archive import dossier, unzipped
-    from scaloft_fi.verbs.export.dossier import FORMATS
 
     study = Study.open(study_folder)
     chosen = FORMATS[style]

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import click
 
+from scaloft_fi.campaign.store.archive import campaign_folder, is_archive
 from scaloft_fi.console import line
 from scaloft_fi.errors import InputError
+from scaloft_fi.study import Study
 from scaloft_fi.verbs.options import (
     answer,
     as_of_option,
@@ -20,7 +22,7 @@ from scaloft_fi.verbs.options import (
 )
 from scaloft_fi.verbs.snapshot import KEYS as STALE
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Output, count, text
+from scaloft_fi.views.output import Answer, Output, count, text
 
 REPORT = Output(
     "report",
@@ -57,11 +59,8 @@ def report_command(
 ) -> None:
     """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
     check_writable(output)
-    from scaloft_fi.campaign.store.archive import campaign_folder, is_archive
-    from scaloft_fi.study import Study
     from scaloft_fi.verbs.report.analyses import gather
     from scaloft_fi.verbs.report.page import page
-    from scaloft_fi.views.output import Answer
 
     study = Study.open(study_folder)
     folder = campaign_folder(study, campaign)
