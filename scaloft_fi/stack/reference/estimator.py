@@ -3,9 +3,6 @@
 Products of matrices are fused multiply-adds in the order of the terms, one rounding each, so that their bits are the
 same on every processor; the bits of a BLAS depend on the kernels that it chooses for the processor.
 
-filterpy imports `scipy.stats` for likelihoods and `scipy.ndimage` for its discrete filters; SciPy imports all that
-NumPy has, its reader of Fortran too.  Here each is a stand-in, which imports its module when a function is called.
-
 The error is of (position, velocity, attitude, rate bias, force bias); attitude errors are small rotation vectors in the
 world frame.  A fix measures position x, y, z and heading.
 
@@ -16,17 +13,15 @@ the time of its stamp.
 from __future__ import annotations
 
 import math
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
-from types import ModuleType
 from typing import Any, cast
 
 import numpy as np
+from filterpy.kalman import KalmanFilter
 from numba import types
 from numba.extending import intrinsic
+from scipy.linalg.lapack import dgesv
 
 from scaloft_fi.stack.config import NotNegative, Positive
 from scaloft_fi.stack.declaration import TICK_S
@@ -256,55 +251,6 @@ def corrected(p: Array, noise: Array, inverse: Array, z: Array) -> tuple[Array, 
                 total = fused(spread[i, k], gain[j, k], total)
             left[i, j] += total
     return gain, error, left
-
-
-LATE = ("scipy.stats", "scipy.ndimage", "scipy.ndimage.filters", "scipy.ndimage.interpolation", "numpy.f2py")
-"""The last two of `scipy.ndimage` are where filterpy 1.4.5 looks for what newer ones find in it."""
-
-
-class _Late:
-    """Something of a late module, found when it is called."""
-
-    def __init__(self, module: str, path: tuple[str, ...]) -> None:
-        self._module, self._path = module, path
-
-    def __getattr__(self, name: str) -> _Late:
-        return _Late(self._module, (*self._path, name))
-
-    def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        if isinstance(sys.modules.get(self._module), _StandIn):
-            return None  # filterpy asks while it is imported whether an argument is known, which it has been since 2014
-        found: Any = import_module(self._module)
-        for name in self._path:
-            found = getattr(found, name)
-        return found(*args, **kwargs)
-
-
-class _StandIn(ModuleType):
-    def __getattr__(self, name: str) -> _Late:
-        return _Late(self.__name__, (name,))
-
-
-@contextmanager
-def _stood_in() -> Iterator[None]:
-    """Stand-ins for the late modules that nobody has imported yet."""
-    late = {name: _StandIn(name) for name in LATE if name not in sys.modules}
-    sys.modules.update(late)
-    places = [(import_module(package), module) for package, _, module in (name.rpartition(".") for name in late)]
-    for (package, module), stand_in in zip(places, late.values(), strict=True):
-        setattr(package, module, stand_in)
-    try:
-        yield
-    finally:
-        for name in late:
-            del sys.modules[name]
-        for package, module in places:
-            delattr(package, module)
-
-
-with _stood_in():
-    from filterpy.kalman import KalmanFilter as KalmanFilter
-    from scipy.linalg.lapack import dgesv as dgesv
 
 
 _IDENTITY = np.eye(len(MEASURED))
