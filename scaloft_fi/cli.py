@@ -1,9 +1,4 @@
-"""What the environment refuses a process: files, descriptors, memory, its working directory.
-
-The list of verbs: each has a file of its name in this folder, where `NAME_command` is declared by `@verb`.
-
-The command `scaloft-fi`: imports the module of the verb, and turns each error into a sentence and an exit code.
-"""
+"""The command `scaloft-fi`: the list of verbs, imported when called; an error is a sentence and an exit code."""
 
 from __future__ import annotations
 

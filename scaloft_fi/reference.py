@@ -1,11 +1,4 @@
-"""Every form of JSON that a verb prints, by verb; a verb with a form of its own gets a line here.
-
-The reference page of what verbs print for programs: every key of every JSON, the CSV tables, the exit codes.
-
-The reference page of the YAML documents of a study: every key, its type, unit, range and meaning.
-
-The reference of all verbs in Markdown, made of their declarations.
-"""
+"""The pages of the reference, made from what the code declares: verbs, JSON and CSV that they print, YAML keys."""
 
 from __future__ import annotations
 

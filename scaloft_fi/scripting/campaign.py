@@ -1,11 +1,4 @@
-"""Progress of a run for scripts: nothing, lines on the standard error, or calls of a function.
-
-The score of a campaign, for scripts and notebooks.
-
-A campaign of an open study, read: what the verbs that fly nothing do with a campaign, for scripts.
-
-A campaign of an open study: what the verbs that fly for a campaign do, for scripts.
-"""
+"""A campaign of an open study, for scripts: what the verbs do with a campaign, its score, progress of a run."""
 
 from __future__ import annotations
 

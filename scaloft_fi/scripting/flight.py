@@ -1,9 +1,4 @@
-"""Arguments of the Python API: how they are read, and how an error names them.
-
-A picture that a notebook shows and a file keeps.
-
-A flight that was flown in this process: status, requirements, log and map.
-"""
+"""A flight that was flown in this process, for scripts: log, map, figure; and how arguments are read."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""The tables behind the first screen: ratios, stages, pairs, the unmutated drone's findings, coverage, groupings.
-
-The first screen after `run` and `score`: four answers, the mutants by verdict, coverage, what the drone does.
+"""The first screen after `run` and `score`, and the tables behind it.
 
 Long groups are cut unless everything is asked for; the other tables stand behind `--all`.
 """

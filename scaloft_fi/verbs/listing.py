@@ -1,9 +1,4 @@
-"""A list of what a study has: an overview of all entries, or some of them whole, in every format of tables.
-
-The fields of a message in words: what kind each is, and its unit.
-
-What the verbs that list what a study has share: which study and grid, which entries, which format.
-"""
+"""A list of what a study has, for the verbs that list: an overview of all entries, or some of them whole."""
 
 from __future__ import annotations
 

@@ -1,6 +1,4 @@
-"""Names that packages declare, read from their sources: importing them takes too long for a key press.
-
-The names that a shell completes: mutants, situations, grids, campaigns, and what a study and its packages declare.
+"""The names that a shell completes: mutants, situations, campaigns, and what a study and its packages declare.
 
 They are read from the files of the study as plain text, without numpy and without a check of the study; a file that
 cannot be read has no names.  No store is opened: one that somebody else has made may take for ever to answer.

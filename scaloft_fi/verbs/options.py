@@ -1,13 +1,4 @@
-"""The options that several verbs share, each declared once.
-
-Files that the user names for output.
-
-How a verb answers: as text for people, as JSON of a declared form, or as CSV, one table a file.
-
-The refusal to write into a study of nobody.
-
-Which study a verb works on when the user names none.
-"""
+"""What several verbs ask and how verbs answer: shared options, files that the user names, `--format`, `--tables`."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""The form of the JSON that `score` and `run` print.
-
-The score as plain JSON values: what `score --format json` prints, below the version of its form.
-"""
+"""The score as plain JSON values: the form of what `score` and `run` print with `--format json`, and its values."""
 
 from __future__ import annotations
 

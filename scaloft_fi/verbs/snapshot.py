@@ -1,9 +1,4 @@
-"""The command that flies again what no longer counts.
-
-Stored flights that no longer count: how many, why, and the command that flies them again.
-
-A campaign at one moment: everything that a verb reads, from a store that is opened once.
-"""
+"""A campaign at one moment: everything that a verb reads, from a store opened once, and what no longer counts."""
 
 from __future__ import annotations
 

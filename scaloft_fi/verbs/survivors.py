@@ -1,6 +1,4 @@
-"""The facts of a survivor's case, each as a sentence.
-
-Survivors by the stage where they stopped (reach, infect, propagate, reveal), each with the next thing to do.
+"""Survivors by the stage where they stopped (reach, infect, propagate, reveal), each with the next thing to do.
 
 A survivor is a mutant that is not detected.  A fault that stops at reach or infect asks for a situation, at propagate
 for a magnitude, at reveal for a magnitude, an oracle or more flights (after the RIPR model of Ammann and Offutt; that a

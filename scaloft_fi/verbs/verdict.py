@@ -1,17 +1,4 @@
-"""The commands that texts tell a reader to call next.
-
-What the verdict on a mutant rests on, in a line, and what would decide one that is open.
-
-The find to fly next for a fault that the flights do not show: which one, in words, and its command.
-
-What to do next about a mutant that is not detected, by one rule for every screen.
-
-The noise of a stack that is not deterministic, in a line.
-
-Accepted survivors in words: who accepted each, why and until when, and the score without them.
-
-The four questions that a score answers, each in a sentence or two: what is shown, what not, how sure, what next.
-"""
+"""A verdict in words: what it rests on, what would decide an open one, and the command to call next."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""The text of the glossary: `term | other form: meaning`, in alphabetical order; further lines are indented.
-
-The glossary: every term of the screens, tables, files and the report, with its meaning.
-"""
+"""The glossary: every term of the screens, tables, files and the report, with its meaning."""
 
 from __future__ import annotations
 

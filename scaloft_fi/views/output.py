@@ -1,21 +1,9 @@
-"""A table as typed columns, for data frames: what `pandas.DataFrame(...)` and `polars.DataFrame(...)` take as it is.
-
-The shapes of JSON values, as parts of a JSON Schema (draft 2020-12); each says what its value is and in which unit.
-
-A record is closed: it has each of its keys, and no others.  What may be missing is null (`optional`).
-
-What a verb prints with `--format json`: an object with a schema version and named values of declared shapes.
-
-The JSON of a verb as flat tables: each list of records is a table, and what stands in no list is one row.
+"""What a verb answers: JSON of a declared shape, and the same as CSV tables and typed columns.
 
 A record in a record gives columns `outer_inner`, a list of plain values is one cell, a list of records in a record is a
 table of its own, `table_key`, whose first column says whose a record is.
 
-The JSON of a verb as CSV, one table a file; lists have `;` between, and nothing stands where JSON has null.
-
-Flat tables as columns whose types follow from the declared shapes.
-
-What a verb answers: its tables as columns, its text, its JSON; verbs print it, scripts read it.
+A record is closed: it has each of its keys, and no others.  What may be missing is null (`optional`).
 """
 
 from __future__ import annotations

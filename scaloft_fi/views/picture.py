@@ -1,11 +1,4 @@
-"""Drawing by hand: from world metres to SVG text, and from SVG to PNG with the one font that travels along.
-
-The map's signs and colours, and the legend that explains them.
-
-The top-down map of flights, drawn as SVG by hand: mine, bodies, waypoints, paths in colours of speed, events.
-
-From a world and a flight log to what the map draws.
-"""
+"""The top-down map of flights, drawn as SVG by hand: mine, bodies, waypoints, paths, events, legend."""
 
 from __future__ import annotations
 

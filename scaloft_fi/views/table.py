@@ -1,19 +1,7 @@
-"""Texts of a study that must appear as they are, whatever a format makes of its characters.
-
-The colours of words that a reader looks for: what is well, what is not, what is not known.  The words say it too.
-
-How wide the columns of a text table are on a terminal, and which columns it has room for.
-
-A table as text for a terminal of some width: columns side by side, or a record for each row where there is no room.
+"""A table as data, and how it is printed: text as wide as a terminal, Markdown, CSV, JSON, LaTeX, HTML.
 
 First the columns are made narrower between words; then those are left out that the table can spare, which a note names;
 at last each row becomes a record, a line for each of its values.  Ids, paths and commands are never broken.
-
-Tables as HTML, for notebooks.
-
-Whole numbers in a sentence, their runs in short.
-
-A table as data, and how it is printed: text, Markdown, CSV, JSON or LaTeX.
 """
 
 from __future__ import annotations

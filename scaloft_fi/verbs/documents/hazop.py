@@ -1,7 +1,4 @@
-"""The JSON Schemas of `hazop/`: guidewords, parameters, severities, matrix, score, dispositions.
-
-The JSON Schemas of `sim/requirements.yaml` and of `sim/found.yaml`, which speaks of requirements.
-"""
+"""The JSON Schemas of `hazop/`, of `sim/requirements.yaml` and of `sim/found.yaml`."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Every YAML document of a study, with its JSON Schema.
-
-Schemas beside a study, and the line of a document by which an editor finds its own.
-"""
+"""Every YAML document of a study with its JSON Schema, and the line by which an editor finds it."""
 
 from __future__ import annotations
 

@@ -1,17 +1,7 @@
-"""What the docstring of a class says of each of its attributes.
-
-Parts of the JSON Schemas of YAML documents; each says what its value is, in which unit, and what is allowed.
+"""Parts of the JSON Schemas of YAML documents, hand-written or found out by asking the reader of an entry.
 
 Mappings are closed: they have the named keys and no others.  Bounds are those of the loaders, and a test holds them to
 that.
-
-The JSON Schema of settings that a frozen dataclass declares, as `stack.config.build` reads them.
-
-The JSON Schema of an entry, found out by its own reader: a stand-in answers whatever the reader asks, and notes it.
-
-A reader that depends on more than one kind of answer shows only what it asks of the stand-in's.
-
-What the installed packages declare that documents may name; of the published schemas the package's own alone.
 """
 
 from __future__ import annotations

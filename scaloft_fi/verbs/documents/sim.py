@@ -1,15 +1,4 @@
-"""The JSON Schema of `sim/sources.yaml`: the source of each number.
-
-The JSON Schema of `sim/world.yaml`: mine, bodies, waypoints, mission, happenings.
-
-The JSON Schemas of `sim/vehicle.yaml` and `sim/sensors.yaml`.
-
-The JSON Schema of `sim/stack.yaml`: the stack under test, and its settings as the stack declares them.
-
-The JSON Schemas of `sim/situations.yaml` and of further grids, `sim/grids/*.yaml`.
-
-The JSON Schemas of `sim/flyer.yaml`, a command that flies, and `sim/record.yaml`, where its record has signals.
-"""
+"""The JSON Schemas of `sim/`: world, vehicle, sensors, stack, situations, sources, and what a command flies."""
 
 from __future__ import annotations
 

@@ -1,8 +1,6 @@
 """A campaign whole, as one ZIP file that every verb opens years later: what a paper cites.
 
 The same campaign gives the same bytes: no clock is in the file.
-
-A campaign and its study as the dossier that evidence is written from.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
-"""The argument over the campaign in goal structuring notation, as the YAML of gsn2x.
+"""The argument over the campaign: goal structuring notation (gsn2x), and the verification log of SACE.
 
 Every mutant flown that is not detected stands in it as a counter-goal against the claim it weakens: an argument that
 hides what speaks against it convinces nobody.  A survivor that somebody accepted is justified by that, until the last
 day of the acceptance; the goal over the others stays undeveloped.
-
-The verification log of SACE: artefact [SS] of the stage "AS verification assurance", with its headings.
 
 SACE (Safety Assurance of Autonomous Systems in Complex Environments, Assuring Autonomy International Programme, York)
 asks for the test cases with their required results, and for a justification that their coverage suffices, considering

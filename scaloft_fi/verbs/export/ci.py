@@ -1,4 +1,4 @@
-"""The campaign as JUnit XML for CI: a test is a mutant, and passes when the mutant is detected.
+"""The campaign for CI and code hosts: JUnit, SARIF, mutation-testing-report-schema, and a summary in Markdown.
 
 One that is not detected fails; one that is undecided, not tested or an accepted survivor is skipped; what the harness
 failed at is an error.
@@ -6,13 +6,9 @@ Each of these has the reason and the command to call next in its message, and in
 that flies the most telling flight again.  Controls have a suite of their own, in which those pass that show themselves
 by safety or operability.
 
-What is not detected as SARIF 2.1.0: code scanning shows each mutant on the line of its cell of the HAZOP matrix.
-
 What is undecided is a note, what is not detected or not tested is a warning.  The message ends with the commands that
 fly the most telling flight again and that come next; the help of the rule, which viewers show beside it, and the
 properties of the result have all steps.  An accepted survivor is suppressed, with who accepted it, why and until when.
-
-The campaign as a report of mutation-testing-report-schema 2, which mutation-testing-elements and others show.
 
 A mutant stands in the file and on the line of its cell of the deviation matrix; the situations are its tests, and
 cover it where they put it to the test.  Its readers know two scores.  Their mutation score, killed / (killed + survived
@@ -26,8 +22,6 @@ detected mutants of those put to the test.  For that, of the default mutants of 
 
 and accepted survivors and what no ratio counts (controls, other magnitudes) are `Ignored`: readers show the score
 without accepted survivors.  The reason says more than the status.
-
-The campaign in a page of Markdown, for the summary of a CI job or a merge request.
 """
 
 from __future__ import annotations

@@ -1,16 +1,7 @@
-"""Export formats by name: each is one declaration, a function of the dossier.
+"""What a campaign's evidence is written from, and the formats that are rows: CSV, JSON, Parquet.
 
-What a campaign's evidence is written from: the study's parts, its outcomes and what follows from them.
-
-What to call about a mutant that is not detected: the flight to look at, and what would show it or bound it.
-
-All flights of a campaign as CSV.
-
-All flights of a campaign as a JSON list.
-
-All flights of a campaign as Parquet, typed, lists as lists: the rows of `export`, for data frames.
-
-Texts are data here and stand as the store has them; only lone surrogates, which UTF-8 cannot hold, are spelled out.
+Texts are data in Parquet and stand as the store has them; only lone surrogates, which UTF-8 cannot hold, are spelled
+out.
 """
 
 from __future__ import annotations

@@ -1,17 +1,7 @@
-"""What a report is made from: a study, and the outcomes of one campaign with their tracks.
-
-What a requirement demands, taken apart: bounds on signals, those that always hold and those of its trigger.
+"""What the page is made from, and what follows from the flights: ladders, margins, limits, thresholds, survivors.
 
 Only a formula that is a conjunction of such bounds is taken apart; any other stays whole: its bounds
 alone would say something else.
-
-The limits that requirements set to signals, read from their formulas, to be drawn where the signals are.
-
-The mutants of a cell from mild to strong, magnitudes that a search flew among those of the catalogue.
-
-What follows from the flights, for the page: ladders, margins, what kills what, survivors.
-
-The margins of a campaign for the page, situation by situation, each beside what it is measured against.
 """
 
 from __future__ import annotations

@@ -1,7 +1,4 @@
-"""The situations that a search found, for the page: the evidence, what stands there, a pair of flights, the command.
-
-The situations that break the unmutated drone, for the page: how, where, after which wrong belief, the command.
-"""
+"""The situations that a search found, and those that break the unmutated drone, for the page."""
 
 from __future__ import annotations
 

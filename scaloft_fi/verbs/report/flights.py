@@ -1,13 +1,9 @@
-"""Trajectories for the page: whole numbers, without what is the baseline's, as differences in two planes of bytes.
+"""The flights of a campaign for the page, one compressed pack a situation: records, tracks, and what stands there.
 
 A track is rows, one value a column.  Each value is divided by its column's quantum and rounded.  The rows at the start
 that equal the baseline's are only counted.  Of the rest each column is written by itself, value minus the value of the
 row before, modulo 2^16, zigzag coded (0, -1, 1, -2 ... -> 0, 1, 2, 3 ...): first all low bytes, then all high bytes,
 which are nearly always zero.  Deflate then makes less than two bytes of a row of seven columns.
-
-The flights of a campaign for the page, one compressed pack a situation: records, then tracks.
-
-What stands in each situation, for the page's map.
 """
 
 from __future__ import annotations

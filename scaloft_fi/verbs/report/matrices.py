@@ -1,13 +1,4 @@
-"""The Karnaugh map for the page: how the grid is folded, and per mutant the terms of its condition.
-
-How sure a detection is, in three steps that the page shades and marks.
-
-Survivors beside the dispositions that accept them, for the page.
-
-What the kill matrix shows of a mutant in a situation, and which of its flights a click on that opens.
-
-The two matrices of the page: the HAZOP study's cells, and mutants x situations.
-"""
+"""The two matrices of the page, the HAZOP study's cells and mutants x situations, and their Karnaugh map."""
 
 from __future__ import annotations
 

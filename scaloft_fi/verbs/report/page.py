@@ -1,9 +1,4 @@
-"""The top of the page: what the unmutated drone fails by itself, and what the figures do not claim.
-
-All figures of the page as plain JSON values; the page draws them and computes none.
-
-The page: figures and flights as data, style and script inlined, nothing fetched.
-"""
+"""The page of the report: figures and flights as data, style and script inlined, nothing fetched."""
 
 from __future__ import annotations
 
