@@ -171,8 +171,13 @@ class Item:
 
     def error(self, allowed: str) -> InputError:
         """The error for a value that is not allowed here."""
-        value = "{...}" if isinstance(self.value, dict) else "[...]" if isinstance(self.value, tuple) else None
-        return InputError(f"{self.place}: {self.name}={value or shown(self.value)} must be {allowed}")
+        return InputError(f"{self.place}: {self.name}={self._written()} must be {allowed}")
+
+    def _written(self) -> str:
+        """The value as a message shows it; a mapping or a list is only named as one."""
+        return (
+            "{...}" if isinstance(self.value, dict) else "[...]" if isinstance(self.value, tuple) else shown(self.value)
+        )
 
     def mapping(self, *, most: int = ITEMS) -> dict[str, Item]:
         """The entries of a mapping by key, at most `most` of them."""
@@ -233,7 +238,7 @@ class Item:
         """One of `allowed`."""
         if str(self.value) not in allowed:
             hint = did_you_mean(str(self.value), allowed)
-            raise InputError(f"{self.place}: {self.name}={shown(self.value)} is not known{hint}")
+            raise InputError(f"{self.place}: {self.name}={self._written()} is not known{hint}")
         return str(self.value)
 
     def numbers(self, count: int | None = None, *, least: float = -LARGEST, most: float = LARGEST) -> tuple[float, ...]:
