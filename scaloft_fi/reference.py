@@ -309,18 +309,18 @@ def _page(name: str) -> str:
     usage = " ".join([PROGRAM, name, *command.collect_usage_pieces(context)])
     parts = [f"### `{PROGRAM} {name}`", f"```\n{usage}\n```", *_paragraphs(command.help or "")]
     for heading, rows in command.sections(context):
-        listed = "\n".join(f"- `{names}`: {_code(' '.join(meaning.split()))}" for names, meaning in rows)
+        listed = "\n".join(f"- `{names}`: {_escaped(' '.join(meaning.split()))}" for names, meaning in rows)
         parts += [f"**{heading}**", listed]
     parts.append("**Examples**")
-    parts += [f"{_code(example.does)}:\n\n```\n{example.command}\n```" for example in command.examples]
+    parts += [f"{_escaped(example.does)}:\n\n```\n{example.command}\n```" for example in command.examples]
     return "\n\n".join(parts)
 
 
 def _paragraphs(text: str) -> list[str]:
-    return [_code(" ".join(paragraph.split())) for paragraph in cleandoc(text).split("\n\n")]
+    return [_escaped(" ".join(paragraph.split())) for paragraph in cleandoc(text).split("\n\n")]
 
 
-def _code(text: str) -> str:
+def _escaped(text: str) -> str:
     """The text outside of backticks as Markdown shows it unchanged."""
     pieces = text.split("`")
     return "`".join(_ACTIVE.sub(r"\\\1", piece) if at % 2 == 0 else piece for at, piece in enumerate(pieces))

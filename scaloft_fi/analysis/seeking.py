@@ -1,6 +1,6 @@
 """Search for a situation that shows a fault: how near a situation is, and whether fresh seeds confirm it.
 
-**The test is the score's own** (`analysis/scoring/detection.py`), in the one situation, beside a pool of ten baselines.
+**The test is the score's own** (`analysis/detection.py`), in the one situation, beside a pool of ten baselines.
 
 **A search may try again.**  The j-th candidate of a mutant is tested at alpha * 2^-j, j = 1, 2, ...; these shares sum
 to alpha, so the chance that a fault which does nothing is ever confirmed is at most alpha, however long the search.

@@ -142,7 +142,7 @@ class Outcome:
         digest, perceived_digest: digests of the log's ground truth and of the stack's beliefs.
         stack_error: exception of the stack, after which the fail-safe flew.
         realised: for a baseline, by axis whether the flight met the situation's value.
-        track: trajectory at 5 Hz, packed by `judge/track.py`.
+        track: trajectory at 5 Hz, packed by `pack_track`.
     """
 
     subject: Subject

@@ -11,7 +11,7 @@ From a process, first the topics that it will send, then its messages:
     {"topic": "/cmd_vel", "data": {"velocity": [0.5, 0.0, 0.0], "turn_radps": 0.0}}
     {"topic": "/cmd_vel", "stamp_s": 1.25, "data": ...}     a stamp later than the clock is refused
 
-The fields are those of `ports.py` (`plain.py` says how each is written), or those of the topic's own mapping.
+The fields are those of `border.py` (`plain.py` says how each is written), or those of the topic's own mapping.
 """
 
 from __future__ import annotations

@@ -12,13 +12,12 @@ from scaloft_fi.campaign.runs.request import Remembered
 from scaloft_fi.judge.space import Space
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.options import answer, campaign_option, format_option, study_option, tables_option
-from scaloft_fi.verbs.snapshot import KEYS as STALE
-from scaloft_fi.verbs.snapshot import snapshot
+from scaloft_fi.verbs.snapshot import STALE, snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, by_name, count, listing, ratio, record, text
 from scaloft_fi.views.table import Table
 
-SHAPE = record(
+COVERED = record(
     "how much of the situations the flights cover",
     {
         "situations": ratio("distinct situations flown, of the grid"),
@@ -58,7 +57,7 @@ COVERAGE = Output(
     "1.1",
     "how much of the situations a campaign covers",
     {
-        "coverage": SHAPE,
+        "coverage": COVERED,
         "choices": listing(
             "how `run --choose` chose situations",
             record(
@@ -84,7 +83,7 @@ COVERAGE = Output(
 
 
 def coverage_record(covered: Coverage) -> dict[str, Any]:
-    """Plain JSON values of `SHAPE`."""
+    """Plain JSON values of `COVERED`."""
     values = coverage_json(covered)
     complete = {strength: one["complete"] for strength, one in values["t_way"].items()}
     t_way = {strength: {"part": one["part"], "whole": one["whole"]} for strength, one in values["t_way"].items()}

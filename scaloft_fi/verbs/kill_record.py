@@ -10,7 +10,7 @@ from scaloft_fi.analysis.roster import by_field, plain
 from scaloft_fi.analysis.suite import Orders, Redundancy, Subsumption
 from scaloft_fi.judge.status import Status
 from scaloft_fi.verbs.score_record import FIRM, SEVERITY, VERDICTS
-from scaloft_fi.verbs.snapshot import KEYS as STALE
+from scaloft_fi.verbs.snapshot import STALE
 from scaloft_fi.verbs.survivors import Stage
 from scaloft_fi.verbs.verdict import Next
 from scaloft_fi.views.output import Output, by_name, count, flag, listing, number, optional, ratio, record, text, texts

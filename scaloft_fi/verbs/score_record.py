@@ -15,12 +15,9 @@ from scaloft_fi.analysis.survivor import Accepted, score_without
 from scaloft_fi.hazop.matrix import class_of
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import Status
-from scaloft_fi.verbs.coverage import SHAPE as COVERED
-from scaloft_fi.verbs.coverage import coverage_record
-from scaloft_fi.verbs.snapshot import KEYS as STALE
-from scaloft_fi.verbs.snapshot import NONE, Stale
-from scaloft_fi.verbs.verdict import SHAPE as ACCEPTED
-from scaloft_fi.verbs.verdict import accepted_values
+from scaloft_fi.verbs.coverage import COVERED, coverage_record
+from scaloft_fi.verbs.snapshot import NONE, STALE, Stale
+from scaloft_fi.verbs.verdict import ACCEPTED, accepted_values
 from scaloft_fi.views.output import (
     Output,
     Shape,

@@ -89,7 +89,7 @@ def _range(seeds: Collection[int]) -> str:
 
 REASONS = 2
 """How many reasons a sentence names before it counts the rest."""
-KEYS = {
+STALE = {
     "stale": record(
         "the stored flights that no longer count and were not flown again",
         {
@@ -119,7 +119,7 @@ class Stale:
 
     @property
     def values(self) -> dict[str, Any]:
-        """Plain JSON values of `KEYS`."""
+        """Plain JSON values of `STALE`."""
         reasons = [{"why": why, "flights": flights} for why, flights in self.why.items()]
         return {"stale": {"flights": sum(self.why.values()), "reasons": reasons, "command": self.command or None}}
 

@@ -361,7 +361,7 @@ def _one(one: Noise) -> str:
     return f"{one.requirement} {one.stack:.2g}{seeds} by {one.pairs} pairs"
 
 
-SHAPE = listing(
+ACCEPTED = listing(
     "the survivors that somebody accepted, of the mutants that the ratios count",
     record(
         "an accepted survivor",
@@ -383,7 +383,7 @@ def acceptance(disposition: Disposition) -> str:
 
 
 def accepted_values(accepted: Sequence[Accepted]) -> list[dict[str, Any]]:
-    """Plain JSON values of `SHAPE`."""
+    """Plain JSON values of `ACCEPTED`."""
     return [
         {"mutant": id_, "owner": known.owner, "reason": known.reason, "expires": known.expires.isoformat()}
         for id_, known in accepted

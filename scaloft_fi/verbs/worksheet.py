@@ -47,8 +47,7 @@ from scaloft_fi.verbs.options import (
     write,
 )
 from scaloft_fi.verbs.score_record import FIRM, VERDICTS, P
-from scaloft_fi.verbs.snapshot import KEYS as STALE
-from scaloft_fi.verbs.snapshot import Stale, snapshot
+from scaloft_fi.verbs.snapshot import STALE, Stale, snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import NO_POOL, acceptance, effect, flies, next_find, words, would_decide
 from scaloft_fi.views.output import (
@@ -610,10 +609,10 @@ WORKSHEET = Output(
 
 def worksheet_values(rows: Sequence[SheetRow]) -> dict[str, Any]:
     """Plain JSON values of the form `WORKSHEET`."""
-    return {"rows": [_row_shape(row) for row in rows]}
+    return {"rows": [_row_values(row) for row in rows]}
 
 
-def _row_shape(row: SheetRow) -> dict[str, Any]:
+def _row_values(row: SheetRow) -> dict[str, Any]:
     known = row.disposition
     accepted = None
     if known is not None:

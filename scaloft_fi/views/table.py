@@ -359,7 +359,7 @@ def render(tables: Sequence[Table], how: Format, *, width: int | None = None, ma
         colours = coloured() if marked is None else marked
         text = "\n".join(_text(table, columns, marked=colours) for table in tables)
         return Marked(text) if colours else text
-    return "\n".join(_tabulated_one(table, how) for table in tables)
+    return "\n".join(_rendered(table, how) for table in tables)
 
 
 def csv_text(headers: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
@@ -406,7 +406,7 @@ def _text(table: Table, width: int, *, marked: bool) -> str:
     return "\n".join(parts) + "\n"
 
 
-def _tabulated_one(table: Table, how: Format) -> str:
+def _rendered(table: Table, how: Format) -> str:
     title, notes = line(table.title), list(map(line, table.notes))
     if how is Format.CSV:
         return csv_text([f"# {title}"], ()) + csv_text(table.headers, table.rows)

@@ -34,16 +34,16 @@ ELSEWHERE = {
     "outside_ros1.md": "it needs ROS 1; tests/examples/test_testbed.py flies this study where it is installed",
     "outside_ros2.md": "it needs ROS 2; tests/outside/test_ros2.py flies this study where it is installed",
     "own_simulator.md": "tests/examples/test_own_simulator.py flies these studies",
-    "seek.md": f"{LONG}; tests/campaign/runs/seeking searches small grids",
+    "seek.md": f"{LONG}; tests/campaign/seeking searches small grids",
 }
 """Pages whose commands are not run as they stand, and why."""
 NOT_RUN = {
     "pip install 'scaloft-fi'": "packages are installed by tests/packaging",
     "scaloft-fi run --budget 20m --quiet": LONG,
-    "scaloft-fi export --format junit --output faults.xml": "tests/views/exchange writes it",
-    "scaloft-fi export --format sarif --output faults.sarif": "tests/views/exchange writes it",
-    'scaloft-fi export --format markdown >> "$GITHUB_STEP_SUMMARY"': "tests/views/exchange writes it",
-    "scaloft-fi score --ratchet --fail-under-firm 0.25": "tests/cli tries both",
+    "scaloft-fi export --format junit --output faults.xml": "tests/verbs/export writes it",
+    "scaloft-fi export --format sarif --output faults.sarif": "tests/verbs/export writes it",
+    'scaloft-fi export --format markdown >> "$GITHUB_STEP_SUMMARY"': "tests/verbs/export writes it",
+    "scaloft-fi score --ratchet --fail-under-firm 0.25": "tests/verbs tries both",
 }
 """Commands of the other pages that are not run, and why."""
 

@@ -185,7 +185,7 @@ def to_json(dossier: Dossier) -> dict[str, Any]:
 
 
 def _cases(dossier: Dossier) -> Table:
-    baselines, mutants = _seeds_text(dossier, baseline=True), _seeds_text(dossier, baseline=False)
+    baselines, mutants = _seeds_flown(dossier, baseline=True), _seeds_flown(dossier, baseline=False)
     rows = tuple(
         (key, dossier.words(key), ranges(mutants.get(key, set())), ranges(baselines.get(key, set())))
         for key in sorted(baselines.keys() | mutants.keys(), key=dossier.space.rank)
@@ -194,7 +194,7 @@ def _cases(dossier: Dossier) -> Table:
     return Table("Test case details", headers, rows)
 
 
-def _seeds_text(dossier: Dossier, *, baseline: bool) -> dict[str, set[int]]:
+def _seeds_flown(dossier: Dossier, *, baseline: bool) -> dict[str, set[int]]:
     """By situation the seeds flown, of the unmutated drone or of everything else."""
     by_situation: dict[str, set[int]] = {}
     for outcome in dossier.outcomes:

@@ -20,7 +20,7 @@ from scaloft_fi.verbs.options import (
     study_option,
     write,
 )
-from scaloft_fi.verbs.snapshot import KEYS as STALE
+from scaloft_fi.verbs.snapshot import STALE
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, count, text
 

@@ -14,7 +14,7 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.study import Study
 
-STUDY = Study.open(Path(__file__).parents[4])
+STUDY = Study.open(Path(__file__).parents[3])
 pytestmark = pytest.mark.flight
 
 

@@ -16,7 +16,7 @@ from scaloft_fi.campaign.seeking.seek import seek
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[4]
+ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.flight
 
 

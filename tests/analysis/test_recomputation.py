@@ -20,7 +20,7 @@ from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.verbs.export.rows import columns, export_rows, to_csv
 from scaloft_fi.verbs.score_record import score_json
 
-FLOWN = Path(__file__).parents[2] / "support" / "three_situations_ten_seeds.jsonl.gz"
+FLOWN = Path(__file__).parents[1] / "support" / "three_situations_ten_seeds.jsonl.gz"
 
 
 def from_json(values: dict[str, Any]) -> Outcome:

@@ -17,7 +17,7 @@ from scaloft_fi.verbs.map import MAP, map_values, plan_of
 from scaloft_fi.views.picture import MapScene
 from scaloft_fi.views.plan import Happens, Plan, draw_plan
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 SVG = "{http://www.w3.org/2000/svg}"
 
 

@@ -11,8 +11,8 @@ from scaloft_fi.errors import ExitCode
 from scaloft_fi.reference import OUTPUTS, output_of, outputs_page, schema_texts
 from scaloft_fi.views.output import Shape, inner
 
-SCORE = Path(__file__).parents[3] / "results" / "published" / "reference" / "score.json"
-PUBLISHED = Path(__file__).parents[3] / "docs" / "schemas" / "output"
+SCORE = Path(__file__).parents[2] / "results" / "published" / "reference" / "score.json"
+PUBLISHED = Path(__file__).parents[2] / "docs" / "schemas" / "output"
 
 
 def test_the_published_schemas_are_those_of_the_code() -> None:

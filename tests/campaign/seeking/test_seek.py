@@ -26,7 +26,7 @@ from scaloft_fi.sim.found import Find
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 
-STUDY = Study.open(Path(__file__).parents[4], "search")
+STUDY = Study.open(Path(__file__).parents[3], "search")
 LATE, MORE, LESS = (realise(STUDY.matrix, name) for name in ("LATE-human@3s", "MORE-goal@1m", "LESS-depth"))
 
 

@@ -19,7 +19,7 @@ from scaloft_fi.mutants.catalogue import derive
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.verbs.worksheet import sheet_rows, to_latex
 
-MATRIX = load_matrix(Path(__file__).parents[3] / "hazop", REFERENCE.by_name)
+MATRIX = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
 SOME = MATRIX.only(["LATE", "NO", "EARLY"], ["human", "collision"])
 ENGINES = {
     "pdflatex": r"\usepackage[T1]{fontenc}",

@@ -9,7 +9,7 @@ from scaloft_fi.campaign.seeking.seek import EACH, GENERATION, LONGEST_REST, Que
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
-STUDY = Study.open(Path(__file__).parents[4], "search")
+STUDY = Study.open(Path(__file__).parents[3], "search")
 
 
 def quest(name: str) -> Quest:

@@ -18,7 +18,7 @@ from scaloft_fi.stack.declaration import STEP_S, TICK_S, PlainWire
 
 pytestmark = pytest.mark.flight
 
-SIM = Path(__file__).parents[3] / "sim"
+SIM = Path(__file__).parents[2] / "sim"
 Fly = Callable[[str], FlightLog]
 
 

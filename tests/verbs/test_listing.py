@@ -24,7 +24,7 @@ from scaloft_fi.verbs.signals import BOTH, FACTS, REALISED, TO_ASK, signal_list
 from scaloft_fi.views.output import csv_tables
 from scaloft_fi.views.table import Format
 
-STUDY = Path(__file__).parents[3]
+STUDY = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")

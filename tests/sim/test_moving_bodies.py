@@ -22,7 +22,7 @@ from tests.sim.test_raster import CAMERA, UPRIGHT, cast
 
 pytestmark = pytest.mark.flight
 
-SIM = Path(__file__).parents[3] / "sim"
+SIM = Path(__file__).parents[2] / "sim"
 KEY = "T0O0W0D0H1"
 WALK = "{kind: walk, active: true, body: person, path: [[-0.5, 6.0], [0.9, 6.0], [0.9, 1.0]], speed_mps: 1.0}"
 times_s = st.floats(0.0, 12.0)

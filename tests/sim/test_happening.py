@@ -16,7 +16,7 @@ from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Start, 
 from scaloft_fi.sim.load import load as load_sim
 from scaloft_fi.sim.world import World, read_world
 
-SIM = Path(__file__).parents[3] / "sim"
+SIM = Path(__file__).parents[2] / "sim"
 Make = Callable[..., World]
 
 

@@ -45,7 +45,7 @@ from scaloft_fi.verbs.worksheet import (
 )
 from scaloft_fi.views.table import FORMULA, latex, markdown
 
-MATRIX = load_matrix(Path(__file__).parents[3] / "hazop", REFERENCE.by_name).only(
+MATRIX = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name).only(
     ["LATE", "NO", "EARLY", "REVERSE"], ["human", "collision"]
 )
 ROSTER = Roster.of(MATRIX, [mutant.id for mutant in derive(MATRIX)])

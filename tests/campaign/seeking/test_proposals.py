@@ -9,7 +9,7 @@ from scaloft_fi.campaign.seeking.proposals import OPENING, Proposals, draws, ope
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.sim.situation import Situation
 
-GRID = load_grid(Path(__file__).parents[4] / "sim", "search")
+GRID = load_grid(Path(__file__).parents[3] / "sim", "search")
 
 
 def distance(situation: Situation) -> float:

@@ -9,7 +9,7 @@ import pytest
 from scaloft_fi.analysis.seeking import shrunk
 from scaloft_fi.sim.grids import load_grid
 
-GRID = load_grid(Path(__file__).parents[3] / "sim", "search")
+GRID = load_grid(Path(__file__).parents[2] / "sim", "search")
 
 
 def shrink(key: str, rule):
