@@ -1,10 +1,9 @@
 """Forty deliberate breaks of the package, drawn by seed from its syntax trees, and the tests that catch them.
 
 `python tests/support/breaks.py draw` writes `breaks.json`: file, function, line and the text before and after of each.
-`python tests/support/breaks.py catch CONTEXTS` breaks a copy of the checkout once for each that no test has caught yet,
+`python tests/support/breaks.py catch CONTEXTS` breaks a copy of the checkout once for each that was not asked about,
 runs the tests that run the broken line (CONTEXTS: a coverage file made with `pytest --cov=scaloft_fi
---cov-context=test`), and notes which fail
-then and pass where nothing is broken.
+--cov-context=test`), and notes which fail then and pass where nothing is broken.
 A break is found again by its function and text, wherever that stands by then.
 """
 
@@ -234,7 +233,7 @@ if __name__ == "__main__":
         tests = contexts(Path(sys.argv[2]))
         every = recorded()
         for number, one in enumerate(every):
-            if not one.caught:
+            if one.caught is None:
                 every[number] = replace(one, caught=caught(one, tests))
                 _write(every)
         _write(without_those_that_fail_anyway(every))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.campaign.workers.cluster import MOST_PARTS, inert_scheme, plain
+from scaloft_fi.campaign.workers.inert import MOST_PARTS, inert_scheme, plain
 
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats(allow_nan=False) | st.text() | st.binary(),
