@@ -165,17 +165,16 @@ def failing(copy: Path, tests: Sequence[str]) -> tuple[str, ...]:
             )
         except subprocess.TimeoutExpired:
             return (NEVER_ENDS,)
+        rows = [row for row in done.stdout.splitlines() if row[:7] in ("FAILED ", "ERROR t")]
         unknown = {test for test in asked if f"{test}\n" in done.stderr} if done.returncode == USAGE else set()
-        if not unknown:
+        if rows or not unknown:
             break
         asked = [test for test in asked if test not in unknown]
     else:
         return ()
-    if done.returncode not in (0, 1):
+    if not rows and done.returncode:
         return (f"pytest ends with {done.returncode}",)
-    return tuple(
-        row.split(" - ")[0].split(" ", 1)[1] for row in done.stdout.splitlines() if row[:7] in ("FAILED ", "ERROR t")
-    )
+    return tuple(row.split(" - ")[0].split(" ", 1)[1] for row in rows)
 
 
 def caught(one: Break, tests_of: dict[str, dict[int, list[str]]]) -> tuple[str, ...]:
@@ -184,7 +183,8 @@ def caught(one: Break, tests_of: dict[str, dict[int, list[str]]]) -> tuple[str, 
         copy = _copied(scratch)
         path, line = apply(one, copy / "scaloft_fi")
         asked = tests_of.get(str(path.relative_to(copy)), {}).get(line, [])
-        near = f"tests/{Path(one.file).parts[0]}/"
+        folders = [f"tests/{folder}/" for folder in Path(one.file).parents]
+        near = next(folder for folder in folders if (copy / folder).is_dir())
         shuffled = random.Random(SEED).sample(asked, len(asked))
         # Of a kernel, and of a line that only other processes run, there are no contexts: the folder's tests are asked.
         return failing(copy, sorted(shuffled, key=lambda test: not test.startswith(near))[:MOST_TESTS] or [near])

@@ -152,6 +152,24 @@ def test_keys_alone_lead_to_the_flight_and_back(visit: Opened) -> None:
     assert page.evaluate("document.activeElement.dataset.cell") == "LATE-human"
 
 
+def test_a_link_and_the_way_back_draw_a_sheet_once(visit: Opened) -> None:
+    page = visit("#cell=LATE-human").page
+    page.wait_for_selector("#sheet .mutant")
+    page.evaluate(
+        "() => { window.drawn = 0; new MutationObserver((changes) => { for (const { addedNodes } of changes)"
+        " drawn += [...addedNodes].filter((node) => node.className === 'sheet-body').length; })"
+        ".observe(document.getElementById('sheet'), { childList: true }); }"
+    )
+    page.locator("#sheet a.go").first.click()
+    page.wait_for_selector("#sheet .map")
+    page.go_back()
+    page.wait_for_selector("#sheet .mutant")
+    page.go_forward()
+    page.wait_for_selector("#sheet .map")
+    page.wait_for_timeout(100)
+    assert page.evaluate("drawn") == 3
+
+
 def test_every_head_and_legend_is_a_term_that_leads_to_its_meaning(visit: Opened, text: str) -> None:
     page = visit().page
     told = embedded(text, "figures")

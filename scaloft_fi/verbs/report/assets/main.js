@@ -124,7 +124,6 @@ function start() {
   document.getElementById("sheet").addEventListener("close", closed);
   addEventListener("beforeprint", unfold);
   addEventListener("hashchange", follow);
-  addEventListener("popstate", follow);
   follow();
   drawOnPaper();
 }
