@@ -9,6 +9,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.marks import Bounds
 from scaloft_fi.mutants.operator import (
     ANYTHING,
     IMAGE,
@@ -39,7 +40,6 @@ from scaloft_fi.mutants.sample import on_each, within
 from scaloft_fi.sim.log import signal
 from scaloft_fi.sim.stacks import declare_claims, declare_stack
 from scaloft_fi.stack import messages
-from scaloft_fi.stack.config import Bounds
 from scaloft_fi.stack.declaration import (
     STEP_HZ,
     STEP_S,

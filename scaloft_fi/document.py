@@ -22,6 +22,7 @@ from typing import Any
 import yaml
 
 from scaloft_fi.errors import InputError, did_you_mean, shown
+from scaloft_fi.marks import LARGEST, MOST
 
 MIB = 1 << 20
 DOCUMENT_BYTES = 4 * MIB
@@ -144,12 +145,8 @@ def _too_large(most_bytes: int) -> str:
     return f"it is larger than {most_bytes:,} bytes"
 
 
-LARGEST = 1e9
-"""Largest number of a setting that states no bounds of its own."""
 ITEMS = 30_000
 """Most values of a document, those that an alias repeats included."""
-MOST = 1_000
-"""Most entries of a list or mapping of which each entry costs time or memory in every flight."""
 
 Scalar = str | int | float | bool | None
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from enum import IntEnum
 from itertools import islice
 
@@ -63,6 +64,15 @@ class InputError(ScaloftError):
     exit_code = 2
 
 
+class FaultsError(InputError):
+    """A document has several faults; the message tells the first.  faults: all of them, in the document's order."""
+
+    def __init__(self, faults: Sequence[InputError]) -> None:
+        more = len(faults) - 1
+        super().__init__(f"{faults[0]} (and {more} more fault{'s' * (more > 1)}: `scaloft-fi check`)")
+        self.faults = tuple(faults)
+
+
 class GateError(ScaloftError):
     """A gate failed, so the campaign gives no valid score.
 
@@ -71,6 +81,35 @@ class GateError(ScaloftError):
     """
 
     exit_code = 4
+
+
+class Faults:
+    """Collects what is wrong with a document, so that one reading tells all of it."""
+
+    def __init__(self) -> None:
+        self._found: list[InputError] = []
+
+    @contextmanager
+    def collecting(self) -> Iterator[None]:
+        """Keep the error that ends the block."""
+        try:
+            yield
+        except InputError as error:
+            self.add(error)
+
+    def add(self, *errors: InputError) -> None:
+        """Keep errors."""
+        for error in errors:
+            self._found += error.faults if isinstance(error, FaultsError) else [error]
+
+    def end(self) -> None:
+        """Raise what was kept, if anything.
+
+        Raises:
+            InputError: the one fault, or a `FaultsError` of several.
+        """
+        if self._found:
+            raise FaultsError(self._found) if len(self._found) > 1 else self._found[0]
 
 
 _MOST_NAMES, _LONGEST_NAME = 2_000, 200

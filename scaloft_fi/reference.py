@@ -13,8 +13,8 @@ import click
 
 from scaloft_fi.cli import GROUPS, command_of
 from scaloft_fi.errors import ExitCode
-from scaloft_fi.verbs.documents.listed import DOCUMENTS, Document
-from scaloft_fi.verbs.documents.schema import Declared, Schema
+from scaloft_fi.model import Names, Schema
+from scaloft_fi.verbs.schema import DOCUMENTS, Document, declared_names
 from scaloft_fi.verbs.verb import Verb
 from scaloft_fi.views.output import SUMMARY, Output, Rows, Shape, inner, table_names
 from scaloft_fi.views.table import markdown
@@ -175,7 +175,7 @@ MOST_FORMS = 10
 
 def yaml_keys_page() -> str:
     """The page, in Markdown, made from the JSON Schemas of what the package itself declares."""
-    declared = Declared.everything(own=True)
+    declared = declared_names(own=True)
     settings = {"yaml.schemas": {f"./schemas/{one.name}.json": one.files for one in DOCUMENTS.values()}}
     parts = ["# YAML keys", "", f"{_KEY_RULES}{json.dumps(settings, indent=2)}\n```", ""]
     for one in DOCUMENTS.values():
@@ -183,7 +183,7 @@ def yaml_keys_page() -> str:
     return "\n".join(parts)
 
 
-def _document(one: Document, declared: Declared) -> Iterator[str]:
+def _document(one: Document, declared: Names) -> Iterator[str]:
     schema = one.schema(declared)
     yield from (f"## `{one.files}`", "", _prose(schema["description"]), "")
     yield from ("| key | value | meaning |", "|---|---|---|")

@@ -11,15 +11,17 @@ from dataclasses import dataclass, field, replace
 from datetime import date
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from scaloft_fi.analysis.detection import ALPHA, MOST_ALPHA
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.document import Item, digest, is_file, is_there, load, read_text
-from scaloft_fi.errors import InputError, did_you_mean, shown
+from scaloft_fi.errors import Faults, InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import find_study, load_matrix
 from scaloft_fi.hazop.matrix import CellStatus, Matrix
+from scaloft_fi.marks import MOST, Bounds, Examples, Reads, Size
+from scaloft_fi.model import read
 from scaloft_fi.mutants.catalogue import check_catalogue, default_of, realise, with_events
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.mutants.operators import OPERATORS
@@ -160,6 +162,39 @@ def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -
     return tuple(dispositions.values())
 
 
+@dataclass(frozen=True)
+class DispositionModel:
+    """An accepted survivor.
+
+    Attributes:
+        status: a survivor that the team accepts.
+        owner: who answers for it.
+        reason: why the team accepts it.
+        expires: last day of its validity.
+        situations: keys of the situations in which it is accepted; left out: in all.
+    """
+
+    status: Literal["accepted"]
+    owner: Annotated[str, Examples("A. Engineer")]
+    reason: str
+    expires: Annotated[date, Reads(lambda item: _date(item), lambda _names: _DAY), Examples("2027-01-31")]
+    situations: Annotated[tuple[str, ...], Size(1, MOST, "a list of at least one, or left out")] = ()
+
+
+_DAY = {"type": "string", "pattern": r"^\d{4}-\d{2}-\d{2}$", "format": "date"}
+
+
+@dataclass(frozen=True)
+class ScoreModel:
+    """How sure a score has to be; without the file alpha is 0.01.
+
+    Attributes:
+        alpha: accepted chance that a fault which does nothing is called detected.
+    """
+
+    alpha: Annotated[float, Bounds(above=0.0, most=MOST_ALPHA), Examples(0.01)]
+
+
 def read_disposition(name: str, item: Item, matrix: Matrix, situations: Collection[str]) -> Disposition:
     """Read one disposition.
 
@@ -176,27 +211,16 @@ def read_disposition(name: str, item: Item, matrix: Matrix, situations: Collecti
         mutant = realise(matrix, name)
     except InputError as error:
         raise InputError(f"{item.place}: {error}") from None
-    item.need("status").choice(("accepted",))
-    only = item.get("situations")
-    keys = tuple(_situation(entry, situations) for entry in only.items()) if only else ()
-    if only is not None and not keys:
-        raise only.error("a list of at least one, or left out")
-    disposition = Disposition(
-        mutant=mutant.id,
-        owner=item.need("owner").text(),
-        reason=item.need("reason").text(),
-        expires=_date(item.need("expires")),
-        situations=keys,
-        place=item.place,
-    )
-    item.close()
-    return disposition
-
-
-def _situation(item: Item, situations: Collection[str]) -> str:
-    if item.value not in situations:
-        raise InputError(f"{item.place}: no situation {item.value!r}{did_you_mean(str(item.value), situations)}")
-    return str(item.value)
+    faults, model = Faults(), None
+    with faults.collecting():
+        model = read(DispositionModel, item)
+    for entry in item.get("situations") or ():
+        if entry.value not in situations:
+            hint = did_you_mean(str(entry.value), situations)
+            faults.add(InputError(f"{entry.place}: no situation {entry.value!r}{hint}"))
+    faults.end()
+    assert model is not None
+    return Disposition(mutant.id, model.owner, model.reason, model.expires, model.situations, item.place)
 
 
 def _date(item: Item) -> date:
@@ -334,10 +358,7 @@ class Study(Setup):
         path = self.folder / "hazop" / "score.yaml"
         if not is_there(path):
             return ALPHA
-        document = load(path)
-        alpha = document.need("alpha").number(above=0.0, most=MOST_ALPHA)
-        document.close()
-        return alpha
+        return read(ScoreModel, load(path)).alpha
 
     @property
     def dispositions_path(self) -> Path:
@@ -403,7 +424,7 @@ class Study(Setup):
             self.stack.make,
             *(kinds[name].make for name in sensors if name in kinds),
             *(SIGNALS[name].make for name in self.grid.world().signals),
-            *(HAPPENINGS[name].read for name in self._kinds_of_happenings if name in HAPPENINGS),
+            *(HAPPENINGS[name].effect for name in self._kinds_of_happenings if name in HAPPENINGS),
         ]
         return *FLYING, *(COMMANDED if self.command else ()), *dict.fromkeys(make.__module__ for make in makers)
 

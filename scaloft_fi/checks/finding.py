@@ -10,7 +10,7 @@ from enum import StrEnum
 from typing import TypeVar
 
 from scaloft_fi.document import UnreadableError
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import FaultsError, InputError
 from scaloft_fi.registry import in_one_line, plugin_behind
 
 T = TypeVar("T")
@@ -101,7 +101,10 @@ class Findings:
 
     def error(self, error: InputError, *, situation: str = "") -> None:
         """Keep an error that a reader raised."""
-        if isinstance(error, UnreadableError):
+        if isinstance(error, FaultsError):
+            for fault in error.faults:
+                self.error(fault, situation=situation)
+        elif isinstance(error, UnreadableError):
             self.add(Finding(Severity.ERROR, str(error.path), None, f"cannot be read: {error.reason}", "", situation))
         else:
             self.add(finding_of(str(error), situation=situation))

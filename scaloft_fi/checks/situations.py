@@ -20,13 +20,14 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.bounds import ANY, Ranges, ranges_of, within_rock, without
 from scaloft_fi.judge.space import MOST_LISTED, Space
 from scaloft_fi.judge.stl import FormulaError
+from scaloft_fi.model import value_of
 from scaloft_fi.registry import PLUGIN_GROUP, load_plugin
 from scaloft_fi.sim.grid import Grid, assembled, contradictions
 from scaloft_fi.sim.grids import FILE, FOLDER, WITH_FOUND
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import SIGNALS, clearance_name, signal_names
 from scaloft_fi.sim.patch import PARTS, leaves
-from scaloft_fi.sim.situation import Axis, AxisValue, read_axis, read_constraints
+from scaloft_fi.sim.situation import Axis, AxisModel, AxisValue
 from scaloft_fi.sim.stacks import StackChoice
 from scaloft_fi.sim.world import GROUND, WALL
 
@@ -109,21 +110,13 @@ def _file(study: Study) -> Item:
 
 
 def _axes(study: Study, findings: Findings) -> tuple[Axis, ...]:
-    """The axes of a grid that cannot be read whole, those that can be read."""
+    """The axes of a grid that cannot be read whole, those that can be read; what is wrong with the others is told."""
+    found: list[Axis] = []
     with findings.collecting():
-        item = _file(study)
-        entries = item.need("axes").mapping()
-        axes = findings.each(lambda one: read_axis(*one), entries.items())
-        if len(axes) == len(entries) and (constraints := item.get("constraints")):
-            findings.each(lambda one: read_constraints(one, axes), _alone(constraints))
-        return tuple(axes)
-    return ()
-
-
-def _alone(constraints: Item) -> Iterable[Item]:
-    """A list of one constraint for each."""
-    for item in constraints.items():
-        yield Item(item.path, item.line, item.name, (item,))
+        for name, entry in _file(study).need("axes").mapping().items():
+            with findings.collecting():
+                found.append(value_of(AxisModel, entry).axis(name, entry))
+    return tuple(found)
 
 
 def _thinkable(study: Study) -> list[str]:

@@ -6,22 +6,22 @@ The hull is an upright disc that holds it in every heading, and one that every h
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from scaloft_fi.checks.finding import Findings, Severity, finding_of
 from scaloft_fi.document import Item, load
-from scaloft_fi.sim.happenings import check_happenings, read_happening
-from scaloft_fi.sim.mesh import Array, flaws_of
-from scaloft_fi.sim.mine import Mine, read_mine
+from scaloft_fi.model import read
+from scaloft_fi.sim.happenings import misfits
+from scaloft_fi.sim.mesh import Array
+from scaloft_fi.sim.mine import Mine, flaws_of, read_mine
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import read_sensors
-from scaloft_fi.sim.vehicle import read_vehicle
+from scaloft_fi.sim.vehicle import Vehicle
 from scaloft_fi.sim.world import (
     GROUND,
     WALL,
@@ -29,10 +29,6 @@ from scaloft_fi.sim.world import (
     World,
     assembled,
     misplaced,
-    read_body,
-    read_light,
-    read_mission,
-    read_waypoint,
 )
 
 MOST_TIMES, LEAST_WAY_M = 10.0, 10.0
@@ -48,34 +44,17 @@ def check_world(path: Path, findings: Findings) -> World | None:
     """
     mine: Mine | None = None
     with findings.collecting():
-        pieces = load(path).mapping()
-        if "mine" in pieces:
-            with findings.collecting():
-                check_mesh(pieces["mine"], findings)
-                mine = read_mine(load(path).need("mine"))
-        findings.each(lambda one: read_body(*one), _entries(pieces, "bodies"))
-        waypoints = list(_entries(pieces, "waypoints"))
-        findings.each(lambda one: read_waypoint(one[1], 0.0), waypoints)
-        if "mission" in pieces:
-            with findings.collecting():
-                read_mission(pieces["mission"], [name for name, _ in waypoints])
-        if "light" in pieces:
-            with findings.collecting():
-                read_light(pieces["light"])
-        findings.each(lambda one: read_happening(*one), _entries(pieces, "happenings"))
         document = load(path)
+        if (rock := document.mapping().get("mine")) is not None:
+            with findings.collecting():
+                check_mesh(rock, findings)
+                mine = read_mine(rock)
         world, happenings = assembled(document, mine)
         if findings.all_of(misplaced(world, document)):
             check_size(world, document, findings)
-            check_happenings(world, happenings)
-            return world
+            if findings.all_of(misfits(world, happenings)):
+                return world
     return None
-
-
-def _entries(pieces: dict[str, Item], name: str) -> Iterable[tuple[str, Any]]:
-    """The entries of a mapping of the world; none where there is no such mapping, which the whole world is told of."""
-    value = pieces[name].value if name in pieces else None
-    return value.items() if isinstance(value, dict) else ()
 
 
 def check_mesh(mine: Item, findings: Findings) -> None:
@@ -108,7 +87,7 @@ def check_size(world: World, item: Item, findings: Findings) -> None:
 def check_vehicle(folder: Path, findings: Findings) -> None:
     """Vehicle and sensors, each on its own."""
     with findings.collecting():
-        read_vehicle(load(folder / "vehicle.yaml"))
+        read(Vehicle, load(folder / "vehicle.yaml"))
     with findings.collecting():
         read_sensors(load(folder / "sensors.yaml"))
 

@@ -6,33 +6,28 @@ module keeps.
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Protocol
+from typing import Annotated, Literal, Protocol
 
 from scaloft_fi.document import Item, is_folder, is_there, load
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import Faults, InputError, did_you_mean
 from scaloft_fi.hazop.matrix import (
-    PERIODS,
+    MOST_ENTRIES,
     SEVERITIES,
+    SEVERITY,
     Cell,
     CellStatus,
-    Expected,
     Fault,
     Guideword,
-    Magnitude,
     Matrix,
     Parameter,
-    Rung,
     SeverityClass,
-    Value,
-    Worse,
     load_severities,
-    read_severity,
-    worse,
 )
+from scaloft_fi.marks import ByName, Either, Examples, Pattern, Size
+from scaloft_fi.model import value_of
 
 FOLDERS = ("hazop", "mutants", "sim")
 _PACKAGE = Path(__file__).resolve().parents[1]
@@ -110,12 +105,61 @@ Seams = Mapping[str, Carrier]
 
 SHEETS = "matrix"
 """Folder of the files of cells, one for each parameter."""
-MOST_ENTRIES = 100
-"""Most causes, requirements or faults of a cell, and most magnitudes of a ladder."""
-LARGEST_ARGUMENT = 1e12
+GUIDEWORD, PARAMETER = "[A-Z][A-Z0-9]*", "[a-z][a-z0-9_]*"
+Guidewords = Annotated[tuple[Guideword, ...], ByName(), Pattern(GUIDEWORD, "capital letters, as in a mutant's id")]
+Parameters = Annotated[tuple[Parameter, ...], ByName(), Pattern(PARAMETER, "small letters, as in a mutant's id")]
 
-_UNIT = re.compile(r"[A-Za-z%][A-Za-z0-9%]*")
-_NAMED_RUNG = re.compile(r"[A-Za-z][A-Za-z0-9_.]*")
+
+@dataclass(frozen=True)
+class NotMeaningful:
+    """A cell that makes no sense.
+
+    Attributes:
+        status: the guideword makes no sense for this parameter.
+        reason: why it makes no sense.
+    """
+
+    status: Literal["not_meaningful"]
+    reason: str
+
+
+@dataclass(frozen=True)
+class Tested:
+    """A cell with faults.
+
+    Attributes:
+        status: how the study classifies the cell: a fault that could occur, or a crude one that the tests must detect.
+        deviation: how the parameter deviates, in a sentence.
+        causes: what could bring the deviation about.
+        effect: the effect on the next stage, then on the flight.
+        requirements: the requirements at risk, by their names in sim/requirements.yaml.
+        faults: what produces the deviation; the first is the default, and with several each needs a unit of its own.
+        severity: of a credible cell: a class of hazop/severities.yaml.
+        predicted: what the study expects of the flights, written before they are flown.
+    """
+
+    status: Literal["credible", "control"]
+    deviation: Annotated[str, Examples("Detection delivered late.")]
+    causes: Annotated[tuple[str, ...], Size(1, MOST_ENTRIES)]
+    effect: str
+    requirements: Annotated[tuple[Annotated[str, Examples("SR1")], ...], Size(1, MOST_ENTRIES)]
+    faults: Annotated[tuple[Fault, ...], Size(1, MOST_ENTRIES)]
+    severity: Annotated[str, Pattern(SEVERITY, "the name of a class"), Examples("injury")] = ""
+    predicted: str = ""
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a severity of a cell that is not credible, and two faults whose magnitudes have the same unit."""
+        if self.severity and self.status == "control":
+            yield item.need("severity").error("left out where the cell is not credible")
+        units: list[str] = []
+        for fault in self.faults:
+            if len(self.faults) > 1 and (fault.magnitude is None or fault.magnitude.unit in units):
+                allowed = "a magnitude in a unit of its own; the unit in an id selects the fault"
+                yield InputError(f"{fault.place}: each fault of {item.name} must have {allowed}")
+            units.append(fault.magnitude.unit if fault.magnitude else "")
+
+
+CellModel = Annotated[NotMeaningful | Tested, Either(by="status")]
 
 
 def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
@@ -129,18 +173,20 @@ def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
     Raises:
         InputError: an entry is not allowed; the message names file and line.
     """
+    faults = Faults()
     guidewords = load_guidewords(hazop / "guidewords.yaml")
     parameters, places = load_parameters(hazop / "parameters.yaml")
-    for error in misnamed_sheets(hazop / SHEETS, places):
-        raise error
+    faults.add(*misnamed_sheets(hazop / SHEETS, places))
     classes = load_severities(hazop / SEVERITIES)
     cells: dict[tuple[str, str], Cell] = {}
     severities: dict[str, SeverityClass] = {}
-    for parameter in parameters:
-        for cell, severity in load_cells(hazop / SHEETS / f"{parameter.id}.yaml", guidewords, seams, classes):
-            cells[cell.guideword, cell.parameter] = cell
-            if severity:
-                severities[cell.name] = severity
+    for path in (hazop / SHEETS / f"{parameter.id}.yaml" for parameter in parameters):
+        with faults.collecting():
+            for cell, severity in load_cells(path, guidewords, seams, classes) if is_there(path) else ():
+                cells[cell.guideword, cell.parameter] = cell
+                if severity:
+                    severities[cell.name] = severity
+    faults.end()
     return Matrix(guidewords, parameters, cells, classes, severities)
 
 
@@ -166,21 +212,8 @@ def load_guidewords(path: Path) -> tuple[Guideword, ...]:
     Raises:
         InputError: a guideword is not in capitals, an extension gives no reason, a key is missing or unknown.
     """
-    words = []
-    for name, item in load(path).mapping().items():
-        _guard_name(item, name, r"[A-Z][A-Z0-9]*", "capital letters, as in a mutant's id")
-        extension = (flag := item.get("extension")) is not None and flag.flag()
-        words.append(
-            Guideword(
-                id=name,
-                title=item.need("title").text(),
-                meaning=item.need("meaning").text(),
-                extension=extension,
-                reason=item.need("reason").text() if extension else "",
-            )
-        )
-        item.close()
-    return tuple(words)
+    words: tuple[Guideword, ...] = value_of(Guidewords, load(path))
+    return words
 
 
 def load_parameters(path: Path) -> tuple[tuple[Parameter, ...], dict[str, str]]:
@@ -189,14 +222,8 @@ def load_parameters(path: Path) -> tuple[tuple[Parameter, ...], dict[str, str]]:
     Raises:
         InputError: an id is not in small letters, a key is missing or unknown.
     """
-    parameters, places = [], {}
-    for name, item in load(path).mapping().items():
-        _guard_name(item, name, r"[a-z][a-z0-9_]*", "small letters, as in a mutant's id")
-        fields = {key: item.need(key).text() for key in ("title", "intent", "node", "unit")}
-        parameters.append(Parameter(id=name, **fields))
-        places[name] = item.place
-        item.close()
-    return tuple(parameters), places
+    document = load(path)
+    return value_of(Parameters, document), {name: item.place for name, item in document.mapping().items()}
 
 
 def load_cells(
@@ -207,10 +234,14 @@ def load_cells(
     Raises:
         InputError: a guideword is unknown, a guideword has no cell, a key of a cell is missing or not allowed.
     """
-    sheet, ids = load(path), [word.id for word in guidewords]
-    for error in misnamed_cells(sheet, ids):
-        raise error
-    return tuple(read_cell(sheet, word, path.stem, seams, classes) for word in ids)
+    sheet, faults, cells = load(path), Faults(), list[tuple[Cell, SeverityClass | None]]()
+    ids = [word.id for word in guidewords]
+    faults.add(*misnamed_cells(sheet, ids))
+    for word in ids:
+        with faults.collecting():
+            cells.append(read_cell(sheet, word, path.stem, seams, classes))
+    faults.end()
+    return tuple(cells)
 
 
 def misnamed_cells(sheet: Item, guidewords: Collection[str]) -> Iterator[InputError]:
@@ -234,153 +265,37 @@ def read_cell(
         raise InputError(
             f"{place}: the cell {name} is blank; it must be credible, a control, or not_meaningful with a reason"
         )
-    status = CellStatus(item.need("status").choice(tuple(CellStatus)))
-    severity = read_severity(item, classes)
-    if status is CellStatus.NOT_MEANINGFUL:
-        cell = Cell(guideword, parameter, status, reason=item.need("reason").text(), place=item.place)
-    else:
-        requirements = item.need("requirements")
-        cell = Cell(
-            guideword,
-            parameter,
-            status,
-            deviation=item.need("deviation").text(),
-            causes=tuple(cause.text() for cause in _nonempty(item.need("causes"))),
-            effect=item.need("effect").text(),
-            requirements=tuple(name.text() for name in _nonempty(requirements)),
-            faults=tuple(_fault(fault, seams) for fault in _nonempty(item.need("faults"))),
-            predicted=predicted.text() if (predicted := item.get("predicted")) else "",
-            place=item.place,
-            requirements_place=requirements.place,
-        )
-        _guard_units(cell)
-    item.close()
+    model: NotMeaningful | Tested = value_of(CellModel, item, {"seams": sorted(seams)} if seams else {})
+    status = CellStatus(model.status)
+    if isinstance(model, NotMeaningful):
+        return Cell(guideword, parameter, status, reason=model.reason, place=item.place), None
+    severity = class_named(model.severity, item, classes) if model.severity else None
+    faults = model.faults
+    if seams is not None:
+        faults = tuple(replace(fault, message=seams[fault.seam].message) for fault in faults)
+    cell = Cell(
+        guideword,
+        parameter,
+        status,
+        deviation=model.deviation,
+        causes=model.causes,
+        effect=model.effect,
+        requirements=model.requirements,
+        faults=faults,
+        predicted=model.predicted,
+        place=item.place,
+        requirements_place=item.need("requirements").place,
+    )
     return cell, severity
 
 
-def _fault(item: Item, seams: Seams | None) -> Fault:
-    seam, operator = item.need("seam"), item.need("operator")
-    arguments = given.mapping() if (given := item.get("arguments")) else {}
-    magnitude = _magnitude(entry) if (entry := item.get("magnitude")) else None
-    if magnitude is not None and magnitude.argument in arguments:
-        place = arguments[magnitude.argument].place
-        raise InputError(f"{place}: {magnitude.argument!r} is set by the magnitude and cannot be a fixed argument too")
-    phases, known = item.get("phases"), item.get("expected")
-    named = {"seam": seam, "operator": operator, **arguments} | ({"phases": phases} if phases else {})
-    fault = Fault(
-        seam=(name := seam.text() if seams is None else seam.choice(sorted(seams))),
-        message=None if seams is None else seams[name].message,
-        operator=operator.text(),
-        arguments={name: _value(argument) for name, argument in arguments.items()},
-        magnitude=magnitude,
-        phases=phases is not None and phases.flag(),
-        expected=_expected(known, magnitude) if known else None,
-        place=item.place,
-        places={name: entry.place for name, entry in named.items()},
-    )
-    item.close()
-    if fault.phases and not any(
-        name in PERIODS for name in (*fault.arguments, magnitude.argument if magnitude else "")
-    ):
-        raise InputError(
-            f"{item.place}: a fault with phases must have its {' or '.join(PERIODS)}, of which a phase is a share"
-        )
-    return fault
+def class_named(severity: str, cell: Item, classes: tuple[SeverityClass, ...]) -> SeverityClass:
+    """The class of a cell.
 
-
-def _magnitude(item: Item) -> Magnitude:
-    ladder, default = item.need("ladder"), item.need("default")
-    rungs = tuple(_rung(rung) for rung in _nonempty(ladder))
-    if len({type(rung) for rung in rungs}) > 1:
-        raise ladder.error("all numbers or all names")
-    if len(set(rungs)) < len(rungs):
-        raise ladder.error("different magnitudes")
-    if (chosen := _rung(default)) not in rungs:
-        raise default.error(f"on the ladder: {', '.join(map(_written, rungs))}")
-    named = isinstance(rungs[0], str)
-    unit = item.get("unit")
-    factor = item.get("scale")
-    direction, neutral = item.get("worse"), item.get("neutral")
-    magnitude = Magnitude(
-        argument=item.need("argument").text(),
-        unit=_unit(unit) if unit else "",
-        ladder=rungs,
-        default=chosen,
-        scale=factor.number() if factor else 1.0,
-        worse=direction.choice(tuple(Worse)) if direction else "",
-        neutral=neutral.number() if neutral else None,
-        place=item.place,
-    )
-    if named and unit is not None and magnitude.unit:
-        raise unit.error("left out where the ladder holds names")
-    if factor is not None and (named or magnitude.scale == 0 or not math.isfinite(magnitude.scale)):
-        raise factor.error("left out where the ladder holds names" if named else "a finite number other than 0")
-    if named and direction is not None and magnitude.worse != Worse.UNORDERED:
-        raise direction.error("left out where the ladder holds names")
-    if neutral is not None and worse(magnitude) is Worse.UNORDERED:
-        raise neutral.error("left out where the ladder has no order")
-    item.close()
-    return magnitude
-
-
-def _expected(item: Item, magnitude: Magnitude | None) -> Expected:
-    status, reason, only = item.need("status"), item.need("reason"), item.get("magnitudes")
-    rungs = tuple(_rung(rung) for rung in _nonempty(only)) if only else ()
-    for rung in rungs:
-        if magnitude is None or rung not in magnitude.ladder:
-            assert only is not None
-            ladder = ", ".join(map(_written, magnitude.ladder)) if magnitude else "none, the fault has no magnitude"
-            raise InputError(f"{only.place}: magnitudes: {_written(rung)} must be on the ladder: {ladder}")
-    item.close()
-    return Expected(reason.text(), rungs, status.choice(("not_infected",)), item.place)
-
-
-def _guard_name(item: Item, name: str, pattern: str, allowed: str) -> None:
-    if not re.fullmatch(pattern, name):
-        raise InputError(f"{item.place}: name {name!r} must be {allowed}")
-
-
-def _guard_units(cell: Cell) -> None:
-    """Refuse two faults of a cell whose magnitudes have the same unit: the unit in an id selects the fault."""
-    units: list[str] = []
-    for fault in cell.faults:
-        if len(cell.faults) > 1 and (fault.magnitude is None or fault.magnitude.unit in units):
-            allowed = "a magnitude in a unit of its own; the unit in an id selects the fault"
-            raise InputError(f"{fault.place}: each fault of {cell.name} must have {allowed}")
-        units.append(fault.magnitude.unit if fault.magnitude else "")
-
-
-def _nonempty(item: Item) -> tuple[Item, ...]:
-    entries = item.items(most=MOST_ENTRIES)
-    if not entries:
-        raise item.error("a list of at least one")
-    return entries
-
-
-def _unit(item: Item) -> str:
-    if item.value == "" or (isinstance(item.value, str) and _UNIT.fullmatch(item.value)):
-        return item.value
-    raise item.error("a unit of letters, digits and %, as in a mutant's id")
-
-
-def _rung(item: Item) -> Rung:
-    if isinstance(item.value, str):
-        if not _NAMED_RUNG.fullmatch(item.value):
-            raise item.error("a number, or a name of letters, digits, _ and .")
-        return item.value
-    return _number(item)
-
-
-def _number(item: Item) -> float:
-    """A magnitude or an argument; an operator may allow `.inf`, such as a hold that never ends."""
-    return item.number(least=-LARGEST_ARGUMENT, most=LARGEST_ARGUMENT, infinite=True)
-
-
-def _written(rung: Rung) -> str:
-    return rung if isinstance(rung, str) else f"{rung:g}"
-
-
-def _value(item: Item) -> Value:
-    if isinstance(item.value, bool):
-        return item.value
-    return item.text() if isinstance(item.value, str) else _number(item)
+    Raises:
+        InputError: the class is unknown, or the study has no classes.
+    """
+    entry, by_id = cell.need("severity"), {one.id: one for one in classes}
+    if not by_id:
+        raise entry.error(f"left out in a study without classes: hazop/{SEVERITIES} lists them")
+    return by_id[entry.choice(tuple(by_id))]

@@ -5,18 +5,31 @@ SeverityClass orders and groups.  It enters no ratio and no verdict.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import TypeVar
+from typing import Annotated, ClassVar, Literal, TypeVar
 
 from scaloft_fi.document import Item, is_there, load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.name import Name
+from scaloft_fi.marks import (
+    Bounds,
+    ByName,
+    Choices,
+    Examples,
+    Given,
+    Key,
+    Needed,
+    Otherwise,
+    Pattern,
+    Place,
+    Size,
+)
+from scaloft_fi.model import attributes_of, value_of
 
 
 @dataclass(frozen=True)
@@ -25,17 +38,33 @@ class Guideword:
 
     Attributes:
         id: the word as it stands in a mutant's id, capital letters.
-        title: the word as people write it.
-        meaning: which deviation it stands for.
-        extension: True when it is not one of IEC 61882.
-        reason: why an extension is needed, else empty.
+        title: name of the guideword for people.
+        meaning: what the guideword asks of a parameter, in a few words.
+        extension: whether IEC 61882 does not have the guideword; `reason` says why the study has it.
+        reason: why the study has this guideword beside those of IEC 61882; empty for one of them.
     """
 
-    id: str
-    title: str
-    meaning: str
+    id: Key
+    title: Annotated[str, Examples("late")]
+    meaning: Annotated[str, Examples("later than intended")]
     extension: bool = False
     reason: str = ""
+    CONDITIONS: ClassVar[Mapping[str, object]] = {
+        "dependentRequired": {"reason": ["extension"]},
+        "if": {"properties": {"extension": {"const": True}}, "required": ["extension"]},
+        "then": {"required": ["reason"]},
+        "else": {"properties": {"reason": False}},
+    }
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse an extension without a reason, and a reason without an extension."""
+        if self.extension and not self.reason:
+            yield InputError(f"{item.place}: {item.name} lacks the key 'reason': {attributes_of(Guideword)['reason']}")
+        elif self.reason and not self.extension:
+            place = item.need("reason").place
+            yield InputError(
+                f"{place}: unknown key 'reason' in {item.name}, which is no extension; allowed: 'extension'"
+            )
 
 
 @dataclass(frozen=True)
@@ -44,17 +73,17 @@ class Parameter:
 
     Attributes:
         id: the name as it stands in a mutant's id, small letters.
-        title: the name as it is spoken.
-        intent: the design intent every deviation is a deviation from.
-        node: the stages of the stack between which it flows.
-        unit: what it is measured in.
+        title: name of the parameter for people.
+        intent: design intent: what the parameter should be when nothing is wrong.
+        node: the part of the drone where the parameter flows.
+        unit: unit of the parameter, or what one of its samples is.
     """
 
-    id: str
-    title: str
+    id: Key
+    title: Annotated[str, Examples("human detection")]
     intent: str
     node: str
-    unit: str
+    unit: Annotated[str, Examples("m/s")]
 
 
 SEVERITIES = "severities.yaml"
@@ -72,14 +101,18 @@ class SeverityClass:
     Attributes:
         rank: its place in the study's list; 0 is the worst.
         id: name of the class, small letters.
-        title: the class as people call it.
-        meaning: which consequences belong to it.
+        title: name of the class for people.
+        meaning: which consequences belong to the class.
     """
 
-    rank: int
-    id: str
-    title: str
+    rank: Annotated[int, Given(lambda _item: 0)]
+    id: Key
+    title: Annotated[str, Examples("a person may be hurt")]
     meaning: str
+
+
+SEVERITY = "[a-z][a-z0-9_]*"
+Classes = Annotated[tuple[SeverityClass, ...], ByName(), Pattern(SEVERITY, "small letters, digits and _")]
 
 
 def load_severities(path: Path) -> tuple[SeverityClass, ...]:
@@ -88,34 +121,8 @@ def load_severities(path: Path) -> tuple[SeverityClass, ...]:
     Raises:
         InputError: an id is not in small letters, a key is missing or unknown.
     """
-    classes = []
-    for rank, (name, item) in enumerate(load(path).mapping().items() if is_there(path) else ()):
-        if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
-            raise InputError(f"{item.place}: name {name!r} must be small letters, digits and _")
-        classes.append(SeverityClass(rank, name, item.need("title").text(), item.need("meaning").text()))
-        item.close()
-    return tuple(classes)
-
-
-def read_severity(cell: Item, classes: Iterable[SeverityClass]) -> SeverityClass | None:
-    """Read the class of a cell; None where the cell has none.
-
-    Args:
-        cell: entry of the cell in the file of a parameter.
-        classes: of the study.
-
-    Raises:
-        InputError: the class is unknown, the study has no classes, or the cell is not credible.
-    """
-    entry = cell.get("severity")
-    if entry is None:
-        return None
-    if cell.need("status").value != CellStatus.CREDIBLE:
-        raise entry.error("left out where the cell is not credible")
-    by_id = {one.id: one for one in classes}
-    if not by_id:
-        raise entry.error(f"left out in a study without classes: hazop/{SEVERITIES} lists them")
-    return by_id[entry.choice(tuple(by_id))]
+    read = value_of(Classes, load(path)) if is_there(path) else ()
+    return tuple(replace(one, rank=rank) for rank, one in enumerate(read))
 
 
 def worst_first(entries: Iterable[Entry], severity: Callable[[Entry], SeverityClass | None]) -> list[Entry]:
@@ -139,6 +146,30 @@ def class_of(severity: SeverityClass | None) -> str:
 
 Value = float | str | bool
 Rung = float | str
+MOST_ENTRIES = 100
+"""Most causes, requirements or faults of a cell, and most magnitudes of a ladder."""
+_UNIT = r"[A-Za-z%][A-Za-z0-9%]*|"
+_ANY_NUMBER = Bounds(least=-1e12, most=1e12, infinite=True)
+"""A magnitude or an argument; an operator may allow `.inf`, such as a hold that never ends."""
+ValueText = Annotated[Value, _ANY_NUMBER]
+RungText = Annotated[
+    Rung, _ANY_NUMBER, Pattern(r"[A-Za-z][A-Za-z0-9_.]*", "a number, or a name of letters, digits, _ and .")
+]
+_NOTHING = Given(lambda _item: {})
+
+
+def _places(item: Item) -> dict[str, str]:
+    """The places of what a fault names."""
+    arguments = item.get("arguments")
+    named = {name: item.get(name) for name in ("seam", "operator", "phases")}
+    named |= arguments.value if arguments is not None and isinstance(arguments.value, dict) else {}
+    return {name: entry.place for name, entry in named.items() if entry is not None}
+
+
+def written(rung: Rung) -> str:
+    """A magnitude without its unit."""
+    return rung if isinstance(rung, str) else f"{rung:g}"
+
 
 PHASE_SHARES = (0.0, 0.25, 0.5, 0.75)
 """Phases of a periodic fault in the catalogue, as shares of its period."""
@@ -155,29 +186,65 @@ class CellStatus(StrEnum):
     NOT_MEANINGFUL = "not_meaningful"
 
 
+class Worse(StrEnum):
+    """The direction in which a fault gets worse."""
+
+    LARGER = "larger"
+    SMALLER = "smaller"
+    UNORDERED = "unordered"
+    """No magnitude is more than another: they are names, or places in a list."""
+
+
+_WORSE = {
+    Worse.LARGER: "a larger magnitude is worse",
+    Worse.SMALLER: "a smaller magnitude is worse",
+    Worse.UNORDERED: "no magnitude is more than another",
+}
+
+
 @dataclass(frozen=True)
 class Magnitude:
     """The magnitudes of a fault, in the unit that an engineer would use.
 
     Attributes:
         argument: the operator's argument that the magnitude sets.
-        unit: of the ladder's numbers, as in a mutant's id; empty when the ladder has names or numbers without a unit.
-        ladder: the magnitudes in the catalogue, in the order of the study.
-        default: the magnitude that the name of the cell alone stands for.
-        scale: the operator's argument is scale x magnitude (5 ms: 0.001; 2 EV under-exposed: -1).
-        worse: which magnitudes are worse: `larger`, `smaller` or `unordered`; empty when the ladder's order shows it.
-        neutral: the magnitude that changes nothing; None when it follows from the unit.
+        unit: of the numbers on the ladder, as in a mutant's id; empty for names, or numbers without a unit.
+        ladder: the magnitudes in the catalogue, from mild to strong, all numbers or all names.
+        default: the magnitude, on the ladder, that the name of the cell alone stands for.
+        scale: the argument is scale x magnitude (5 ms: 0.001; 2 EV under-exposed: -1).
+        worse: which magnitudes are worse; left out: as the numbers of the ladder run.
+        neutral: the magnitude that changes nothing; left out: it follows from unit and order.
         place: file:line.
     """
 
-    argument: str
-    unit: str
-    ladder: tuple[Rung, ...]
-    default: Rung
-    scale: float = 1.0
-    worse: str = ""
+    argument: Annotated[str, Examples("delay_s")]
+    unit: Annotated[str, Otherwise(""), Pattern(_UNIT, "a unit of letters, digits and %, as in a mutant's id")]
+    ladder: Annotated[tuple[RungText, ...], Size(1, MOST_ENTRIES), Examples((0.5, 1, 3, 5))]
+    default: RungText
+    scale: Annotated[float, Examples(0.001, 0.01)] = 1.0
+    worse: Annotated[str, Choices(_WORSE)] = ""
     neutral: float | None = None
-    place: str = field(default="", compare=False)
+    place: Place = field(default="", compare=False)
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a ladder of unlike or equal rungs, a default that is not on it, and what only numbers have."""
+        if len({type(rung) for rung in self.ladder}) > 1:
+            yield item.need("ladder").error("all numbers or all names")
+            return
+        if len(set(self.ladder)) < len(self.ladder):
+            yield item.need("ladder").error("different magnitudes")
+        if self.default not in self.ladder:
+            yield item.need("default").error(f"on the ladder: {', '.join(map(written, self.ladder))}")
+        named = isinstance(self.ladder[0], str)
+        if named and self.unit:
+            yield item.need("unit").error("left out where the ladder holds names")
+        if item.get("scale") is not None and (named or self.scale == 0):
+            allowed = "left out where the ladder holds names" if named else "a finite number other than 0"
+            yield item.need("scale").error(allowed)
+        if named and self.worse not in ("", Worse.UNORDERED):
+            yield item.need("worse").error("left out where the ladder holds names")
+        if self.neutral is not None and worse(self) is Worse.UNORDERED:
+            yield item.need("neutral").error("left out where the ladder has no order")
 
     def text(self, rung: Rung) -> str:
         """Write the magnitude as it stands in a mutant's id.
@@ -198,19 +265,19 @@ class Magnitude:
 
 @dataclass(frozen=True)
 class Expected:
-    """The expectation that a fault alters nothing in the reference grid.
+    """The expectation that the fault changes no sample in this grid; a run that shows otherwise says so.
 
     Attributes:
-        reason: why the fault alters nothing.
-        magnitudes: for which the expectation holds; empty means all.
-        status: the expected status, always `not_infected` (which includes a seam that carries nothing).
+        reason: why the fault changes nothing.
+        magnitudes: the magnitudes of the ladder for which it holds; left out: all.
+        status: no sample differs, or the seam carries none.
         place: file:line.
     """
 
     reason: str
-    magnitudes: tuple[Rung, ...] = ()
-    status: str = "not_infected"
-    place: str = field(default="", compare=False)
+    magnitudes: Annotated[tuple[RungText, ...], Size(1, MOST_ENTRIES)] = ()
+    status: Annotated[Literal["not_infected"], Needed()] = "not_infected"
+    place: Place = field(default="", compare=False)
 
     def holds_for(self, rung: Rung | None) -> bool:
         """Whether the expectation holds for this magnitude (None when the fault has no ladder)."""
@@ -219,31 +286,48 @@ class Expected:
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault that produces a deviation: an operator at a seam.
+    """An operator at a seam.
 
     Attributes:
-        seam: where the operator is patched in.
-        operator: the declared function that alters the samples.
-        message: type of the samples; None where the stack's seams were not at hand.
-        arguments: the operator's fixed arguments.
-        magnitude: the argument that varies, or None.
-        phases: True for a fault that the catalogue also has at later phases of its period, and at events of the flight.
+        seam: the seam whose samples the fault changes; `scaloft-fi seams` lists them.
+        operator: the change; `scaloft-fi operators` lists them.
+        arguments: fixed arguments of the operator, by name.
+        magnitude: the argument that varies, in the unit of an engineer; left out: none varies.
+        phases: whether the fault, whose period_s or at_s is known, is also flown shifted by 1/4, 1/2, 3/4 of that time,
+            and at events of the flight.
         events: of a fault with phases, by name of an event why it can come in no flight of the study; "" if it can.
-        expected: the expectation about its status, or None.
+        expected: the expectation that the fault changes no sample in this grid.
+        message: type of the samples; None where the stack's seams were not at hand.
         place: file:line of the fault.
         places: file:line of `seam`, `operator`, `phases` and each argument.
     """
 
-    seam: str
-    operator: str
-    arguments: Mapping[str, Value] = field(default_factory=dict)
+    seam: Annotated[str, Choices(named="seams"), Examples("person", "velcmd")]
+    operator: Annotated[str, Choices(named="operators")]
+    arguments: Mapping[str, ValueText] = field(default_factory=dict)
     magnitude: Magnitude | None = None
     phases: bool = False
-    events: Mapping[str, str] = field(default_factory=dict, compare=False)
+    events: Annotated[Mapping[str, str], _NOTHING] = field(default_factory=dict, compare=False)
     expected: Expected | None = None
-    message: type | None = field(default=None, compare=False)
-    place: str = field(default="", compare=False)
-    places: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
+    message: Annotated[type | None, Given(lambda _item: None)] = field(default=None, compare=False)
+    place: Place = field(default="", compare=False)
+    places: Annotated[Mapping[str, str], Given(_places)] = field(default_factory=dict, compare=False, repr=False)
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse an argument that is set twice, an expectation off the ladder, and phases of what has no period."""
+        magnitude = self.magnitude
+        if magnitude is not None and magnitude.argument in self.arguments:
+            sentence = f"{magnitude.argument!r} is set by the magnitude and cannot be a fixed argument too"
+            yield InputError(f"{self.places[magnitude.argument]}: {sentence}")
+        for rung in self.expected.magnitudes if self.expected else ():
+            if magnitude is None or rung not in magnitude.ladder:
+                place = item.need("expected").need("magnitudes").place
+                ladder = ", ".join(map(written, magnitude.ladder)) if magnitude else "none, the fault has no magnitude"
+                yield InputError(f"{place}: magnitudes: {written(rung)} must be on the ladder: {ladder}")
+        varied = (magnitude.argument,) if magnitude else ()
+        if self.phases and not any(name in PERIODS for name in (*self.arguments, *varied)):
+            allowed = f"must have its {' or '.join(PERIODS)}, of which a phase is a share"
+            yield InputError(f"{item.place}: a fault with phases {allowed}")
 
     def place_of(self, name: str) -> str:
         """Return file:line of `seam`, `operator`, `phases` or an argument; of the fault when there is no such line."""
@@ -348,15 +432,6 @@ class Cell:
         magnitude = "" if fault.magnitude is None or rung is None else fault.magnitude.text(rung)
         phases = [(phase_s, "") for phase_s in fault.phases_s(rung)] + [(0.0, name) for name in fault.events_of(rung)]
         return tuple(str(Name(self.guideword, self.parameter, magnitude, *phase)) for phase in phases)
-
-
-class Worse(StrEnum):
-    """The direction in which a fault gets worse."""
-
-    LARGER = "larger"
-    SMALLER = "smaller"
-    UNORDERED = "unordered"
-    """No magnitude is more than another: they are names, or places in a list."""
 
 
 def worse(magnitude: Magnitude) -> Worse:

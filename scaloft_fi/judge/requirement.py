@@ -7,14 +7,16 @@ formula may refer to the future: an obligation that is pending when a flight is 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from scaloft_fi.document import Item, load
-from scaloft_fi.errors import InputError
-from scaloft_fi.judge.stl import FUTURE, WORDS, Formula, FormulaError, Signals, inside_always, tokenize
+from scaloft_fi.errors import Faults, InputError
+from scaloft_fi.judge.stl import FUTURE, LONGEST, WORDS, Formula, FormulaError, Signals, inside_always, tokenize
+from scaloft_fi.marks import Choices, Examples, Reads, Size
+from scaloft_fi.model import Schema, read, schema
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
@@ -47,11 +49,15 @@ class Kind(StrEnum):
     """The meaning of a violation of the requirement."""
 
     SAFETY = "safety"
-    """A violation can kill a mutant."""
     OPERABILITY = "operability"
-    """A violation counts in the operability score."""
     REPORTED = "reported"
-    """A violation is shown and decides nothing."""
+
+
+KINDS: Mapping[str, str] = {
+    Kind.SAFETY: "a violation can kill a mutant",
+    Kind.OPERABILITY: "a violation counts in a score of its own",
+    Kind.REPORTED: "a violation is shown and decides nothing",
+}
 
 
 class Compliance(StrEnum):
@@ -179,6 +185,43 @@ Check = Callable[[str, Collection[str]], Formula]
 """`Formula.parse`, or an extension of it."""
 
 
+@dataclass(frozen=True)
+class RequirementModel:
+    """A requirement, judged from the log of every flight.
+
+    Attributes:
+        formula: always( ... ), inside it a formula over the present and the past: historically, once, since, not, and,
+            or, implies, iff, comparisons, + - * /; `scaloft-fi signals` lists the signals.
+        kind: what a violation means.
+        trigger: condition under which it applies; a flight without it is vacuous.
+        unit: unit of the robustness.
+        title: the requirement in a sentence.
+        source: where the requirement comes from.
+    """
+
+    formula: Annotated[str, Examples("always(clearance_m > 0)")]
+    kind: Annotated[Kind, Choices(KINDS)]
+    trigger: Annotated[str, Examples("elapsed_s / 2 >= 1 and historically[0:2](near)")] = ""
+    unit: Annotated[str, Examples("m")] = ""
+    title: Annotated[str, Examples("The drone touches nothing.")] = ""
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class RequirementsModel:
+    """The requirements of a flight in signal temporal logic over the flight log (20 Hz).
+
+    Attributes:
+        requirements: the requirements by name, at least one of kind safety.
+        definitions: formulas by name over the present and the past, which the requirements and later definitions use.
+    """
+
+    requirements: Annotated[Mapping[str, Annotated[Item, Reads(lambda item: item, _requirement_schema)]], Size(0, MOST)]
+    definitions: Annotated[
+        Mapping[str, Annotated[Item, Reads(lambda item: item, _definition_schema)]], Size(0, MOST)
+    ] = field(default_factory=dict)
+
+
 def load_requirements(path: Path, signals: Collection[str], check: Check = Formula.parse) -> tuple[Requirement, ...]:
     """Read the study's requirements, and check them against the names of the log's signals.
 
@@ -191,18 +234,30 @@ def load_requirements(path: Path, signals: Collection[str], check: Check = Formu
         InputError: the file is not YAML, a key or signal is unknown, a formula is wrong, no requirement is of kind
             safety; the message names file and line.
     """
-    document = load(path)
-    definitions = document.get("definitions")
+    document, faults, requirements = load(path), Faults(), list[Requirement]()
+    model = read(RequirementsModel, document)
     names, texts = set(signals), dict[str, str]()
-    for key, item in (definitions.mapping(most=MOST) if definitions else {}).items():
-        texts[key] = read_definition(key, item, names, check)
+    for key, item in model.definitions.items():
+        with faults.collecting():
+            texts[key] = read_definition(key, item, names, check)
         names.add(key)
-    entries = document.need("requirements").mapping(most=MOST)
-    requirements = [read_requirement(name, item, texts, names, check) for name, item in entries.items()]
-    document.close()
+    for name, item in model.requirements.items():
+        with faults.collecting():
+            requirements.append(read_requirement(name, item, texts, names, check))
+    faults.end()
     if not any(requirement.kind is Kind.SAFETY for requirement in requirements):
         raise InputError(f"{document.need('requirements').place}: requirements must have at least one of kind safety")
     return tuple(requirements)
+
+
+def _requirement_schema(_names: object) -> Schema:
+    made = schema(RequirementModel)
+    made["properties"]["formula"]["pattern"] = r"^\s*always\s*\("
+    return made
+
+
+def _definition_schema(_names: object) -> Schema:
+    return {"type": "string", "minLength": 1, "maxLength": LONGEST, "examples": ["person_sight_m / 3 <= 1"]}
 
 
 def read_definition(name: str, item: Item, names: Collection[str], check: Check) -> str:
@@ -238,37 +293,43 @@ def read_requirement(
     Raises:
         InputError: a key is missing or unknown, the kind is unknown, a formula is wrong.
     """
-    formula, trigger = item.need("formula"), item.get("trigger")
+    faults, model = Faults(), None
+    with faults.collecting():
+        model = read(RequirementModel, item)
+    formula, trigger = item.get("formula"), item.get("trigger")
+    body = None
     if trigger:
-        _check(trigger, trigger.text(), names, check)
+        with faults.collecting():
+            _check(trigger, trigger.text(), names, check)
         names = {*names, TRIGGER}
-    body = _inside(formula)
-    if body is None:
-        raise InputError(f"{formula.place}: formula must be always( ... ), so that the moment of a violation is final")
-    _check(formula, body, names, check)
-    requirement = Requirement(
+    if formula:
+        with faults.collecting():
+            body = _inside(formula)
+            _check(formula, body, names, check)
+    faults.end()
+    assert model is not None
+    assert body is not None
+    return Requirement(
         name=name,
-        kind=Kind(item.need("kind").choice([kind.value for kind in Kind])),
-        text=formula.text(),
-        trigger=_optional(trigger),
-        definitions=_needed(definitions, [body, _optional(trigger)]),
-        unit=_optional(item.get("unit")),
-        title=_optional(item.get("title")),
-        source=_optional(item.get("source")),
+        kind=model.kind,
+        text=model.formula,
+        trigger=model.trigger,
+        definitions=_needed(definitions, [body, model.trigger]),
+        unit=model.unit,
+        title=model.title,
+        source=model.source,
     )
-    item.close()
-    return requirement
 
 
-def _inside(item: Item) -> str | None:
+def _inside(item: Item) -> str:
+    """What a formula says always holds."""
     try:
-        return inside_always(item.text())
+        body = inside_always(item.text())
     except FormulaError as error:
         raise InputError(f"{item.place}: {item.name} {error}") from error
-
-
-def _optional(item: Item | None) -> str:
-    return item.text() if item else ""
+    if body is None:
+        raise InputError(f"{item.place}: formula must be always( ... ), so that the moment of a violation is final")
+    return body
 
 
 def _needed(definitions: Mapping[str, str], texts: Sequence[str]) -> tuple[tuple[str, str], ...]:

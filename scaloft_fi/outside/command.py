@@ -9,14 +9,16 @@ from __future__ import annotations
 import json
 import re
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
-from typing import Any, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from scaloft_fi.console import line
-from scaloft_fi.document import LARGEST, MOST, Item, is_file, load, read_bytes
+from scaloft_fi.document import Item, is_file, load, read_bytes
 from scaloft_fi.errors import InputError, ScaloftError, did_you_mean
+from scaloft_fi.marks import MOST, Bounds, Called, Choices, Examples, Given, MoreThanZero, Needed, Reads, Size
+from scaloft_fi.model import read
 from scaloft_fi.mutants.mutant import EVERY_SEAM
 from scaloft_fi.outside.border import BORDERS, PORTS, Border, BorderError, Topic
 from scaloft_fi.outside.exchange import Command, Processes
@@ -24,6 +26,7 @@ from scaloft_fi.stack.declaration import Declaration, Seam, Wire
 from scaloft_fi.stack.messages import Stamp
 
 MOST_LIMIT_S = 24 * 3600.0
+_RUN = Examples(("{python}", "fly.py", "--situation", "{situation}", "--record", "{record}"))
 EVERY = "every"
 """Stands for every seam of the stack that `sim/stack.yaml` names."""
 SITUATION, SEED, FAULT = "situation", "seed", "fault"
@@ -55,74 +58,134 @@ class Text:
         return _PLACE.sub(value, self.text)
 
 
+def _text(item: Item) -> Text:
+    if isinstance(item.value, bool) or not isinstance(item.value, str | int | float):
+        raise item.error("a text or a number")
+    return Text(str(item.value), item.place)
+
+
+def _record(item: Item) -> str:
+    """A file name; it stands in the folder of the flight."""
+    name = item.text()
+    if PurePath(name).name != name or name in (".", ".."):
+        raise item.error("the name of a file, without a folder")
+    return name
+
+
+def _inside(item: Item) -> str:
+    """A path inside the study."""
+    path = PurePath(item.text())
+    if path.is_absolute() or ".." in path.parts:
+        raise item.error("the path of a file inside the study")
+    return path.as_posix()
+
+
+def _of_type(*types: str) -> Callable[[Mapping[str, Collection[str]]], dict[str, Any]]:
+    return lambda _names: {"type": list(types) if len(types) > 1 else types[0]}
+
+
+Word = Annotated[Text, Reads(_text, _of_type("string", "number"))]
+BorderName = Annotated[str, Choices(BORDERS.keys)]
+
+
 @dataclass(frozen=True)
 class Relay:
     """A relay between two topics of the simulator, through the tap of a seam.
 
     Attributes:
-        source, to: the topic that it reads, and the one that it writes.
-        border: name of the border over which both go.
-        type, frame, qos, fields: of both topics; see `border.Topic`.
+        source: the topic that it reads.
+        to: another topic, which it writes.
+        border: what the topics go over.
+        type: type of the messages, as the border names it.
+        frame: frame id of messages.
+        qos: quality of service, as the border names it.
+        fields: fields of the border's message by path to those of the sample.
     """
 
-    source: str
-    to: str
-    border: str
-    type: str = ""
+    source: Annotated[str, Called("from"), Examples("/cmd_vel")]
+    to: Annotated[str, Examples("/cmd_vel_faulty")]
+    border: BorderName
+    type: Annotated[str, Examples("geometry_msgs/msg/Twist")] = ""
     frame: str = ""
-    qos: Mapping[str, Any] = field(default_factory=dict)
-    fields: Mapping[str, str] = field(default_factory=dict)
+    qos: Annotated[Mapping[str, Any], Size()] = field(default_factory=dict)
+    fields: Annotated[Mapping[str, str], Size()] = field(default_factory=dict)
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a relay from a topic to itself."""
+        if self.source == self.to:
+            yield item.error("between two topics: to= must not be from=")
 
 
 @dataclass(frozen=True)
 class ClockTopic:
-    """The topic on which the simulator tells its time.  type: of its messages; see `border.Topic`."""
+    """The topic on which the simulator tells its time.
 
-    name: str
-    border: str
+    Attributes:
+        name: name of the topic.
+        border: what the topic goes over.
+        type: type of its messages; see `border.Topic`.
+    """
+
+    name: Annotated[str, Called("topic"), Examples("/clock")]
+    border: BorderName
     type: str = ""
 
 
 @dataclass(frozen=True)
 class Offer:
-    """A seam that the matrix may use.
+    """How the faults of a seam reach the simulator.
 
     Attributes:
-        port: the port whose message it has; "" = as the stack declares the seam.
-        relay: the relay that carries its samples; None = the simulator injects the fault itself.
+        port: the port whose message it has; left out: as the stack declares the seam.
+        relay: the relay that carries its samples; left out: the simulator injects the fault itself.
+        parameter: the command gets the fault in {fault} and injects it itself.
     """
 
-    port: str = ""
+    port: Annotated[str, Called("message"), Choices(lambda: {name: port.meaning for name, port in PORTS.items()})] = ""
     relay: Relay | None = None
+    parameter: bool = False
+    CONDITIONS: ClassVar[Mapping[str, object]] = {
+        "oneOf": [{"required": ["relay"]}, {"required": ["parameter"], "properties": {"parameter": {"const": True}}}]
+    }
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a seam whose faults nobody, or two, would inject."""
+        if self.parameter is (self.relay is not None) or (item.get("parameter") and not self.parameter):
+            yield item.error("{parameter: true}, so that the command gets the fault in {fault}, or {relay: {...}}")
+        elif item.name == EVERY and (self.port or self.relay):
+            yield item.error("{parameter: true}: it stands for the seams of the stack")
 
 
 @dataclass(frozen=True)
 class FlightCommand:
-    """A command that flies one flight.
+    """A command that flies instead of our simulator.
 
     Attributes:
-        run: program and arguments.
-        env: what it gets in its environment beside ours.
-        record: name of the file, in the folder of the flight, that it records to; with `*` any one that fits.
-        limit_s: longest time that it may take [s, wall].
-        mission_s: time limit of a flight [s, simulated]; None = that of its situation.
+        run: program and arguments; {situation}, {seed}, {fault}, {record}, {folder}, {study}, {python} and values of
+            the situation by dotted path stand in braces.
+        record: name of the file, in a private folder of the flight, that it records to; with * any that fits.
+        limit_s: longest wall time of a flight [s].
+        env: environment variables beside ours; with the same places in braces.
+        mission_s: time limit of a flight, simulated; left out: that of its situation [s].
         deterministic: whether two flights of the same subject, situation and seed are the same.
-        inputs: files of the study that decide what is flown, beside `sim/`.
-        seams: the seams that the matrix may use, by name.
-        clock: the topic by whose time relays work; None = by the stamps of their messages.
+        inputs: files of the study, beside sim/, that decide what is flown; a changed one flies again.
+        seams: the seams that the matrix may use, by name; `every` stands for all of the stack.
+        clock: the topic on which the simulator tells its time; left out: by the stamps of messages.
+        flyer: a command flies.
         place: where these stand, for errors.
     """
 
-    run: tuple[Text, ...]
-    record: str
-    limit_s: float
-    env: Mapping[str, Text] = field(default_factory=dict)
-    mission_s: float | None = None
+    run: Annotated[tuple[Word, ...], Size(1, MOST, "a list that begins with a program"), _RUN]
+    record: Annotated[str, Reads(_record, _of_type("string")), Examples("flight.csv")]
+    limit_s: Annotated[float, Bounds(above=0.0, most=MOST_LIMIT_S), Examples(120)]
+    env: Annotated[Mapping[str, Word], Size()] = field(default_factory=dict)
+    mission_s: MoreThanZero | None = None
     deterministic: bool = False
-    inputs: tuple[str, ...] = ()
-    seams: Mapping[str, Offer] = field(default_factory=dict)
+    inputs: Annotated[tuple[Annotated[str, Reads(_inside, _of_type("string"))], ...], Size()] = ()
+    seams: Annotated[Mapping[str, Offer], Size()] = field(default_factory=dict)
     clock: ClockTopic | None = None
-    place: str = ""
+    place: Annotated[str, Given(lambda item: (item.get("seams") or item).place)] = ""
+    flyer: Annotated[Literal["command"], Needed()] = "command"
 
     def declared(self, stack: Declaration) -> Declaration:
         """The declaration of a stack, as the command flies it: with the seams that the matrix may use.
@@ -167,86 +230,7 @@ def load_command(path: Path) -> FlightCommand:
     Raises:
         InputError: a key is unknown or a value is not allowed; the message names file and line.
     """
-    document = load(path)
-    document.need("flyer").choice(["command"])
-    run = tuple(_text(item) for item in document.need("run").items(most=MOST))
-    if not run:
-        raise document.need("run").error("a list that begins with a program")
-    env, mission, inputs = document.get("env"), document.get("mission_s"), document.get("inputs")
-    deterministic, seams, clock = document.get("deterministic"), document.get("seams"), document.get("clock")
-    command = FlightCommand(
-        run=run,
-        record=_record(document.need("record")),
-        limit_s=document.need("limit_s").number(above=0.0, most=MOST_LIMIT_S),
-        env={name: _text(item) for name, item in env.mapping(most=MOST).items()} if env else {},
-        mission_s=mission.number(above=0.0, most=LARGEST) if mission else None,
-        deterministic=deterministic.flag() if deterministic else False,
-        inputs=tuple(_inside(item) for item in inputs.items(most=MOST)) if inputs else (),
-        seams={name: _seam(name, item) for name, item in seams.mapping(most=MOST).items()} if seams else {},
-        clock=_clock(clock) if clock else None,
-        place=(seams or document).place,
-    )
-    document.close()
-    return command
-
-
-def _text(item: Item) -> Text:
-    if isinstance(item.value, bool) or not isinstance(item.value, str | int | float):
-        raise item.error("a text or a number")
-    return Text(str(item.value), item.place)
-
-
-def _record(item: Item) -> str:
-    """A file name; it stands in the folder of the flight."""
-    name = item.text()
-    if PurePath(name).name != name or name in (".", ".."):
-        raise item.error("the name of a file, without a folder")
-    return name
-
-
-def _inside(item: Item) -> str:
-    """A path inside the study."""
-    path = PurePath(item.text())
-    if path.is_absolute() or ".." in path.parts:
-        raise item.error("the path of a file inside the study")
-    return path.as_posix()
-
-
-def _seam(name: str, item: Item) -> Offer:
-    parameter, relay, message = item.get("parameter"), item.get("relay"), item.get("message")
-    if (parameter is None) == (relay is None) or (parameter is not None and not parameter.flag()):
-        raise item.error("{parameter: true}, so that the command gets the fault in {fault}, or {relay: {...}}")
-    port = message.choice(list(PORTS)) if message else ""
-    if name == EVERY and (port or relay):
-        raise item.error("{parameter: true}: it stands for the seams of the stack")
-    item.close()
-    return Offer(port, _relay(relay) if relay else None)
-
-
-def _clock(item: Item) -> ClockTopic:
-    kind = item.get("type")
-    topic = ClockTopic(
-        item.need("topic").text(), item.need("border").choice(list(BORDERS)), kind.text() if kind else ""
-    )
-    item.close()
-    return topic
-
-
-def _relay(item: Item) -> Relay:
-    kind, frame, qos, fields = (item.get(key) for key in ("type", "frame", "qos", "fields"))
-    relay = Relay(
-        source=item.need("from").text(),
-        to=item.need("to").text(),
-        border=item.need("border").choice(list(BORDERS)),
-        type=kind.text() if kind else "",
-        frame=frame.text() if frame else "",
-        qos={key: entry.plain() for key, entry in qos.mapping(most=MOST).items()} if qos else {},
-        fields={key: entry.text() for key, entry in fields.mapping(most=MOST).items()} if fields else {},
-    )
-    if relay.source == relay.to:
-        raise item.error("between two topics: to= must not be from=")
-    item.close()
-    return relay
+    return read(FlightCommand, load(path))
 
 
 CLOCK_S = 0.05

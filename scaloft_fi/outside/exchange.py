@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import os
 import select
@@ -11,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,9 +18,11 @@ from shutil import rmtree
 from typing import Annotated, Any
 
 from scaloft_fi.console import line as inert
+from scaloft_fi.document import Item
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.marks import MOST, Bounds, Choices, Examples, Pattern, Scalar, Size
 from scaloft_fi.outside import guard
 from scaloft_fi.outside.border import BORDERS, PORTS, Border, BorderError, Topic
-from scaloft_fi.stack.config import Bounds, ConfigError, Scalar
 from scaloft_fi.stack.declaration import Wire
 
 START_S, STOP_S = 10.0, 5.0
@@ -187,6 +188,12 @@ def _how(what: str, detail: str) -> str:
 BELOW = {"flight_control": ("velocity", "land"), "planner": ("goal", "speed_limit", "land")}
 """What of our drone flies below the stages outside, and the ports that it takes orders from."""
 FRAMES = ("", "world", "body")
+_ANY_TEXT = Pattern(".*", "a text")
+
+
+def _orders() -> dict[str, str]:
+    return {below: f"takes {' and '.join(orders)} from outside" for below, orders in BELOW.items()}
+
 
 Wait = Annotated[float, Bounds(least=1e-3, most=60.0)]
 
@@ -239,9 +246,9 @@ class SeamConfig:
     """
 
     topic: str
-    carries: str
+    carries: Annotated[str, Choices(lambda: {name: port.meaning for name, port in PORTS.items()}, named="ports")]
     type: str = ""
-    frame: str = ""
+    frame: Annotated[str, Examples(*FRAMES[1:]), _ANY_TEXT] = ""
     qos: Mapping[str, Scalar] = field(default_factory=dict)
     fields: Mapping[str, str] = field(default_factory=dict)
     awaited: bool = True
@@ -273,10 +280,10 @@ class OutsideConfig:
         version: of the programs outside the study, in words; another one means other flights.
     """
 
-    border: str
-    below: str
+    border: Annotated[str, Choices(BORDERS.keys)]
+    below: Annotated[str, Choices(_orders)]
     processes: tuple[ProcessConfig, ...]
-    seams: Mapping[str, SeamConfig]
+    seams: Annotated[Mapping[str, SeamConfig], Size(1, MOST, "a seam, at least")]
     inside: Any
     answer: str = ""
     answer_s: Wait = 0.5
@@ -286,52 +293,37 @@ class OutsideConfig:
     deterministic: bool = False
     version: str = ""
 
-    def check(self) -> None:
-        """Refuse what does not fit together.
-
-        Raises:
-            ConfigError: naming the setting.
-        """
-        _one_of("border", self.border, tuple(BORDERS))
-        _one_of("below", self.below, tuple(BELOW))
-        if not self.seams:
-            raise ConfigError("stack.seams", "must have a seam")
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse what does not fit together."""
+        seams = item.need("seams")
         for name, seam in self.seams.items():
-            self._check_seam(f"seams.{name}", seam)
-            misfit = BORDERS[self.border].misfit(seam.as_topic(name))
-            if misfit:
-                raise ConfigError(f"stack.seams.{name}", misfit)
-        ports = [seam.carries for seam in self.seams.values()]
-        if BELOW[self.below][0] not in ports:
-            allowed = f"needs a seam that carries {BELOW[self.below][0]!r}, because below={self.below!r}"
-            raise ConfigError("stack.seams", allowed)
-        if self.answer:
-            _one_of(
-                "answer", self.answer, [name for name, seam in self.seams.items() if not PORTS[seam.carries].outward]
-            )
-        elif not self.pace:
-            raise ConfigError("stack", "needs `answer`, the seam that answers each tick, or `pace`, such as 1.0")
+            yield from self._misfit(seam, seams.need(name))
+        orders = BELOW[self.below]
+        if orders[0] not in [seam.carries for seam in self.seams.values()]:
+            needs = f"needs a seam that carries {orders[0]!r}, because below={self.below!r}"
+            yield InputError(f"{seams.place}: {seams.name} {needs}")
+        inward = [name for name, seam in self.seams.items() if not PORTS[seam.carries].outward]
+        if self.answer and self.answer not in inward:
+            place = item.need("answer").place
+            yield InputError(f"{place}: answer={self.answer!r} is not known{did_you_mean(self.answer, inward)}")
+        elif not self.answer and not self.pace:
+            needs = "needs `answer`, the seam that answers each tick, or `pace`, such as 1.0"
+            yield InputError(f"{item.place}: {item.name} {needs}")
 
-    def _check_seam(self, path: str, seam: SeamConfig) -> None:
-        _one_of(f"{path}.carries", seam.carries, tuple(PORTS))
-        _one_of(f"{path}.frame", seam.frame, FRAMES if seam.carries == "velocity" else (seam.frame,))
+    def _misfit(self, seam: SeamConfig, item: Item) -> Iterator[InputError]:
+        if seam.carries == "velocity" and seam.frame not in FRAMES:
+            yield InputError(
+                f"{item.need('frame').place}: frame={seam.frame!r} is not known{did_you_mean(seam.frame, FRAMES)}"
+            )
+        carries = item.need("carries")
+        twins = [name for name, other in self.seams.items() if other.carries == seam.carries]
         if not PORTS[seam.carries].outward and seam.carries not in BELOW[self.below]:
             taken = ", ".join(BELOW[self.below])
-            raise ConfigError(
-                f"stack.{path}.carries", f"{seam.carries!r} is not taken where below={self.below!r}: {taken}"
-            )
-        twins = [name for name, other in self.seams.items() if other.carries == seam.carries]
-        if len(twins) > 1 and not PORTS[seam.carries].outward:
-            raise ConfigError(
-                f"stack.{path}.carries", f"{seam.carries!r} is carried by {' and '.join(twins)}; one is allowed"
-            )
-
-
-def _one_of(path: str, value: str, allowed: Collection[str]) -> None:
-    if value not in allowed:
-        near = difflib.get_close_matches(value, list(allowed), n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(map(repr, allowed))}"
-        raise ConfigError(f"stack.{path}", f"{value!r} is not known{hint}")
+            yield carries.error(f"taken where below={self.below!r}: {taken}")
+        elif not PORTS[seam.carries].outward and len(twins) > 1:
+            yield carries.error(f"carried once, it is by {' and '.join(twins)}")
+        elif misfit := BORDERS[self.border].misfit(seam.as_topic(item.name)):
+            yield InputError(f"{item.place}: {item.name}: {misfit}")
 
 
 ENDS_S = 0.3

@@ -13,8 +13,18 @@ import numpy as np
 
 from scaloft_fi.outside.border import BORDERS, PORTS, CameraInfo, Goal, Motion
 from scaloft_fi.outside.exchange import Exchange, OutsideConfig
-from scaloft_fi.stack.config import ConfigError
-from scaloft_fi.stack.declaration import STEP_HZ, TICK_S, Belief, Declaration, FastPath, Seam, Stack, Task, Wire
+from scaloft_fi.stack.declaration import (
+    STEP_HZ,
+    TICK_S,
+    Belief,
+    ConfigError,
+    Declaration,
+    FastPath,
+    Seam,
+    Stack,
+    Task,
+    Wire,
+)
 from scaloft_fi.stack.messages import (
     Array,
     DepthCamera,
@@ -89,7 +99,6 @@ def shaped(settings: Any) -> Declaration:
         ConfigError: the settings do not fit together.
     """
     config: OutsideConfig = settings
-    config.check()
     orders = [name for name, seam in config.seams.items() if not PORTS[seam.carries].outward]
     odometry = [name for name, seam in config.seams.items() if seam.carries == "odometry"]
     return replace(

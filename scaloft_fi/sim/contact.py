@@ -40,9 +40,9 @@ class Reach:
         self._radius_m = 0.5 * math.hypot(*vehicle.hull_m)
         # In every attitude the hull lies in one ball about its centre and contains a smaller one.
         self.any_turn_m = self._radius_m - 0.5 * min(vehicle.hull_m)
-        most_n = 4.0 * vehicle.max_thrust_n + vehicle.drag * wind_mps
+        most_n = 4.0 * vehicle.max_thrust_n + vehicle.drag_ns_per_m * wind_mps
         self.gained_m = _GAINED_S2 * (most_n / vehicle.mass_kg + GRAVITY_MPS2)
-        most, least = max(vehicle.inertia), min(vehicle.inertia)
+        most, least = max(vehicle.inertia_kgm2), min(vehicle.inertia_kgm2)
         # Without torque the energy of rotation is constant; the axis may change.
         self.tumble = math.sqrt(most / least)
         self.gained_rad = _GAINED_S2 * _greatest_torque(vehicle) / least

@@ -23,13 +23,13 @@ from scaloft_fi.sim.sensors import Sensors
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.stepper import CompiledStepper, ServerStepper, Stepper, agrees
 from scaloft_fi.sim.vehicle import Airframe
-from scaloft_fi.stack.config import ConfigError
 from scaloft_fi.stack.declaration import (
     STEP_HZ,
     STEP_S,
     STEPS_PER_TICK,
     TICK_HZ,
     TICK_S,
+    ConfigError,
     Declaration,
     Stack,
     Task,

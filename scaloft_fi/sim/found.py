@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 from scaloft_fi.document import Item, is_there, load
 from scaloft_fi.errors import InputError
+from scaloft_fi.marks import Bounds, ByName, Examples, Key, NotNegative, OneOrMore, Otherwise, Share, Size, Whole
+from scaloft_fi.model import read
 
 FILE = "found.yaml"
 MOST_FINDS = 1_000
@@ -20,17 +23,20 @@ class Again:
     Attributes:
         seed: the first seed of them.
         p: by the exact test of the one requirement, adjusted by Holm over all pairs that were replicated together.
-        violated: flights of the mutant that violate the requirement; flights: its flights.
-        held, baselines, mission: as in `Evidence`.
+        violated: flights of the mutant that violate the requirement.
+        flights: flights of the mutant.
+        held: baselines that hold the requirement with a robustness above their spread.
+        baselines: baselines.
+        mission: baselines that do their mission.
     """
 
-    seed: int
-    p: float
-    violated: int
-    flights: int
-    held: int
-    baselines: int
-    mission: int
+    seed: Whole
+    p: Share
+    violated: Whole
+    flights: OneOrMore
+    held: Whole
+    baselines: OneOrMore
+    mission: Whole
 
 
 @dataclass(frozen=True)
@@ -40,33 +46,37 @@ class Evidence:
     Attributes:
         requirement: the requirement that the mutant violates.
         candidate: which candidate of the mutant the situation was, from 1.
-        p: by the score's own test; alpha: what it was compared with.
-        violated: flights of the mutant that violate the requirement; flights: its flights, with the seeds 0, 1, ...
+        p: by the score's own test.
+        alpha: what p was compared with.
+        violated: flights of the mutant that violate the requirement.
+        flights: flights of the mutant, with the seeds 0, 1, ...
+        held: baselines that hold the requirement with a robustness above `spread`.
+        baselines: baselines, with the seeds 0, 1, ...
+        margin: robustness that nine in ten baselines reach.
+        spread: standard deviation of the robustness over the baselines.
         struck: the body that the first violating flight strikes; empty for none.
-        held: baselines that hold the requirement with a robustness above `spread`; baselines: with the seeds 0, 1, ...
-        margin: robustness that nine in ten baselines reach; spread: standard deviation over the baselines.
         mission: baselines that hold every operability requirement and meet the value of every axis.
         again: the evidence of a replication; None before one.
     """
 
-    requirement: str
-    candidate: int
-    p: float
-    alpha: float
-    violated: int
-    flights: int
-    struck: str
-    held: int
-    baselines: int
+    requirement: Annotated[str, Examples("SR2")]
+    candidate: OneOrMore
+    p: Share
+    alpha: Annotated[float, Bounds(above=0.0, most=1.0)]
+    violated: Whole
+    flights: OneOrMore
+    struck: Annotated[str, Otherwise(""), Examples("wall")]
+    held: Whole
+    baselines: OneOrMore
     margin: float
-    spread: float
-    mission: int
+    spread: NotNegative
+    mission: Whole
     again: Again | None = None
 
 
 @dataclass(frozen=True)
 class Find:
-    """A named situation that a search found.
+    """A situation that shows mutants.
 
     Attributes:
         name: name of the situation.
@@ -77,17 +87,23 @@ class Find:
         seed: seed of the search.
     """
 
-    name: str
-    situation: str
+    name: Key
+    situation: Annotated[str, Examples("T1O0W0D0H1Cs=0.871")]
     words: tuple[str, ...]
-    mutant: str
-    shows: Mapping[str, Evidence]
-    seed: int
+    mutant: Annotated[str, Examples("LATE-pose@0.5s")]
+    shows: Annotated[Mapping[str, Evidence], Size(1, MOST_FINDS)]
+    seed: Whole
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a find without the evidence for its own mutant."""
+        if self.mutant not in self.shows:
+            place = item.need("shows").place
+            yield InputError(f"{place}: shows must have the evidence for {self.mutant!r}, its own mutant")
 
 
 @dataclass(frozen=True)
 class Break:
-    """A named situation in which the unmutated drone violates a safety requirement.
+    """A situation in which the unmutated drone violates a safety requirement.
 
     Attributes:
         name: name of the situation; it follows from requirement, struck, leg, near and belief.
@@ -98,47 +114,56 @@ class Break:
         leg: between which places of the route, such as `corner to end`.
         near: the body that is struck; the nearer of the two places where none is.
         belief: the stage whose belief was the most wrong before the violation; empty where none was wrong.
-        error: how far from the truth that belief was; unit: of the error.
-        violated: flights that violate the requirement; flights: with the seeds 0, 1, ...
+        error: how far from the truth that belief was, in `unit`.
+        unit: unit of the error.
+        violated: flights that violate the requirement, more than half.
+        flights: flights, with the seeds 0, 1, ...
         alike: flights that do so in the same way: they strike the same, on the same leg, after the same wrong belief.
         flight: seed of the flight that `leg`, `near`, `belief`, `error`, `t_s` and `place` tell of.
-        t_s: time of the violation [s from take-off].
+        t_s: time of the violation from take-off [s].
         place: (3,) centre of the vehicle then [m, world].
         seed: seed of the search.
     """
 
-    name: str
-    situation: str
+    name: Key
+    situation: Annotated[str, Examples("T1O0W0D0H1Cs=0.871")]
     words: tuple[str, ...]
-    requirement: str
-    struck: str
-    leg: str
-    near: str
-    belief: str
-    error: float
-    unit: str
-    violated: int
-    flights: int
-    alike: int
-    flight: int
-    t_s: float
+    requirement: Annotated[str, Examples("SR1")]
+    struck: Annotated[str, Otherwise(""), Examples("bar")]
+    leg: Annotated[str, Examples("corner to end")]
+    near: Annotated[str, Examples("corner")]
+    belief: Annotated[str, Otherwise(""), Examples("pose")]
+    error: NotNegative
+    unit: Annotated[str, Otherwise(""), Examples("m")]
+    violated: Whole
+    flights: OneOrMore
+    alike: OneOrMore
+    flight: Whole
+    t_s: NotNegative
     place: tuple[float, float, float]
-    seed: int
+    seed: Whole
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse counts of flights that contradict each other."""
+        if not self.flights < 2 * self.violated <= 2 * self.flights:
+            yield item.need("violated").error(f"more than half of flights={self.flights}, and no more than all")
+        if self.alike > self.violated:
+            yield item.need("alike").error(f"at most violated={self.violated}")
 
 
 @dataclass(frozen=True)
 class Finds:
-    """The finds of a study.
+    """The situations that searches found; `scaloft-fi seek` writes this file.
 
     Attributes:
         grid: name of the grid whose keys they have.
-        finds: situations that show mutants, in the file's order.
-        breaks: situations that break the unmutated drone, in the file's order.
+        finds: the situations that show mutants, by name.
+        breaks: the situations that break the unmutated drone, by name.
     """
 
-    grid: str
-    finds: tuple[Find, ...]
-    breaks: tuple[Break, ...] = ()
+    grid: Annotated[str, Examples("search")]
+    finds: Annotated[tuple[Find, ...], ByName(), Size(0, MOST_FINDS)]
+    breaks: Annotated[tuple[Break, ...], ByName(), Size(0, MOST_FINDS)] = ()
 
     @property
     def named(self) -> dict[str, str]:
@@ -157,98 +182,4 @@ def read_finds(folder: Path) -> Finds | None:
         InputError: a key is missing or unknown, or a value is not allowed; the message names the place.
     """
     path = folder / FILE
-    if not is_there(path):
-        return None
-    item = load(path)
-    grid = item.need("grid").text()
-    finds = tuple(_find(name, entry) for name, entry in item.need("finds").mapping(most=MOST_FINDS).items())
-    breaks_item = item.get("breaks")
-    broken = breaks_item.mapping(most=MOST_FINDS).items() if breaks_item else ()
-    breaks = tuple(_break(name, entry) for name, entry in broken)
-    item.close()
-    return Finds(grid, finds, breaks)
-
-
-def _find(name: str, item: Item) -> Find:
-    shows_item = item.need("shows")
-    find = Find(
-        name=name,
-        situation=item.need("situation").text(),
-        words=tuple(word.text() for word in item.need("words")),
-        mutant=item.need("mutant").text(),
-        shows={mutant: _evidence(entry) for mutant, entry in shows_item.mapping(most=MOST_FINDS).items()},
-        seed=item.need("seed").whole(),
-    )
-    item.close()
-    if find.mutant not in find.shows:
-        raise InputError(f"{shows_item.place}: shows must have the evidence for {find.mutant!r}, its own mutant")
-    return find
-
-
-def _break(name: str, item: Item) -> Break:
-    violated_item, alike_item = item.need("violated"), item.need("alike")
-    x, y, z = item.need("place").numbers(3)
-    found = Break(
-        name=name,
-        situation=item.need("situation").text(),
-        words=tuple(word.text() for word in item.need("words")),
-        requirement=item.need("requirement").text(),
-        struck=_optional(item, "struck"),
-        leg=item.need("leg").text(),
-        near=item.need("near").text(),
-        belief=_optional(item, "belief"),
-        error=item.need("error").number(least=0.0),
-        unit=_optional(item, "unit"),
-        violated=violated_item.whole(),
-        flights=item.need("flights").whole(least=1),
-        alike=alike_item.whole(least=1),
-        flight=item.need("flight").whole(),
-        t_s=item.need("t_s").number(least=0.0),
-        place=(x, y, z),
-        seed=item.need("seed").whole(),
-    )
-    item.close()
-    if not found.flights < 2 * found.violated <= 2 * found.flights:
-        raise violated_item.error(f"more than half of flights={found.flights}, and no more than all")
-    if found.alike > found.violated:
-        raise alike_item.error(f"at most violated={found.violated}")
-    return found
-
-
-def _optional(item: Item, key: str) -> str:
-    entry = item.get(key)
-    return entry.text() if entry else ""
-
-
-def _evidence(item: Item) -> Evidence:
-    evidence = Evidence(
-        requirement=item.need("requirement").text(),
-        candidate=item.need("candidate").whole(least=1),
-        p=item.need("p").number(least=0.0, most=1.0),
-        alpha=item.need("alpha").number(above=0.0, most=1.0),
-        violated=item.need("violated").whole(),
-        flights=item.need("flights").whole(least=1),
-        struck=_optional(item, "struck"),
-        held=item.need("held").whole(),
-        baselines=item.need("baselines").whole(least=1),
-        margin=item.need("margin").number(),
-        spread=item.need("spread").number(least=0.0),
-        mission=item.need("mission").whole(),
-        again=_again(again_item) if (again_item := item.get("again")) else None,
-    )
-    item.close()
-    return evidence
-
-
-def _again(item: Item) -> Again:
-    again = Again(
-        seed=item.need("seed").whole(),
-        p=item.need("p").number(least=0.0, most=1.0),
-        violated=item.need("violated").whole(),
-        flights=item.need("flights").whole(least=1),
-        held=item.need("held").whole(),
-        baselines=item.need("baselines").whole(least=1),
-        mission=item.need("mission").whole(),
-    )
-    item.close()
-    return again
+    return read(Finds, load(path)) if is_there(path) else None

@@ -7,26 +7,32 @@ import itertools
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Annotated
 
 from scaloft_fi.document import Item
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import Faults, InputError
+from scaloft_fi.marks import ByName, Examples, Given, Pattern, Size
+from scaloft_fi.model import read
 from scaloft_fi.sim.happenings import signals_of
 from scaloft_fi.sim.log import clearance_name
 from scaloft_fi.sim.mine import Mine, read_mine
 from scaloft_fi.sim.patch import PARTS, added, overlap, patched
 from scaloft_fi.sim.situation import (
+    AXIS_ID,
+    MOST_CONSTRAINTS,
+    MOST_FREE,
     Axis,
+    AxisModel,
     AxisValue,
     Constraint,
     FreeAxis,
     Situation,
+    misfit_free_axes,
     number_text,
     numbers_off,
-    read_axis,
-    read_constraints,
-    read_free_axes,
+    unknown_values,
 )
 from scaloft_fi.sim.world import World, read_world
 
@@ -71,6 +77,7 @@ def remedy(*levels: tuple[str, int]) -> str:
 MOST_POINTS = 1_000_000
 """Largest product of the axes; all points are held in memory."""
 MOST_AXES = 100
+_AXIS = "a capital letter, then small ones"
 ALL = "all"
 """All situations of the grid are flown."""
 
@@ -294,6 +301,41 @@ class Grid:
         return f"no situation {name!r} in keys like {shape!r}; did you mean {near.key!r}?"
 
 
+@dataclass(frozen=True)
+class GridModel:
+    """The axes of the study's own grid of situations.
+
+    Attributes:
+        axes: the axes by name, a capital letter, then small ones, in the order of the keys.
+        choose: how a run chooses situations when nobody says it, as for `run --choose`; left out: all.
+        constraints: combinations of values that the grid leaves out.
+        free: numbers around the situations that span no grid; at the benign value left out of keys.
+        aliases: other names of situations, by name.
+        name: name of this grid, as for --grid; left out: situations.
+    """
+
+    axes: Annotated[Mapping[str, AxisModel], Size(1, MOST_AXES, "axes, at least one"), Pattern(AXIS_ID, _AXIS)]
+    choose: Annotated[str, Examples("3-way", "random:20", "sobol:32")] = ""
+    constraints: Annotated[tuple[Constraint, ...], Size(0, MOST_CONSTRAINTS)] = ()
+    free: Annotated[tuple[FreeAxis, ...], ByName(), Size(0, MOST_FREE), Pattern(AXIS_ID, _AXIS)] = ()
+    aliases: Mapping[str, Annotated[str, Examples("T0O0W0D0H1")]] = field(default_factory=dict)
+    name: Annotated[str, Pattern("[A-Za-z0-9_-]{1,100}", "letters, digits, - and _"), Examples("paper")] = ""
+
+
+@dataclass(frozen=True)
+class FurtherGridModel(GridModel):
+    """The axes of a further grid over the same world; `run --grid` flies it.
+
+    Attributes:
+        adds: what only this grid has: new entries of world, vehicle and sensors, as those documents have them.
+        sources: the source of each number of this file by dotted path, as in sim/sources.yaml.
+    """
+
+    name: Annotated[str, Given(lambda item: item.path.stem)] = ""
+    adds: Item | None = None
+    sources: Item | None = None
+
+
 def read_grid(item: Item, documents: Mapping[str, Item], name: str | None = None) -> Grid:
     """Read the axes, and check the world of each single value.
 
@@ -305,9 +347,9 @@ def read_grid(item: Item, documents: Mapping[str, Item], name: str | None = None
     Raises:
         InputError: a value is not allowed, a key is unknown, or there is one of the `contradictions`.
     """
-    grid = assembled(item, documents, name)
-    for error in contradictions(grid):
-        raise error
+    grid, faults = assembled(item, documents, name), Faults()
+    faults.add(*contradictions(grid))
+    faults.end()
     return grid
 
 
@@ -317,36 +359,33 @@ def assembled(item: Item, documents: Mapping[str, Item], name: str | None = None
     Raises:
         InputError: a value is not allowed, or a key is unknown.
     """
+    model = read(FurtherGridModel if name else GridModel, item)
     documents = {part: documents[part] for part in PARTS}
-    choose_item, adds = item.get("choose"), item.get("adds") if name else None
-    name_item = None if name else item.get("name")
-    if name:
-        item.get("sources")  # `sim.load` reads it
-    if adds:
-        documents = added(documents, adds)
-    axes_item = item.need("axes")
-    axes = tuple(read_axis(name, entry) for name, entry in axes_item.mapping(most=MOST_AXES).items())
-    if not axes:
-        raise InputError(f"{item.place}: axes must name at least one axis")
+    if isinstance(model, FurtherGridModel) and model.adds is not None:
+        documents = added(documents, model.adds)
+    entries, faults = item.need("axes"), Faults()
+    axes = tuple(axis.axis(id_, entries.need(id_)) for id_, axis in model.axes.items())
     points = math.prod(len(axis.values) for axis in axes)
     if points > MOST_POINTS:
-        raise InputError(f"{axes_item.place}: axes make {points} situations, they must make at most {MOST_POINTS}")
-    constraints = read_constraints(item.get("constraints"), axes)
-    free = read_free_axes(item.get("free"), axes, documents)
-    alias_item = item.get("aliases")
-    alias_items = alias_item.mapping() if alias_item else {}
-    item.close()
+        raise InputError(f"{entries.place}: axes make {points} situations, they must make at most {MOST_POINTS}")
+    by_id = {axis.id: axis for axis in axes}
+    for constraint, entry in zip(model.constraints, item.get("constraints") or (), strict=True):
+        faults.add(*unknown_values(entry.need("exclude"), constraint.excluded, by_id))
+    if model.free:
+        faults.add(*misfit_free_axes(model.free, item.need("free"), axes, documents))
+    faults.end()
+    choose = item.get("choose")
     return Grid(
         axes,
-        {alias: _completed(entry.text(), axes) for alias, entry in alias_items.items()},
+        {alias: _completed(key, axes) for alias, key in model.aliases.items()},
         documents,
-        constraints,
-        name=name or (name_item.text() if name_item else item.path.stem),
+        model.constraints,
+        name=name or model.name or item.path.stem,
         further=name is not None,
-        choose=choose_item.text() if choose_item else ALL,
-        chosen_at=f"{choose_item.place}: choose" if choose_item else "",
+        choose=model.choose or ALL,
+        chosen_at=f"{choose.place}: choose" if choose else "",
         item=item,
-        free=free,
+        free=model.free,
     )
 
 

@@ -4,15 +4,13 @@ A plugin declares a kind in a module that its entry point in the group `scaloft_
 
     @dataclass(frozen=True)
     class Rain(Effect):
-        haze_per_m: float
+        haze_per_m: NotNegative
 
         def apply(self, around: Surroundings, since_s: float) -> None:
             around.haze_per_m += self.haze_per_m
             around.note(rain_per_m=self.haze_per_m)
 
-    HAPPENINGS.declare(
-        "rain", HappeningKind(lambda item: Rain(item.need("haze_per_m").number(least=0.0)), signals=("rain_per_m",))
-    )
+    HAPPENINGS.declare("rain", HappeningKind(Rain, signals=("rain_per_m",)))
 
 A happening in a study's `world.yaml` is of that kind with `kind: rain`.
 """
@@ -21,14 +19,16 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from scaloft_fi.document import Item
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import Faults, InputError, did_you_mean
+from scaloft_fi.marks import Bounds, Called, Choices, Examples, MoreThanZero, NotNegative, Share, Size
+from scaloft_fi.model import Names, Schema, keys_of, read, schema, summary_of
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.mesh import Faces, Scene
 from scaloft_fi.stack.messages import Point
@@ -39,14 +39,23 @@ class Start:
     """When a happening starts: at a time, or when the vehicle first comes near a place.
 
     Attributes:
-        at_s: earliest time [s from the start of the flight].
-        near: place (x, y) [m, world]; None for a time.
+        at_s: earliest time from the start of the flight [s].
+        near: the vehicle comes near this place x, y [m, world]; left out: a time.
         within_m: level distance of the vehicle's centre from the place [m].
     """
 
-    at_s: float = 0.0
-    near: tuple[float, float] | None = None
-    within_m: float = 0.0
+    at_s: Annotated[NotNegative, Examples(20.0)] = 0.0
+    near: Annotated[tuple[float, float] | None, Examples((0.0, 3.5))] = None
+    within_m: Annotated[MoreThanZero, Examples(0.7)] = 0.0
+    CONDITIONS: ClassVar[Mapping[str, object]] = {
+        "dependentRequired": {"near": ["within_m"], "within_m": ["near"]},
+        "anyOf": [{"required": ["at_s"]}, {"required": ["near"]}],
+    }
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a place without its distance, and a start that is none."""
+        if (self.near is None) != (item.get("within_m") is None) or (self.near is None and not item.get("at_s")):
+            yield InputError(f"{item.place}: start must have at_s, or near and within_m")
 
     def has_come(self, now_s: float, x_m: float, y_m: float) -> bool:
         """Whether a happening that has not started yet starts now, with the vehicle at (x, y).
@@ -219,14 +228,14 @@ class HappeningKind:
     """A declared kind of happening.
 
     Attributes:
-        read: reads the effect from the happening's entry in `world.yaml`; the keys `kind`, `active`, `start` and
-            `lasts_s` are the framework's.
+        effect: the model of the happening's entry in `world.yaml` (`scaloft_fi.model`), without the framework's keys:
+            `kind`, `active`, `start` and `lasts_s`.
         check: called with the effect, the `sim.world.World` and the item; refuses an effect that this world cannot
             have, with an `InputError` that begins with a place.
         signals: names of the signals that a flight with such a happening records; `apply` notes their values.
     """
 
-    read: Callable[[Item], Effect]
+    effect: type[Effect]
     check: Callable[[Any, Any, Item], None] = lambda _effect, _world, _item: None
     signals: tuple[str, ...] = ()
 
@@ -242,14 +251,35 @@ class Read(NamedTuple):
     item: Item
 
 
-def read_happenings(item: Item | None) -> tuple[Read, ...]:
-    """Read the active happenings of a world; `check_happenings` checks them against the world.
+@dataclass(frozen=True)
+class Occasion:
+    """What every happening has.
+
+    Attributes:
+        kind: which of the kinds it is.
+        active: whether it happens; an axis may set this.
+        start: when it starts; left out: at take-off.
+        lasts_s: how long it lasts; left out: to the end of the flight [s].
+    """
+
+    kind: Annotated[str, Choices(HAPPENINGS.keys)]
+    active: bool
+    start: Start = Start()
+    lasts_s: Annotated[MoreThanZero, Examples(5.0)] = math.inf
+
+
+def read_happenings(item: Item) -> tuple[Read, ...]:
+    """Read the active happenings of a world; `misfits` holds them against the world.
 
     Raises:
         InputError: a value is not allowed, a key or a kind is unknown.
     """
-    entries = item.mapping().items() if item else ()
-    return tuple(found for name, entry in entries if (found := read_happening(name, entry)) is not None)
+    faults, found = Faults(), []
+    for name, entry in item.mapping().items():
+        with faults.collecting():
+            found.append(read_happening(name, entry))
+    faults.end()
+    return tuple(one for one in found if one is not None)
 
 
 def read_happening(name: str, item: Item) -> Read | None:
@@ -258,59 +288,59 @@ def read_happening(name: str, item: Item) -> Read | None:
     Raises:
         InputError: a value is not allowed, a key or the kind is unknown.
     """
-    kind_item, lasts = item.need("kind"), item.get("lasts_s")
-    kind = HAPPENINGS[kind_item.choice(tuple(HAPPENINGS))]
-    active = item.need("active").flag()
-    happening = Happening(
-        name=name,
-        signals=kind.signals,
-        start=_start(item.get("start")),
-        lasts_s=lasts.number(above=0.0) if lasts else math.inf,
-        effect=kind.read(item),
-        place=item.place,
-    )
-    item.close()
-    return Read(happening, kind, item) if active else None
+    kind = HAPPENINGS[item.need("kind").choice(tuple(HAPPENINGS))]
+    faults, occasion, effect = Faults(), None, None
+    with faults.collecting():
+        occasion = read(Occasion, item, beside=keys_of(kind.effect))
+    with faults.collecting():
+        effect = read(kind.effect, item, beside=(*item.mapping(), *keys_of(Occasion)))
+    faults.end()
+    assert occasion is not None
+    assert effect is not None
+    happening = Happening(name, kind.signals, occasion.start, occasion.lasts_s, effect, item.place)
+    return Read(happening, kind, item) if occasion.active else None
 
 
-def _start(item: Item | None) -> Start:
-    if item is None:
-        return Start()
-    at_s, near, within = item.get("at_s"), item.get("near"), item.get("within_m")
-    if (near is None) != (within is None) or (near is None and at_s is None):
-        raise InputError(f"{item.place}: start must have at_s, or near and within_m")
-    x, y = near.numbers(2) if near else (0.0, 0.0)
-    start = Start(
-        at_s=at_s.number(least=0.0) if at_s else 0.0,
-        near=(x, y) if near else None,
-        within_m=within.number(above=0.0) if within else 0.0,
-    )
-    item.close()
-    return start
+def happenings_schema(names: Names) -> Schema:
+    """The JSON Schema of the happenings of a world: a form for each kind."""
+    kinds = []
+    for name in names.get("happenings", HAPPENINGS):
+        effect = HAPPENINGS[name].effect
+        framework, own, about = schema(Occasion), schema(effect), summary_of(effect)
+        properties = {**framework["properties"], "kind": {"const": name, "description": about}, **own["properties"]}
+        required = [*framework["required"], *own["required"]]
+        kinds.append({**framework, "description": about, "properties": properties, "required": required})
+    each = {"description": "What changes around the vehicle.", "oneOf": kinds}
+    return {"type": "object", "additionalProperties": each}
 
 
-def check_happenings(world: Any, found: tuple[Read, ...]) -> None:
-    """Refuse a happening that cannot come, that this world cannot have, or that moves a body as another does.
+def misfits(world: Any, found: Iterable[Read]) -> Iterator[InputError]:
+    """An error for each happening that cannot come, that this world cannot have, or that moves a body as another does.
 
-    Raises:
-        InputError: as above; the message names the place.
+    Args:
+        world: the `sim.world.World`.
+        found: its happenings.
     """
     moved: dict[str, str] = {}
     for happening, kind, item in found:
         near = happening.start.near
         if near is not None and not world.mine.holds((*near, world.mission.altitude_m)):
-            raise InputError(
+            yield InputError(
                 f"{item.need('start').place}: near={list(near)!r} must be in the open space of the mine, or "
                 f"happening {happening.name!r} cannot come"
             )
-        kind.check(happening.effect, world, item)
+        try:
+            kind.check(happening.effect, world, item)
+        except InputError as error:
+            yield error
         body = happening.effect.moved
         if body and moved.setdefault(body, happening.name) != happening.name:
-            raise InputError(f"{item.place}: body {body!r} is moved by happening {moved[body]!r} already")
+            yield InputError(f"{item.place}: body {body!r} is moved by happening {moved[body]!r} already")
 
 
 MOST_WALK_MPS = 10.0
 MOST_PLACES = 1000
+_PLACES = f"a list of 1 to {MOST_PLACES} places [x, y]"
 
 
 @dataclass(frozen=True)
@@ -318,14 +348,14 @@ class Walk(Effect):
     """A body goes from its position straight to each place of a path, and stays at the last one.
 
     Attributes:
-        body: name of the body.
-        places: places (x, y) [m, world].
+        body: name of a present body of this file.
+        places: places x, y that the body goes to, straight, in order [m, world].
         speed_mps: its speed [m/s].
     """
 
     body: str
-    places: tuple[tuple[float, float], ...]
-    speed_mps: float
+    places: Annotated[tuple[tuple[float, float], ...], Called("path"), Size(1, MOST_PLACES, _PLACES)]
+    speed_mps: Annotated[float, Bounds(above=0.0, most=MOST_WALK_MPS)]
 
     @property
     def moved(self) -> str:
@@ -341,15 +371,6 @@ class Walk(Effect):
     def top_body_mps(self) -> float:
         """The body's speed [m/s]."""
         return self.speed_mps
-
-    @classmethod
-    def read(cls, item: Item) -> Walk:
-        """Read it."""
-        path_item = item.need("path")
-        path = tuple((x, y) for x, y in (place.numbers(2) for place in path_item))
-        if not 0 < len(path) <= MOST_PLACES:
-            raise path_item.error(f"a list of 1 to {MOST_PLACES} places [x, y]")
-        return cls(item.need("body").text(), path, item.need("speed_mps").number(above=0.0, most=MOST_WALK_MPS))
 
     def shift(self, start: tuple[float, float], since_s: float) -> tuple[float, float]:
         """How far the body has moved from its position `start` [m].
@@ -399,7 +420,7 @@ def check_body(name: str, world: Any, item: Item) -> None:
         raise InputError(f"{place}: body={name!r} must be present for the happening {item.name!r}")
 
 
-HAPPENINGS.declare("walk", HappeningKind(Walk.read, check=_check))
+HAPPENINGS.declare("walk", HappeningKind(Walk, check=_check))
 
 
 HIDDEN_M = (0.0, 0.0, -1000.0)
@@ -408,7 +429,11 @@ HIDDEN_M = (0.0, 0.0, -1000.0)
 
 @dataclass(frozen=True)
 class Appear(Effect):
-    """The body `body` is not there before the start; it stays when the happening ends."""
+    """A body is not there before the start; it stays when the happening ends.
+
+    Attributes:
+        body: name of a present body of this file.
+    """
 
     body: str
 
@@ -416,11 +441,6 @@ class Appear(Effect):
     def moved(self) -> str:
         """The body."""
         return self.body
-
-    @classmethod
-    def read(cls, item: Item) -> Appear:
-        """Read it."""
-        return cls(item.need("body").text())
 
     def prepare(self, around: Surroundings) -> None:
         """Hide the body at take-off."""
@@ -432,21 +452,19 @@ class Appear(Effect):
 
 
 HAPPENINGS.declare(
-    "appear", HappeningKind(Appear.read, check=lambda effect, world, item: check_body(effect.body, world, item))
+    "appear", HappeningKind(Appear, check=lambda effect, world, item: check_body(effect.body, world, item))
 )
 
 
 @dataclass(frozen=True)
 class Drift(Effect):
-    """Every fix is off by `rate_mps` (3,) [m/s, world] times the time since the start; it jumps back at the end."""
+    """The localisation drifts; it jumps back at the end.
+
+    Attributes:
+        rate_mps: every fix is off by this rate x, y, z times the time since the start [m/s, world].
+    """
 
     rate_mps: tuple[float, float, float]
-
-    @classmethod
-    def read(cls, item: Item) -> Drift:
-        """Read it."""
-        x, y, z = item.need("rate_mps").numbers(3)
-        return cls((x, y, z))
 
     def apply(self, around: Surroundings, since_s: float) -> None:
         """Add to the error of the fixes."""
@@ -455,7 +473,7 @@ class Drift(Effect):
         around.note(drift_x_m=x, drift_y_m=y, drift_z_m=z)
 
 
-HAPPENINGS.declare("drift", HappeningKind(Drift.read, signals=("drift_x_m", "drift_y_m", "drift_z_m")))
+HAPPENINGS.declare("drift", HappeningKind(Drift, signals=("drift_x_m", "drift_y_m", "drift_z_m")))
 
 
 MOST_PER_M = 10.0
@@ -466,15 +484,11 @@ MOST_PER_M = 10.0
 class Dust(Effect):
     """Dust: light falls to exp(-haze_per_m * distance) (Beer-Lambert; the contrast of a picture too, Koschmieder 1924).
 
-    The distance of sight (5 % contrast) is 3 / haze_per_m.
+    Attributes:
+        haze_per_m: extinction of light; 5 % of the contrast is left after 3 / haze_per_m [1/m].
     """
 
-    haze_per_m: float
-
-    @classmethod
-    def read(cls, item: Item) -> Dust:
-        """Read it."""
-        return cls(item.need("haze_per_m").number(above=0.0, most=MOST_PER_M))
+    haze_per_m: Annotated[float, Bounds(above=0.0, most=MOST_PER_M)]
 
     def apply(self, around: Surroundings, since_s: float) -> None:
         """Add to the extinction of the air."""
@@ -482,50 +496,44 @@ class Dust(Effect):
         around.note(haze_per_m=self.haze_per_m)
 
 
-HAPPENINGS.declare("dust", HappeningKind(Dust.read, signals=("haze_per_m",)))
+HAPPENINGS.declare("dust", HappeningKind(Dust, signals=("haze_per_m",)))
 
 
 @dataclass(frozen=True)
 class Light(Effect):
-    """The visible light becomes `light`, 0..1."""
+    """The visible light changes.
 
-    light: float
+    Attributes:
+        light: it becomes this, 0 (dark) to 1.
+    """
 
-    @classmethod
-    def read(cls, item: Item) -> Light:
-        """Read it."""
-        return cls(item.need("light").number(least=0.0, most=1.0))
+    light: Share
 
     def apply(self, around: Surroundings, since_s: float) -> None:
         """Set the light; of two that last at the same time, the later one in the file decides."""
         around.light = self.light
 
 
-HAPPENINGS.declare("light", HappeningKind(Light.read))
+HAPPENINGS.declare("light", HappeningKind(Light))
 
 
-MOST_WIND_MPS = 30.0
+WindSpeed = Annotated[float, Bounds(least=-30.0, most=30.0)]
 
 
 @dataclass(frozen=True)
 class Wind(Effect):
-    """Wind, the same everywhere [m/s, world]; its force is the vehicle's drag times the velocity."""
+    """Wind, the same everywhere; its force is the vehicle's drag times the velocity.
 
-    velocity_mps: tuple[float, float, float]
+    Attributes:
+        velocity_mps: velocity of the air x, y, z [m/s, world].
+    """
+
+    velocity_mps: tuple[WindSpeed, WindSpeed, WindSpeed]
 
     @property
     def top_wind_mps(self) -> float:
         """The speed of the wind [m/s]."""
         return math.hypot(*self.velocity_mps)
-
-    @classmethod
-    def read(cls, item: Item) -> Wind:
-        """Read it."""
-        velocity = item.need("velocity_mps")
-        x, y, z = velocity.numbers(3)
-        if max(abs(x), abs(y), abs(z)) > MOST_WIND_MPS:
-            raise velocity.error(f"3 numbers from -{MOST_WIND_MPS:g} to {MOST_WIND_MPS:g}")
-        return cls((x, y, z))
 
     def apply(self, around: Surroundings, since_s: float) -> None:
         """Add to the wind."""
@@ -534,4 +542,4 @@ class Wind(Effect):
         around.note(wind_x_mps=x, wind_y_mps=y, wind_z_mps=z)
 
 
-HAPPENINGS.declare("wind", HappeningKind(Wind.read, signals=("wind_x_mps", "wind_y_mps", "wind_z_mps")))
+HAPPENINGS.declare("wind", HappeningKind(Wind, signals=("wind_x_mps", "wind_y_mps", "wind_z_mps")))

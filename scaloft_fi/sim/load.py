@@ -10,10 +10,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
+from typing import Annotated, Any
 
 from scaloft_fi.document import Item, is_there
 from scaloft_fi.document import load as load_document
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import Faults, InputError, did_you_mean
+from scaloft_fi.marks import Called, Choices
+from scaloft_fi.model import read
 from scaloft_fi.sim.grid import Grid, read_grid, remedy
 from scaloft_fi.sim.grids import FILE
 from scaloft_fi.sim.patch import PARTS, leaves, patched
@@ -21,7 +24,7 @@ from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import SensorsConfig, read_sensors
 from scaloft_fi.sim.situation import AxisValue, Situation
 from scaloft_fi.sim.stacks import StackChoice
-from scaloft_fi.sim.vehicle import Vehicle, read_vehicle
+from scaloft_fi.sim.vehicle import Vehicle
 from scaloft_fi.sim.world import World
 
 DOCUMENTS = (*PARTS, "situations", "stack")
@@ -29,15 +32,25 @@ MOST_NOMINAL_S = 3_600.0
 """Longest nominal mission time [s]: no battery lasts longer, and a log grows by some 10 kB each second."""
 MOST_DRAWN = 256
 """Scenarios with drawn numbers that are kept; each takes half a megabyte, and a search has thousands."""
-KINDS = ("published", "datasheet", "derived", "assumption")
+KINDS = {
+    "published": "a paper, its repository, or another publication",
+    "datasheet": "maker's data, or the configuration that a device is shipped with",
+    "derived": "computed from those",
+    "assumption": "chosen for the study; tables of sensitivity vary these",
+}
 
 
 @dataclass(frozen=True)
 class Source:
-    """The source of a number.  kind: one of `KINDS`; text: the source, or the reason of an assumption."""
+    """The source of the numbers at a path.
 
-    kind: str
-    text: str
+    Attributes:
+        kind: what kind of source it is.
+        text: the source, or the reason of an assumption.
+    """
+
+    kind: Annotated[str, Choices(KINDS)]
+    text: Annotated[str, Called("source")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +197,16 @@ def _written(axis: str, levels: Mapping[str, int], numbers: Mapping[str, float])
 
 
 def _read(grid: Grid, documents: Mapping[str, Item]) -> tuple[World, Vehicle, SensorsConfig]:
-    return grid.world_of(documents), read_vehicle(documents["vehicle"]), read_sensors(documents["sensors"])
+    faults, parts = Faults(), list[Any]()
+    with faults.collecting():
+        parts.append(grid.world_of(documents))
+    with faults.collecting():
+        parts.append(read(Vehicle, documents["vehicle"]))
+    with faults.collecting():
+        parts.append(read_sensors(documents["sensors"]))
+    faults.end()
+    world, vehicle, sensors = parts
+    return world, vehicle, sensors
 
 
 def _numbers(documents: Mapping[str, Item]) -> dict[str, float]:
@@ -216,10 +238,12 @@ def _sources(item: Item, documents: Mapping[str, Item]) -> dict[str, Source]:
     Raises:
         InputError: a kind is unknown, or a path does not begin with the name of a document.
     """
-    sources = {}
+    faults, sources = Faults(), dict[str, Source]()
     for path, entry in item.mapping().items():
-        if path.split(".")[0] not in documents:
-            raise InputError(f"{entry.place}: no document for {path!r}{did_you_mean(path.split('.')[0], documents)}")
-        sources[path] = Source(entry.need("kind").choice(KINDS), entry.need("source").text())
-        entry.close()
+        name = path.split(".")[0]
+        if name not in documents:
+            faults.add(InputError(f"{entry.place}: no document for {path!r}{did_you_mean(name, documents)}"))
+        with faults.collecting():
+            sources[path] = read(Source, entry)
+    faults.end()
     return sources

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.document import FILE_BYTES, MIB, Item, UnreadableError, read_text
+from scaloft_fi.document import FILE_BYTES, MIB, UnreadableError, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
+from scaloft_fi.marks import Bounds
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
@@ -283,7 +284,7 @@ _LINE = re.compile(r"^[^\S\n]*([vfog])(?![^\s#])([^\n]*)", re.MULTILINE)
 
 @dataclass(frozen=True)
 class MeshLimits:
-    """Limits of a mesh.
+    """Limits of a mesh file, which you may raise; time and memory of a flight grow with the triangles.
 
     Attributes:
         size_bytes: largest file [bytes].
@@ -291,23 +292,9 @@ class MeshLimits:
         corners: most corners of one polygon.
     """
 
-    size_bytes: int = 32 * MIB
-    triangles: int = 200_000
-    corners: int = 1_000
-
-    @classmethod
-    def read(cls, item: Item | None) -> MeshLimits:
-        """Read the `mesh_limits` of a mine; what is left out keeps its default.
-
-        Raises:
-            InputError: a limit is not allowed, or a key is unknown.
-        """
-        if item is None:
-            return cls()
-        highest = {"size_bytes": FILE_BYTES, "triangles": 10_000_000, "corners": 1_000_000}
-        given = {name: entry.whole(least=1, most=most) for name, most in highest.items() if (entry := item.get(name))}
-        item.close()
-        return cls(**given)
+    size_bytes: Annotated[int, Bounds(least=1, most=FILE_BYTES)] = 32 * MIB
+    triangles: Annotated[int, Bounds(least=1, most=10_000_000)] = 200_000
+    corners: Annotated[int, Bounds(least=1, most=1_000_000)] = 1_000
 
 
 def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = None) -> tuple[Mesh, tuple[str, ...]]:
@@ -429,20 +416,6 @@ class Flaw:
 
     def __str__(self) -> str:
         return f"{self.place}: {self.sentence}; {self.remedy}"
-
-
-def flaws_of(mine: Item) -> tuple[Flaw, ...]:
-    """The flaws of the mesh that the `mine` of a world names; none of an extruded mine.
-
-    Raises:
-        InputError: the mesh cannot be read.
-    """
-    mesh_item, scale_item = mine.get("mesh"), mine.get("scale_m")
-    if mesh_item is None:
-        return ()
-    path, limits = mine.path.parent / mesh_item.text(), MeshLimits.read(mine.get("mesh_limits"))
-    mesh, _ = read_obj(path, mesh_item.place, scale_item.number(above=0.0) if scale_item else 1.0, limits)
-    return tuple(surface_flaws(mesh.triangles, lines_of_faces(path, limits), path))
 
 
 def surface_flaws(triangles: Array, lines: Faces, path: Path) -> Iterator[Flaw]:

@@ -3,28 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
+from scaloft_fi.marks import Bounds, Either, Examples, MoreThanZero, NotNegative, Share, Size
+from scaloft_fi.model import value_of
 from scaloft_fi.sim.mesh import (
     FARTHEST_M,
     Array,
     Faces,
+    Flaw,
     Mesh,
     MeshLimits,
     heights_at,
     join,
+    lines_of_faces,
     read_obj,
     section,
     split_floor,
+    surface_flaws,
 )
 from scaloft_fi.streams import generator
 
@@ -36,6 +41,7 @@ MOST_CORNERS = 500
 
 Corner = tuple[float, float]
 Ring = tuple[Corner, ...]
+Metres = Annotated[float, Bounds(least=-FARTHEST_M, most=FARTHEST_M)]
 
 
 class WallPoint(NamedTuple):
@@ -135,63 +141,142 @@ class Mine:
         return float(heights.max()) if len(heights) else math.nan
 
 
+Corners = Annotated[tuple[tuple[Metres, Metres], ...], Size(most=MOST_CORNERS)]
+_SHAPE = "a list of at least 3 corners [x, y] that enclose an area"
+
+
+@dataclass(frozen=True)
+class _Rock:
+    """What every mine has.
+
+    Attributes:
+        wall_reflectivity: share of infrared light that the walls reflect.
+        ground_reflectivity: share of infrared light that the floor reflects.
+    """
+
+    wall_reflectivity: Share
+    ground_reflectivity: Share
+
+
+@dataclass(frozen=True)
+class GroundPlan(_Rock):
+    """A mine from a ground plan: rough walls, a flat floor at z = 0 and a flat ceiling.
+
+    Attributes:
+        footprint: corners [x, y] of an outline that does not cross itself [m, world].
+        height_m: height of the ceiling [m].
+        cell_m: grid size of the rough walls [m].
+        roughness_m: greatest displacement of a grid point, at most half of cell_m [m].
+        pillars: outlines of pillars [m, world].
+    """
+
+    footprint: Annotated[Corners, Examples(((-1.5, -2.0), (1.5, -2.0), (1.5, 9.5), (-1.5, 9.5)))]
+    height_m: Annotated[float, Bounds(above=0.0, most=FARTHEST_M), Examples(2.7)]
+    cell_m: Annotated[float, Bounds(least=0.1), Examples(0.9)]
+    roughness_m: Annotated[NotNegative, Examples(0.06)]
+    pillars: Annotated[tuple[Corners, ...], Size(most=MOST_CORNERS)] = ()
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse outlines that enclose nothing or cross themselves, and walls of too many triangles."""
+        outer, pillars = item.need("footprint"), item.get("pillars")
+        outlines = [outer, *(pillars.items() if pillars else ())]
+        for ring, entry in zip((self.footprint, *self.pillars), outlines, strict=True):
+            yield from _misshapen(ring, entry)
+        if (corners := sum(map(len, (self.footprint, *self.pillars)))) > MOST_CORNERS:
+            allowed = f"must have at most {MOST_CORNERS} corners, pillars included"
+            yield InputError(f"{outer.place}: footprint {allowed}, it has {corners:,}; a mesh may have more")
+        if self.roughness_m > 0.5 * self.cell_m:
+            yield item.need("roughness_m").error(f">= 0 and <= {0.5 * self.cell_m:g}")
+        counts = (sum(_counts(ring, self.cell_m)) for ring in (self.footprint, *self.pillars))
+        triangles = 2 * _rows(self.height_m, self.cell_m) * sum(counts)
+        if triangles > MeshLimits.triangles:
+            most = f"{MeshLimits.triangles:,} triangles, not {triangles:,}"
+            yield item.need("cell_m").error(f"so coarse that the walls have at most {most}")
+
+    def mine(self, item: Item) -> Mine:
+        """The rock between the walls."""
+        rings = (_oriented(self.footprint, 1.0), *(_oriented(ring, -1.0) for ring in self.pillars))
+        walls = [_wall(ring, i, self.height_m, self.cell_m, self.roughness_m) for i, ring in enumerate(rings)]
+        low, high = np.min(self.footprint, axis=0) - SLAB_M, np.max(self.footprint, axis=0) + SLAB_M
+        ceiling, ground = _plate(low, high, self.height_m, upward=False), _plate(low, high, 0.0, upward=True)
+        reflectivity = self.wall_reflectivity, self.ground_reflectivity
+        return Mine(join([*walls, ceiling]), ground, True, *reflectivity, rings, self.height_m)
+
+
+@dataclass(frozen=True)
+class MeshMine(_Rock):
+    """A mine from an OBJ file, whose walls, roof and floor together enclose the open space.
+
+    Attributes:
+        mesh: path of the file, beside this one.
+        scale_m: metres per unit of the file [m].
+        ground: objects of the file that form the floor; left out: the level faces with no face below.
+        mesh_limits: limits of the file.
+    """
+
+    mesh: Annotated[str, Examples("my_mine.obj")]
+    scale_m: Annotated[MoreThanZero, Examples(0.01)] = 1.0
+    ground: tuple[str, ...] = ()
+    mesh_limits: MeshLimits = MeshLimits()
+
+    def surface(self, item: Item) -> tuple[Path, Mesh, tuple[str, ...]]:
+        """The file, its faces, and the object that each belongs to.
+
+        Raises:
+            InputError: the mesh is unreadable.
+        """
+        path = item.path.parent / self.mesh
+        return path, *read_obj(path, item.need("mesh").place, self.scale_m, self.mesh_limits)
+
+    def mine(self, item: Item) -> Mine:
+        """The rock of the mesh.
+
+        Raises:
+            InputError: the mesh is unreadable, or has no floor.
+        """
+        _, mesh, names = self.surface(item)
+        place = (item.get("ground") or item.need("mesh")).place
+        wall, ground = split_floor(mesh, names, list(self.ground), place)
+        return Mine(wall, ground, False, self.wall_reflectivity, self.ground_reflectivity, (), math.nan)
+
+
+Rock = Annotated[GroundPlan | MeshMine, Either()]
+"""The `mine` of a world."""
+
+
 def read_mine(item: Item) -> Mine:
     """Read the `mine` of a world: an extruded footprint or a mesh.
 
     Raises:
         InputError: a value is not allowed, a key is unknown, a mesh is unreadable.
     """
-    wall_reflectivity = item.need("wall_reflectivity").number(least=0.0, most=1.0)
-    ground_reflectivity = item.need("ground_reflectivity").number(least=0.0, most=1.0)
-    mesh_item = item.get("mesh")
-    if mesh_item is not None:
-        scale_item, ground_item = item.get("scale_m"), item.get("ground")
-        scale = scale_item.number(above=0.0) if scale_item else 1.0
-        floor = [name.text() for name in ground_item] if ground_item else []
-        limits = MeshLimits.read(item.get("mesh_limits"))
-        item.close()
-        path = _beside(mesh_item)
-        mesh, names = read_obj(path, mesh_item.place, scale, limits)
-        wall, ground = split_floor(mesh, names, floor, (ground_item or mesh_item).place)
-        return Mine(wall, ground, False, wall_reflectivity, ground_reflectivity, (), math.nan)
-    footprint_item, pillars_item = item.need("footprint"), item.get("pillars")
-    outer = _ring(footprint_item)
-    pillars = tuple(_ring(ring) for ring in pillars_item.items(most=MOST_CORNERS)) if pillars_item else ()
-    height_m = item.need("height_m").number(above=0.0, most=FARTHEST_M)
-    cell_item = item.need("cell_m")
-    cell_m = cell_item.number(least=0.1)
-    roughness_m = item.need("roughness_m").number(least=0.0, most=0.5 * cell_m)
-    item.close()
-    if (corners := sum(map(len, (outer, *pillars)))) > MOST_CORNERS:
-        allowed = f"must have at most {MOST_CORNERS} corners, pillars included"
-        raise InputError(f"{footprint_item.place}: footprint {allowed}, it has {corners:,}; a mesh may have more")
-    rings = (_oriented(outer, 1.0), *(_oriented(ring, -1.0) for ring in pillars))
-    triangles = sum(2 * _rows(height_m, cell_m) * sum(_counts(ring, cell_m)) for ring in rings)
-    if triangles > MeshLimits.triangles:
-        allowed = f"so coarse that the walls have at most {MeshLimits.triangles:,} triangles, not {triangles:,}"
-        raise cell_item.error(allowed)
-    walls = [_wall(ring, i, height_m, cell_m, roughness_m) for i, ring in enumerate(rings)]
-    low, high = np.min(outer, axis=0) - SLAB_M, np.max(outer, axis=0) + SLAB_M
-    ceiling, ground = _plate(low, high, height_m, upward=False), _plate(low, high, 0.0, upward=True)
-    return Mine(join([*walls, ceiling]), ground, True, wall_reflectivity, ground_reflectivity, rings, height_m)
+    rock: GroundPlan | MeshMine = value_of(Rock, item)
+    return rock.mine(item)
 
 
-def _beside(item: Item) -> Path:
-    """The path that a YAML text names, relative to the folder of the YAML file."""
-    return item.path.parent / item.text()
+def flaws_of(item: Item) -> tuple[Flaw, ...]:
+    """The flaws of the mesh that the `mine` of a world names; none of an extruded mine.
+
+    Raises:
+        InputError: the mesh cannot be read.
+    """
+    rock: GroundPlan | MeshMine = value_of(Rock, item)
+    if isinstance(rock, GroundPlan):
+        return ()
+    path, mesh, _ = rock.surface(item)
+    return tuple(surface_flaws(mesh.triangles, lines_of_faces(path, rock.mesh_limits), path))
 
 
-def _ring(item: Item) -> Ring:
-    corners = (corner.numbers(2, least=-FARTHEST_M, most=FARTHEST_M) for corner in item.items(most=MOST_CORNERS))
-    points = tuple((x, y) for x, y in corners)
+def _misshapen(points: Ring, item: Item) -> Iterator[InputError]:
+    """An error for an outline that encloses nothing, names a corner twice, or crosses itself."""
     if len(points) < 3 or abs(_area(points)) < 1e-6:
-        raise InputError(f"{item.place}: {item.name} must be a list of at least 3 corners [x, y] that enclose an area")
-    if len(set(points)) < len(points):
-        raise InputError(f"{item.place}: {item.name} must not name a corner twice")
-    sides = list(zip(points, points[1:] + points[:1], strict=True))
-    if any(_cross(*first, *second) for first, second in combinations(sides, 2)):
-        raise InputError(f"{item.place}: {item.name} must not cross itself")
-    return points
+        yield InputError(f"{item.place}: {item.name} must be {_SHAPE}")
+    elif len(set(points)) < len(points):
+        yield InputError(f"{item.place}: {item.name} must not name a corner twice")
+    else:
+        sides = list(zip(points, points[1:] + points[:1], strict=True))
+        if any(_cross(*first, *second) for first, second in combinations(sides, 2)):
+            yield InputError(f"{item.place}: {item.name} must not cross itself")
 
 
 def _cross(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:

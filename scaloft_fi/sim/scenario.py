@@ -138,7 +138,7 @@ class Scenario:
             if level_m > 0:
                 heading = math.atan2(to_y - y, to_x - x)
                 turned = yaw + math.remainder(heading - yaw, 2.0 * math.pi)
-                yield Leg(abs(turned - yaw) / nominal.turn_radps, (x, y, z, yaw), (x, y, z, turned))
+                yield Leg(abs(turned - yaw) / math.radians(nominal.turn_degps), (x, y, z, yaw), (x, y, z, turned))
                 yaw = turned
             distance_m = math.hypot(level_m, to_z - z) if to_z != z else level_m
             if distance_m > 0:

@@ -15,15 +15,19 @@ from __future__ import annotations
 import math
 import re
 from bisect import bisect_right
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from decimal import ROUND_FLOOR, Decimal
 from enum import StrEnum
+from functools import cached_property
 from itertools import pairwise
 from math import inf, isfinite, nextafter
+from typing import Annotated, Any, ClassVar
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.marks import Bounds, Called, Either, Examples, Given, Key, MoreThanZero, Place, Reads, Size, Whole
+from scaloft_fi.model import attributes_of
 from scaloft_fi.sim.patch import found, overlap, qualified
 
 LEAST_MASS = 1e-6
@@ -86,44 +90,6 @@ class Distribution:
                 return normal.inv_cdf(first + share * (last - first))
 
 
-def read_distribution(item: Item, low: float, high: float) -> Distribution:
-    """Read the distribution of a range: `distribution`, and `mean` and `sd`, or `mode`.
-
-    Raises:
-        InputError: the distribution is unknown, lacks a number, or leaves nothing between the ends.
-    """
-    shape_item = item.need("distribution", f"one of {', '.join(Shape)}")
-    shape = Shape(shape_item.choice(tuple(Shape)))
-    if shape is Shape.LOG_UNIFORM and low <= 0.0:
-        raise item.need("from").error("> 0, because the distribution is log-uniform")
-    if shape is Shape.TRIANGULAR:
-        return Distribution(shape, low, high, item.need("mode").number(least=low, most=high))
-    if shape is not Shape.NORMAL:
-        return Distribution(shape, low, high)
-    mean_item, sd_item = item.need("mean"), item.need("sd")
-    mean, sd = finite(mean_item), finite(sd_item)
-    if sd <= 0.0:
-        raise sd_item.error("> 0")
-    from statistics import NormalDist
-
-    normal = NormalDist(mean, sd)
-    if normal.cdf(high) - normal.cdf(low) < LEAST_MASS:
-        raise mean_item.error(f"nearer: sd={sd:g} leaves less than {LEAST_MASS:g} of the distribution in the range")
-    return Distribution(shape, low, high, mean, sd)
-
-
-def finite(item: Item) -> float:
-    """A finite number.
-
-    Raises:
-        InputError: the value is none.
-    """
-    number = item.number()
-    if not math.isfinite(number):
-        raise item.error("a finite number")
-    return number
-
-
 DIGITS = 4
 """Significant digits of a number."""
 MOST_BINS = 100
@@ -148,25 +114,134 @@ def cut(number: float) -> float:
     return float(exact.quantize(Decimal(1).scaleb(exact.adjusted() - DIGITS + 1), ROUND_FLOOR)) if exact else 0.0
 
 
+PATH = "path of one value, such as mission.cruise_mps of world.yaml, vehicle.mass_kg, sensors.battery.charge"
+
+
+def short(item: Item) -> float:
+    """A finite number with at most four significant digits.
+
+    Raises:
+        InputError: the value is none.
+    """
+    number = item.number()
+    if float(number_text(number)) != number:
+        raise item.error(f"a number with at most {DIGITS} significant digits, such as {number_text(number)}")
+    return number + 0.0
+
+
+Short = Annotated[float, Reads(short, lambda _names: {"type": "number"})]
+Path = Annotated[
+    str,
+    Reads(
+        lambda item: qualified(item.text(), item),
+        lambda _names: {"type": "string", "minLength": 1, "examples": ["mission.cruise_mps"]},
+    ),
+]
+
+
+_TAKES = {shape: () for shape in Shape} | {Shape.NORMAL: ("mean", "sd"), Shape.TRIANGULAR: ("mode",)}
+"""What each distribution needs besides its ends."""
+
+
 @dataclass(frozen=True)
-class Range:
-    """A range of one number.
+class Drawn:
+    """A number between two ends.
 
     Attributes:
-        path: dotted path of the number, which begins with `world`, `vehicle` or `sensors`.
-        unit: its unit.
-        distribution: its distribution.
-        edges: ends of the bins, ascending, one more than bins; a bin holds its lower end, the last bin both ends.
-        benign: the benign number; its bin has the id 0, the other bins have 1, 2, ... from the lowest to the highest.
+        path: path of the number, such as mission.cruise_mps of world.yaml, vehicle.mass_kg, sensors.battery.charge.
+        low: lower end, at most four significant digits.
+        high: upper end, at most four significant digits.
+        unit: unit of the number.
+        benign: the number of a situation in which the axis is 0; of a free axis the one that the documents have.
+        shape: how the number is distributed.
+        mean: of a normal distribution before it is cut off at both ends.
+        sd: standard deviation of a normal distribution before it is cut off.
+        mode: the likeliest number of a triangular distribution, between both ends.
         item: the entry `set`, for the places of errors.
     """
 
-    path: str
-    unit: str
-    distribution: Distribution
-    edges: tuple[float, ...]
-    benign: float
-    item: Item
+    path: Annotated[Path, Called("set")]
+    low: Annotated[Short, Called("from")]
+    high: Annotated[Short, Called("to")]
+    unit: Annotated[str, Examples("m/s")]
+    benign: Short
+    shape: Annotated[Shape, Called("distribution")]
+    mean: float | None = field(default=None, kw_only=True)
+    sd: MoreThanZero | None = field(default=None, kw_only=True)
+    mode: float | None = field(default=None, kw_only=True)
+    item: Annotated[Item, Given(lambda item: item.need("set"))] = field(kw_only=True)
+    CONDITIONS: ClassVar[Mapping[str, object]] = {
+        "allOf": [
+            {
+                "if": {"properties": {"distribution": {"const": shape.value}}, "required": ["distribution"]},
+                "then": {
+                    "required": list(takes),
+                    "properties": {key: False for key in ("mean", "sd", "mode") if key not in takes},
+                },
+            }
+            for shape, takes in _TAKES.items()
+        ]
+    }
+
+    @cached_property
+    def distribution(self) -> Distribution:
+        """The distribution of the number."""
+        centre = {Shape.NORMAL: self.mean, Shape.TRIANGULAR: self.mode}.get(self.shape)
+        return Distribution(self.shape, self.low, self.high, centre or 0.0, self.sd or 1.0)
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse ends that are none, and a distribution that lacks a number or leaves nothing between them."""
+        if self.low >= self.high:
+            yield item.need("to").error(f"> {number_text(self.low)}, which is 'from'")
+            return
+        takes = _TAKES[self.shape]
+        for key in ("mean", "sd", "mode"):
+            entry = item.get(key)
+            if key in takes and entry is None:
+                yield InputError(f"{item.place}: {item.name} lacks the key {key!r}: {attributes_of(Drawn)[key]}")
+            elif key not in takes and entry is not None:
+                yield InputError(f"{entry.place}: unknown key {key!r} in {item.name}: it is {self.shape.value}")
+        if self.shape is Shape.LOG_UNIFORM and self.low <= 0.0:
+            yield item.need("from").error("> 0, because the distribution is log-uniform")
+        if self.mode is not None and not self.low <= self.mode <= self.high:
+            yield item.need("mode").error(f">= {self.low:g} and <= {self.high:g}")
+        if self.shape is Shape.NORMAL and self.mean is not None and self.sd is not None:
+            from statistics import NormalDist
+
+            normal = NormalDist(self.mean, self.sd)
+            if normal.cdf(self.high) - normal.cdf(self.low) < LEAST_MASS:
+                left = f"nearer: sd={self.sd:g} leaves less than {LEAST_MASS:g} of the distribution in the range"
+                yield item.need("mean").error(left)
+
+
+@dataclass(frozen=True)
+class Range(Drawn):
+    """A range of one number.
+
+    Attributes:
+        bins: number of parts of the same probability, each one value of the grid.  The bin of the benign number has the
+            id 0, the other bins have 1, 2, ... from the lowest to the highest.
+    """
+
+    bins: Annotated[int, Bounds(least=2, most=MOST_BINS), Examples(4)]
+
+    @cached_property
+    def edges(self) -> tuple[float, ...]:
+        """Ends of the bins, ascending, one more than bins; a bin holds its lower end, the last bin both ends."""
+        shares = (place / self.bins for place in range(self.bins + 1))
+        return tuple(float(number_text(self.distribution.quantile(share))) for share in shares)
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse bins that are empty, and a benign number outside the range."""
+        faults = list(super().contradictions(item))
+        yield from faults
+        if faults:
+            return
+        if any(above <= below for below, above in pairwise(self.edges)):
+            yield item.need("bins").error(f"less: two ends of bins are equal at {DIGITS} significant digits")
+        if not self.low <= self.benign <= self.high:
+            within = f"{number_text(self.low)} to {number_text(self.high)}"
+            yield item.need("benign").error(f"{within}, within the range")
 
     @property
     def ids(self) -> tuple[int, ...]:
@@ -207,58 +282,13 @@ class Range:
         return f"{number_text(number)} {self.unit}"
 
 
-def read_range(item: Item) -> Range:
-    """Read one range.
-
-    Raises:
-        InputError: a value is not allowed, or a key is unknown.
-    """
-    set_item, low_item, high_item = item.need("set"), item.need("from"), item.need("to")
-    path = qualified(set_item.text(), set_item)
-    low, high = short(low_item), short(high_item)
-    if low >= high:
-        raise high_item.error(f"> {number_text(low)}, which is 'from'")
-    unit = item.need("unit").text()
-    distribution = read_distribution(item, low, high)
-    bins_item = item.need("bins")
-    bins = bins_item.whole()
-    if not 2 <= bins <= MOST_BINS:
-        raise bins_item.error(f"2 to {MOST_BINS}")
-    edges = _edges(distribution, bins)
-    if any(above <= below for below, above in pairwise(edges)):
-        raise bins_item.error(f"less: two ends of bins are equal at {DIGITS} significant digits")
-    benign_item = item.need("benign", "the number of a situation in which the axis is 0")
-    benign = short(benign_item)
-    if not low <= benign <= high:
-        raise benign_item.error(f"{number_text(low)} to {number_text(high)}, within the range")
-    item.close()
-    return Range(path, unit, distribution, edges, benign, set_item)
-
-
-def _edges(distribution: Distribution, bins: int) -> tuple[float, ...]:
-    shares: Sequence[float] = [place / bins for place in range(bins + 1)]
-    return tuple(float(number_text(distribution.quantile(share))) for share in shares)
-
-
-def short(item: Item) -> float:
-    """A finite number with at most four significant digits.
-
-    Raises:
-        InputError: the value is none.
-    """
-    number = finite(item)
-    if float(number_text(number)) != number:
-        raise item.error(f"a number with at most {DIGITS} significant digits, such as {number_text(number)}")
-    return number + 0.0
-
-
 MOST_VALUES = 200
 """Most values of an axis; the world of each is read with the study."""
 
 MET = "a formula over signals that says when a flight has met the value, as in eventually(light <= 0.05)"
 """What `realised` is, for those who left it out."""
 
-AXIS_ID = re.compile(r"[A-Z][a-z]*")
+AXIS_ID = "[A-Z][a-z]*"
 _DRAWN = r"=(-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]{1,3})?)"
 _LEVEL = re.compile(rf"([A-Z][a-z]*)(?:([0-9]{{1,9}})(?:{_DRAWN})?|{_DRAWN})")
 _NUMBER = re.compile(r"\bnumber\b")
@@ -384,55 +414,122 @@ class Situation:
         return self.key
 
 
-def read_axis(name: str, item: Item) -> Axis:
-    """Read one axis.
+Realised = Annotated[
+    Item,
+    Reads(
+        lambda item: item if item.text() else item,
+        lambda _names: {"type": "string", "minLength": 1, "examples": ["eventually(person_sight_m <= 3)"]},
+    ),
+]
+Changes = Annotated[
+    Mapping[str, Item],
+    Reads(
+        lambda item: {qualified(path, entry): entry for path, entry in item.mapping().items()},
+        lambda _names: {
+            "type": "object",
+            "propertyNames": {"pattern": "^(?!stack(\\.|$))"},
+            "examples": [{"bodies.person.present": True}, {"light": 0.003}],
+        },
+    ),
+]
 
-    Raises:
-        InputError: a value is not allowed, a key is unknown, the benign value is missing.
+
+@dataclass(frozen=True)
+class ValueModel:
+    """A value of an axis; ids count from 0, the benign value, which a flight meets that meets no other.
+
+    Attributes:
+        id: place in the list; it stands in keys, as in T1.
+        title: name of the value in tables.
+        changes: what the value changes: new values by path, such as mission.cruise_mps of world.yaml, vehicle.mass_kg.
+        realised: formula over the flight log: whether a flight met the value; of every value but the benign one.
     """
-    if not AXIS_ID.fullmatch(name):
-        raise InputError(f"{item.place}: axis {name!r} must be named by a capital letter, then small ones")
-    range_item = item.get("range")
-    if range_item is None:
-        axis = Axis(name, item.need("title").text(), item.need("category").text(), _values(name, item.need("values")))
-    else:
-        if (values := item.get("values")) is not None:
-            raise InputError(f"{values.place}: axis {name!r} must have either 'values' or 'range', not both")
-        range_, realised = read_range(range_item), item.need("realised", MET)
-        realised.text()
-        bins = tuple(
-            _of_number(range_, realised, bin_, range_.middle(bin_), range_.title(bin_)) for bin_ in sorted(range_.ids)
-        )
-        axis = Axis(name, item.need("title").text(), item.need("category").text(), bins, range_, realised)
-    item.close()
-    return axis
+
+    id: Whole
+    title: Annotated[str, Examples("dark")]
+    changes: Annotated[Changes, Called("set")] = field(default_factory=dict)
+    realised: Realised | None = None
+    CONDITIONS: ClassVar[Mapping[str, object]] = {
+        "if": {"properties": {"id": {"const": 0}}},
+        "then": {"properties": {"realised": False}},
+        "else": {"required": ["realised"]},
+    }
 
 
-def _values(name: str, values_item: Item) -> tuple[AxisValue, ...]:
-    values: list[AxisValue] = []
-    for entry in values_item.items(most=MOST_VALUES):
-        number_item = entry.need("id")
-        number = number_item.whole()
-        if number != len(values):
-            raise number_item.error(f"{len(values)}: ids count from 0, the benign value")
-        changes, realised = entry.get("set"), entry.get("realised")
-        if number == 0 and realised is not None:
-            raise InputError(f"{realised.place}: value {name}0 must not have the key 'realised': it changes nothing")
-        if number != 0 and realised is None:
-            raise InputError(f"{entry.place}: value {name}{number} lacks the key 'realised': {MET}")
-        values.append(
+@dataclass(frozen=True)
+class _Named:
+    """What every axis has.
+
+    Attributes:
+        title: name of the axis in tables.
+        category: category of the operational design domain.
+    """
+
+    title: Annotated[str, Examples("lighting condition")]
+    category: Annotated[str, Examples("environment, light level")]
+
+
+@dataclass(frozen=True)
+class AxisOfValues(_Named):
+    """An axis with single values.
+
+    Attributes:
+        values: the values, the benign one first.
+    """
+
+    values: Annotated[tuple[ValueModel, ...], Size(0, MOST_VALUES)]
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse ids that do not count from 0, and a value that no formula, or two, can tell from the benign one."""
+        name = item.name
+        for number, (value, entry) in enumerate(zip(self.values, item.need("values"), strict=True)):
+            if value.id != number:
+                yield entry.need("id").error(f"{number}: ids count from 0, the benign value")
+            elif number == 0 and value.realised is not None:
+                sentence = f"value {name}0 must not have the key 'realised': it changes nothing"
+                yield InputError(f"{value.realised.place}: {sentence}")
+            elif number != 0 and value.realised is None:
+                yield InputError(f"{entry.place}: value {name}{number} lacks the key 'realised': {MET}")
+        if len(self.values) < 2:
+            yield InputError(f"{item.need('values').place}: axis {name!r} must have at least 2 values")
+
+    def axis(self, name: str, item: Item) -> Axis:
+        """The axis."""
+        values = tuple(
             AxisValue(
-                id=number,
-                title=entry.need("title").text(),
-                changes={qualified(path, item): item for path, item in changes.mapping().items()} if changes else {},
-                realised=realised.text() if realised else "",
-                place=(realised or entry).place,
+                id=value.id,
+                title=value.title,
+                changes=value.changes,
+                realised=value.realised.text() if value.realised else "",
+                place=(value.realised or entry).place,
             )
+            for value, entry in zip(self.values, item.need("values"), strict=True)
         )
-        entry.close()
-    if len(values) < 2:
-        raise InputError(f"{values_item.place}: axis {name!r} must have at least 2 values")
-    return tuple(values)
+        return Axis(name, self.title, self.category, values)
+
+
+@dataclass(frozen=True)
+class AxisOfRange(_Named):
+    """An axis that is a range of one number.
+
+    Attributes:
+        range: the range.
+        realised: a formula over signals that says when a flight has met the number, which the word `number` stands for.
+    """
+
+    range: Range
+    realised: Realised
+
+    def axis(self, name: str, _item: Item) -> Axis:
+        """The axis."""
+        own = self.range
+        bins = tuple(
+            _of_number(own, self.realised, bin_, own.middle(bin_), own.title(bin_)) for bin_ in sorted(own.ids)
+        )
+        return Axis(name, self.title, self.category, bins, own, self.realised)
+
+
+AxisModel = Annotated[AxisOfValues | AxisOfRange, Either("an axis with either 'values' or 'range'")]
 
 
 def _of_number(range_: Range, realised: Item, bin_: int, number: float, title: str) -> AxisValue:
@@ -446,19 +543,49 @@ MOST_CONSTRAINTS = 100
 """Each is compared with every point of the grid."""
 
 
+def _value_ids(item: Item) -> frozenset[int]:
+    """One id of a value, or a list of ids."""
+    entries = item.items() if isinstance(item.value, tuple) else (item,)
+    numbers = frozenset(entry.whole() for entry in entries)
+    if not numbers:
+        raise item.error("the id of a value, or a list of ids")
+    return numbers
+
+
+_ID: Mapping[str, Any] = {"type": "integer", "description": "id of a value", "minimum": 0, "examples": [1]}
+ValueIds = Annotated[
+    frozenset[int],
+    Reads(
+        _value_ids,
+        lambda _names: {
+            "description": "id of a value, or a list of ids",
+            "anyOf": [_ID, {"type": "array", "items": _ID, "minItems": 1}],
+        },
+    ),
+]
+
+
 @dataclass(frozen=True)
 class Constraint:
-    """A combination of axis values that is impossible or of no interest.
+    """A combination of axis values that is impossible or of no interest; the grid leaves it out.
 
     Attributes:
-        excluded: the excluded values by axis; a point is excluded if it has an excluded value on each of these axes.
+        excluded: values of two or more axes that do not go together, by axis.
         reason: why no situation has the combination.
         place: `file:line` of the constraint.
     """
 
-    excluded: Mapping[str, frozenset[int]]
+    excluded: Annotated[Mapping[str, ValueIds], Called("exclude")]
     reason: str
-    place: str
+    place: Place
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a combination of fewer than two axes."""
+        if len(self.excluded) < 2:
+            sentence = (
+                "exclude must name the values of at least 2 axes; to exclude a single value, remove it from its axis"
+            )
+            yield InputError(f"{item.need('exclude').place}: {sentence}")
 
     def forbids(self, levels: Mapping[str, int]) -> bool:
         """Whether the constraint excludes a point with these values.
@@ -469,94 +596,65 @@ class Constraint:
         return all(levels[axis] in values for axis, values in self.excluded.items())
 
 
-def read_constraints(item: Item | None, axes: Iterable[Axis]) -> tuple[Constraint, ...]:
-    """Read the list under `constraints`; an absent list gives no constraints.
+def unknown_values(item: Item, chosen: Mapping[str, frozenset[int]], axes: Mapping[str, Axis]) -> Iterator[InputError]:
+    """An error for each axis, or value of one, that an entry names and the grid does not have.
 
-    Raises:
-        InputError: a constraint names an unknown axis or value, names fewer than two axes, or lacks its reason.
+    Args:
+        item: the entry.
+        chosen: values by axis, as they were read from it.
+        axes: the axes by id.
     """
-    known = {axis.id: axis for axis in axes}
-    return tuple(_constraint(entry, known) for entry in item.items(most=MOST_CONSTRAINTS)) if item else ()
-
-
-def _constraint(item: Item, axes: Mapping[str, Axis]) -> Constraint:
-    excluded_item = item.need("exclude")
-    excluded = {name: _excluded_values(name, entry, axes) for name, entry in excluded_item.mapping().items()}
-    if len(excluded) < 2:
-        raise InputError(
-            f"{excluded_item.place}: exclude must name the values of at least 2 axes; "
-            "to exclude a single value, remove it from its axis"
-        )
-    constraint = Constraint(excluded, item.need("reason").text(), item.place)
-    item.close()
-    return constraint
-
-
-def _excluded_values(name: str, item: Item, axes: Mapping[str, Axis]) -> frozenset[int]:
-    """The values of one axis in an `exclude`: one value or a list."""
-    if name not in axes:
-        raise InputError(f"{item.place}: exclude names the unknown axis {name!r}{did_you_mean(name, axes)}")
-    return read_values(axes[name], item)
-
-
-def read_values(axis: Axis, item: Item) -> frozenset[int]:
-    """Values of an axis: one id or a list of ids.
-
-    Raises:
-        InputError: the axis has no such value.
-    """
-    last = len(axis.values) - 1
-    entries = item.items() if isinstance(item.value, tuple) else (item,)
-    numbers = frozenset(entry.whole() for entry in entries)
-    if not numbers or max(numbers) > last:
-        raise item.error(f"values of axis {axis.id!r}, 0 to {last}")
-    return numbers
+    for name, entry in item.mapping().items():
+        if name not in axes:
+            yield InputError(f"{entry.place}: {item.name} names the unknown axis {name!r}{did_you_mean(name, axes)}")
+        elif max(chosen[name]) >= len(axes[name].values):
+            yield entry.error(f"values of axis {name!r}, 0 to {len(axes[name].values) - 1}")
 
 
 MOST_FREE = 50
+
+
+def _single_values(item: Item) -> dict[str, Item]:
+    for entry in item.mapping().values():
+        if isinstance(entry.value, dict | tuple):
+            raise entry.error("a single value")
+    return {qualified(path, entry): entry for path, entry in item.mapping().items()}
+
+
+_ALSO = Reads(_single_values, lambda _names: {"type": "object", "examples": [{"happenings.dust.active": True}]})
 DEVIATES = 1 / 3
 """The chance that a free axis is off its benign value in a situation drawn at random: else nearly all would be off."""
 
 
 @dataclass(frozen=True)
-class FreeAxis:
-    """A number that is benign or anywhere in its range.
+class FreeAxis(Drawn):
+    """A number around the situations of the grid: benign, or anywhere in its range.
 
     Attributes:
         id: a capital letter, then small letters, as in the key.
         title: name of the axis in tables.
-        category: category of the axis in the operational domain model.
-        path: dotted path of the number, which begins with `world`, `vehicle` or `sensors`.
-        unit: its unit.
-        distribution: its distribution off the benign value.
-        benign: the number that the documents have.
-        also: what else a number off the benign value sets, such as that a happening is active.
-        only_with: values of other axes without which the number has no effect or cannot be.
-        item: the entry `set`, for the places of errors.
+        category: category of the operational design domain.
+        also: what else a number off the benign value sets, by path.
+        only_with: values of other axes without which the number has no effect or cannot be, by axis.
     """
 
-    id: str
-    title: str
+    id: Key
+    title: Annotated[str, Examples("cruise speed")]
     category: str
-    path: str
-    unit: str
-    distribution: Distribution
-    benign: float
-    also: tuple[tuple[str, Item], ...]
-    only_with: tuple[tuple[str, frozenset[int]], ...]
-    item: Item
+    also: Annotated[Mapping[str, Item], _ALSO] = field(default_factory=dict, kw_only=True)
+    only_with: Mapping[str, ValueIds] = field(default_factory=dict, kw_only=True)
 
     def holds(self, number: float) -> bool:
         """Whether the number is in the range."""
-        return self.distribution.low <= number <= self.distribution.high
+        return self.low <= number <= self.high
 
     def goes_with(self, levels: Mapping[str, int]) -> bool:
         """Whether a situation with these values may have a number of this axis."""
-        return all(levels.get(axis) in values for axis, values in self.only_with)
+        return all(levels.get(axis) in values for axis, values in self.only_with.items())
 
     def at(self, share: float) -> float:
         """The number below which the share `share` of the draws falls, 0 <= share < 1."""
-        return max(cut(self.distribution.quantile(share)), self.distribution.low)
+        return max(cut(self.distribution.quantile(share)), self.low)
 
     def drawn(self, share: float) -> float | None:
         """The number of a situation drawn at random; None, the benign value, for most shares 0 <= share < 1."""
@@ -569,40 +667,50 @@ class FreeAxis:
     def value(self, number: float) -> AxisValue:
         """What a number off the benign value sets."""
         item = Item(self.item.path, self.item.line, self.item.name, number)
-        return AxisValue(0, self.told(number), {self.path: item, **dict(self.also)}, "", self.item.place)
+        return AxisValue(0, self.told(number), {self.path: item, **self.also}, "", self.item.place)
 
     @property
     def extremes(self) -> tuple[AxisValue, AxisValue]:
         """The values at both ends."""
-        return self.value(self.distribution.low), self.value(self.distribution.high)
+        return self.value(self.low), self.value(self.high)
 
 
-def read_free_axes(item: Item | None, axes: Iterable[Axis], documents: Mapping[str, Item]) -> tuple[FreeAxis, ...]:
-    """Read the mapping under `free`; an absent one gives no axes.
+def misfit_free_axes(
+    free: Sequence[FreeAxis], item: Item, axes: Iterable[Axis], documents: Mapping[str, Item]
+) -> Iterator[InputError]:
+    """An error for each free axis that does not fit the grid.
+
+    Its name is that of another axis, a value of another axis does not exist, the benign value is not that of the
+    documents, or two axes set one path.
 
     Args:
-        item: the mapping.
+        free: the free axes.
+        item: their mapping.
         axes: the axes that span the grid.
         documents: the documents that the axes change.
-
-    Raises:
-        InputError: a value is not allowed, a key or path is unknown, the benign value is not that of the documents, or
-            two axes set one path.
     """
     spanning = {axis.id: axis for axis in axes}
-    read = tuple(
-        _read(name, entry, spanning, documents)
-        for name, entry in (item.mapping(most=MOST_FREE) if item else {}).items()
-    )
-    for number, axis in enumerate(read):
+    for number, axis in enumerate(free):
+        entry = item.need(axis.id)
+        if axis.id in spanning:
+            own = "a name of its own: a capital letter, then small ones"
+            yield InputError(f"{entry.place}: free axis {axis.id!r} must have {own}")
+        strange = list(unknown_values(only, axis.only_with, spanning)) if (only := entry.get("only_with")) else []
+        yield from strange
+        now = found(documents, axis.path)
+        if now is None:
+            yield InputError(f"{axis.item.place}: no path {axis.path!r} in the study")
+        elif now.value != axis.benign:
+            yield entry.need("benign").error(f"{now.plain()!r}, what the study has at {now.place}")
+        if strange:
+            continue
         for other in spanning.values():
             for value in other.values:
                 if axis.goes_with({**dict.fromkeys(spanning, -1), **_first(axis), other.id: value.id}):
-                    _refuse_common(axis, value.changes, f"{other.id}{value.id}")
-        for before in read[:number]:
+                    yield from _common(axis, value.changes, f"{other.id}{value.id}")
+        for before in free[:number]:
             if not _apart(axis, before):
-                _refuse_common(axis, before.value(before.benign).changes, before.id)
-    return read
+                yield from _common(axis, before.value(before.benign).changes, before.id)
 
 
 def numbers_off(free: Iterable[FreeAxis], levels: Mapping[str, int], numbers: Mapping[str, float]) -> dict[str, float]:
@@ -624,75 +732,29 @@ def numbers_off(free: Iterable[FreeAxis], levels: Mapping[str, int], numbers: Ma
             raise InputError(f"there is no free axis {name!r}{did_you_mean(name, known)}")
         axis, text = known[name], f"{name}={number_text(number)}"
         if not axis.goes_with(levels):
-            wanted = " and ".join(f"{other}={sorted(values)}" for other, values in axis.only_with)
+            wanted = " and ".join(f"{other}={sorted(values)}" for other, values in axis.only_with.items())
             raise InputError(f"{axis.item.place}: {text} goes only with {wanted}")
         if not axis.holds(number) and number != axis.benign:
-            low, high = number_text(axis.distribution.low), number_text(axis.distribution.high)
+            low, high = number_text(axis.low), number_text(axis.high)
             raise InputError(f"{axis.item.place}: {text} must be {low} to {high}")
     return {axis.id: numbers[axis.id] for axis in known.values() if numbers.get(axis.id, axis.benign) != axis.benign}
 
 
-def _read(name: str, item: Item, axes: Mapping[str, Axis], documents: Mapping[str, Item]) -> FreeAxis:
-    if not AXIS_ID.fullmatch(name) or name in axes:
-        raise InputError(
-            f"{item.place}: free axis {name!r} must have a name of its own: a capital letter, then small ones"
-        )
-    set_item, low_item, high_item = item.need("set"), item.need("from"), item.need("to")
-    low, high = short(low_item), short(high_item)
-    if low >= high:
-        raise high_item.error(f"> {number_text(low)}, which is 'from'")
-    path, benign_item = qualified(set_item.text(), set_item), item.need("benign")
-    also, only_with = item.get("also"), item.get("only_with")
-    axis = FreeAxis(
-        id=name,
-        title=item.need("title").text(),
-        category=item.need("category").text(),
-        path=path,
-        unit=item.need("unit").text(),
-        distribution=read_distribution(item, low, high),
-        benign=short(benign_item),
-        also=tuple(_also(key, entry) for key, entry in also.mapping().items()) if also else (),
-        only_with=tuple(_condition(key, entry, axes) for key, entry in only_with.mapping().items())
-        if only_with
-        else (),
-        item=set_item,
-    )
-    item.close()
-    now = found(documents, path)
-    if now is None:
-        raise InputError(f"{set_item.place}: no path {path!r} in the study")
-    if now.value != axis.benign:
-        raise benign_item.error(f"{now.plain()!r}, what the study has at {now.place}")
-    return axis
-
-
-def _also(path: str, item: Item) -> tuple[str, Item]:
-    if isinstance(item.value, dict | tuple):
-        raise item.error("a single value")
-    return qualified(path, item), item
-
-
-def _condition(name: str, item: Item, axes: Mapping[str, Axis]) -> tuple[str, frozenset[int]]:
-    if name not in axes:
-        raise InputError(f"{item.place}: only_with names the unknown axis {name!r}{did_you_mean(name, axes)}")
-    return name, read_values(axes[name], item)
-
-
 def _first(axis: FreeAxis) -> dict[str, int]:
     """Values of other axes with which a number of this one goes."""
-    return {name: min(values) for name, values in axis.only_with}
+    return {name: min(values) for name, values in axis.only_with.items()}
 
 
 def _apart(axis: FreeAxis, other: FreeAxis) -> bool:
     """Whether no situation has numbers of both."""
-    theirs = dict(other.only_with)
-    return any(not values & theirs[name] for name, values in axis.only_with if name in theirs)
+    theirs = other.only_with
+    return any(not values & theirs[name] for name, values in axis.only_with.items() if name in theirs)
 
 
-def _refuse_common(axis: FreeAxis, changes: Mapping[str, Item], name: str) -> None:
-    """Refuse a path that both change, unless both give it the same value."""
+def _common(axis: FreeAxis, changes: Mapping[str, Item], name: str) -> Iterator[InputError]:
+    """An error for each path that both change, unless both give it the same value."""
     for path, item in axis.value(axis.benign).changes.items():
         for other, theirs in changes.items():
             if overlap(path, other) and not (path == other and path != axis.path and item.value == theirs.value):
                 sentence = f"{axis.item.place}: {axis.id} and {name} both set {other}"
-                raise InputError(f"{sentence}; name under only_with of {axis.id} the values that it goes with")
+                yield InputError(f"{sentence}; name under only_with of {axis.id} the values that it goes with")

@@ -9,9 +9,9 @@ from typing import Any
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.model import read
 from scaloft_fi.registry import Registry
-from scaloft_fi.stack.config import ConfigError, build
-from scaloft_fi.stack.declaration import Claim, Declaration
+from scaloft_fi.stack.declaration import Claim, ConfigError, Declaration
 
 CLAIMS = Registry[tuple[Claim, ...]]("claims of the stack")
 CLAIMS.promise("reference", "scaloft_fi.stack.reference.declaration:CLAIMS")
@@ -110,17 +110,14 @@ class StackChoice:
             raise InputError(f"{self.place_of(error.path)}: {error}") from error
 
     def settings(self, declared: Declaration) -> Any:
-        """The settings in the schema that the stack declares.
+        """The settings as the model that the stack declares.
 
         Raises:
             InputError: the settings do not fit; the message names the place.
         """
         if declared.settings is None:
             return self.parameters
-        try:
-            return build(declared.settings(), self.parameters)
-        except ConfigError as error:
-            raise InputError(f"{self.place_of(error.path)}: {error}") from error
+        return read(declared.settings(), self.document, beside=("name",))
 
     def place_of(self, path: str) -> str:
         """`file:line` of the setting at `path`, such as `stack.mission.goal_radius_m`, or of its nearest parent."""

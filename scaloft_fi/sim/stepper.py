@@ -55,15 +55,15 @@ STEPS = 240
 """Number of steps that are compared: one second."""
 BLOCK = Vehicle(
     mass_kg=1.3,
-    inertia=(0.011, 0.017, 0.023),
+    inertia_kgm2=(0.011, 0.017, 0.023),
     hull_m=(0.4, 0.3, 0.1),
-    rotors=np.zeros((4, 2)),
-    spins=np.ones(4),
+    rotors_m=((0.0, 0.0),) * 4,
+    spins=(1, 1, 1, 1),
     moment_m=0.01,
     max_thrust_n=8.0,
     spin_up_s=0.05,
     spin_down_s=0.05,
-    drag=0.0,
+    drag_ns_per_m=0.0,
 )
 """The body of the test; no two of its moments of inertia are equal."""
 

@@ -13,14 +13,16 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
+from scaloft_fi.marks import Bounds, Examples
 from scaloft_fi.sim.build import GRAVITY_MPS2, VEHICLE_GROUP, WORLD_GROUP
 from scaloft_fi.sim.world import Point
 from scaloft_fi.stack.declaration import STEP_S
@@ -30,6 +32,12 @@ Array = NDArray[np.float64]
 
 SMALLEST, LARGEST = 1e-6, 1e4
 """Bounds of every mass, inertia, length, thrust and time of a vehicle, far beyond those of any drone."""
+
+Size = Annotated[float, Bounds(least=SMALLEST, most=LARGEST)]
+Place = tuple[
+    Annotated[float, Bounds(least=-LARGEST, most=LARGEST)], Annotated[float, Bounds(least=-LARGEST, most=LARGEST)]
+]
+Spin = Literal[1, -1]
 
 POSITION, ATTITUDE, VELOCITY, RATE = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
 """Layout of the vehicle's state (13,): position [m, world], attitude quaternion x, y, z, w (body to world),
@@ -42,30 +50,36 @@ _THRUSTS, _PUSHED, _LAG, _EFFECT, NUMBERS = 13, 17, 23, 26, 46
 
 @dataclass(frozen=True, eq=False)
 class Vehicle:
-    """A quadrotor.
+    """The vehicle: a rigid hull with four rotors.  Body axes: x forward, y left, z up.
 
     Attributes:
         mass_kg: mass [kg].
-        inertia: (3,) principal moments of inertia [kg m2, body].
+        inertia_kgm2: (3,) principal moments of inertia x, y, z [kg m2, body].
         hull_m: (3,) edges of the hull, a box about the centre [m, body].
-        rotors: (4, 2) positions of the rotors (x, y) [m, body].
-        spins: (4,) direction of each rotor's torque, +1 or -1 about body z.
+        rotors_m: (4, 2) places x, y of the rotors [m, body].
+        spins: (4,) direction of each rotor's torque about body z, 1 or -1.
         moment_m: rotor torque per thrust [m].
-        max_thrust_n: greatest thrust of one rotor [N].
+        max_thrust_n: greatest thrust of one rotor; four must lift the mass [N].
         spin_up_s, spin_down_s: time constants of the thrust [s].
-        drag: drag force per speed [N s/m].
+        drag_ns_per_m: drag force per speed [N s/m].
     """
 
-    mass_kg: float
-    inertia: tuple[float, float, float]
-    hull_m: tuple[float, float, float]
-    rotors: Array
-    spins: Array
-    moment_m: float
-    max_thrust_n: float
-    spin_up_s: float
-    spin_down_s: float
-    drag: float
+    mass_kg: Size
+    inertia_kgm2: tuple[Size, Size, Size]
+    hull_m: Annotated[tuple[Size, Size, Size], Examples((0.47, 0.47, 0.11))]
+    rotors_m: tuple[Place, Place, Place, Place]
+    spins: tuple[Spin, Spin, Spin, Spin]
+    moment_m: Size
+    max_thrust_n: Size
+    spin_up_s: Size
+    spin_down_s: Size
+    drag_ns_per_m: Annotated[float, Bounds(least=0.0, most=LARGEST)]
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse rotors that cannot lift the mass."""
+        weight_n = self.mass_kg * GRAVITY_MPS2
+        if 4.0 * self.max_thrust_n <= weight_n:
+            yield item.need("max_thrust_n").error(f"> {weight_n / 4:.2f} to lift off")
 
     @property
     def half_height_m(self) -> float:
@@ -82,54 +96,11 @@ class Vehicle:
         """Argument of `wrench`, (5, 4): force z and torques x, y, z per rotor thrust [1, m, m, m]; drag at [4, 0]."""
         effect = np.zeros((5, 4))
         effect[0] = 1.0
-        effect[1] = self.rotors[:, 1]
-        effect[2] = -self.rotors[:, 0]
-        effect[3] = self.moment_m * self.spins
-        effect[4, 0] = self.drag
+        effect[1] = np.array(self.rotors_m)[:, 1]
+        effect[2] = -np.array(self.rotors_m)[:, 0]
+        effect[3] = self.moment_m * np.array(self.spins, np.float64)
+        effect[4, 0] = self.drag_ns_per_m
         return effect
-
-
-def read_vehicle(item: Item) -> Vehicle:
-    """Read a vehicle.
-
-    Raises:
-        InputError: a value is not allowed, or a key is unknown.
-    """
-    inertia_item, hull_item, rotors_item, spins_item = (
-        item.need(k) for k in ("inertia_kgm2", "hull_m", "rotors_m", "spins")
-    )
-    inertia, hull = (item.numbers(3, most=LARGEST) for item in (inertia_item, hull_item))
-    spins = spins_item.numbers(4)
-    if min(inertia) < SMALLEST:
-        raise inertia_item.error(f"3 numbers >= {SMALLEST:g}")
-    if min(hull) < SMALLEST:
-        raise hull_item.error(f"3 numbers >= {SMALLEST:g}")
-    if any(abs(spin) != 1 for spin in spins):
-        raise spins_item.error("4 numbers, each 1 or -1")
-    rotors = np.array([rotor.numbers(2, least=-LARGEST, most=LARGEST) for rotor in rotors_item])
-    if rotors.shape != (4, 2):
-        raise rotors_item.error("4 places [x, y]")
-    mass_kg = item.need("mass_kg").number(least=SMALLEST, most=LARGEST)
-    thrust_item = item.need("max_thrust_n")
-    max_thrust_n = thrust_item.number(least=SMALLEST, most=LARGEST)
-    if 4.0 * max_thrust_n <= mass_kg * GRAVITY_MPS2:
-        raise InputError(
-            f"{thrust_item.place}: max_thrust_n={max_thrust_n:g} must be > {mass_kg * GRAVITY_MPS2 / 4:.2f} to lift off"
-        )
-    vehicle = Vehicle(
-        mass_kg=mass_kg,
-        inertia=(inertia[0], inertia[1], inertia[2]),
-        hull_m=(hull[0], hull[1], hull[2]),
-        rotors=rotors,
-        spins=np.array(spins),
-        moment_m=item.need("moment_m").number(least=SMALLEST, most=LARGEST),
-        max_thrust_n=max_thrust_n,
-        spin_up_s=item.need("spin_up_s").number(least=SMALLEST, most=LARGEST),
-        spin_down_s=item.need("spin_down_s").number(least=SMALLEST, most=LARGEST),
-        drag=item.need("drag_ns_per_m").number(least=0.0, most=LARGEST),
-    )
-    item.close()
-    return vehicle
 
 
 @jit
@@ -202,7 +173,7 @@ _SMALL_RATE = 0.001
 
 def inertia_of(vehicle: Vehicle) -> Array:
     """Argument of `free_step`, (5,): moments of inertia x, y, z [kg m2], mass [kg], 1 / mass [1/kg]."""
-    return np.array([*vehicle.inertia, vehicle.mass_kg, 1.0 / vehicle.mass_kg])
+    return np.array([*vehicle.inertia_kgm2, vehicle.mass_kg, 1.0 / vehicle.mass_kg])
 
 
 @jit
@@ -472,7 +443,7 @@ def spawn(client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> int
     pybullet.changeDynamics(
         body,
         -1,
-        localInertiaDiagonal=list(vehicle.inertia),
+        localInertiaDiagonal=list(vehicle.inertia_kgm2),
         linearDamping=0.0,
         angularDamping=0.0,
         activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,

@@ -10,21 +10,34 @@ A body in a study's `world.yaml` gets the role with `role: dog`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cache, cached_property
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from scaloft_fi.document import Item
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import Faults, InputError, did_you_mean
+from scaloft_fi.marks import (
+    Bounds,
+    Choices,
+    Either,
+    Examples,
+    MoreThanZero,
+    NotNegative,
+    Pattern,
+    Reads,
+    Share,
+    Size,
+)
+from scaloft_fi.model import read, schema_of, value_of
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim import mesh
-from scaloft_fi.sim.happenings import Happening, Read, Surroundings, check_happenings, read_happenings
+from scaloft_fi.sim.happenings import Happening, Read, Surroundings, happenings_schema, misfits, read_happenings
 from scaloft_fi.sim.log import SIGNALS, truth_signals
-from scaloft_fi.sim.mesh import FARTHEST_M, Mesh, Scene, flaws_of
-from scaloft_fi.sim.mine import Mine, read_mine
+from scaloft_fi.sim.mesh import FARTHEST_M, Mesh, Scene
+from scaloft_fi.sim.mine import Metres, Mine, Rock, flaws_of, read_mine
 
 
 @dataclass(frozen=True)
@@ -55,6 +68,10 @@ class Role:
         return self.label, self.is_person, self.is_obstacle
 
 
+def _optional_signals() -> dict[str, str]:
+    return {name: signal.meaning for name, signal in SIGNALS.items()}
+
+
 ROLES = Registry[Role]("role of a body")
 ROLES.declare("obstacle", Role("stands on the path", is_obstacle=True))
 ROLES.declare(
@@ -75,9 +92,8 @@ LEAST_M = 0.005
 MOST_BODIES, MOST_WAYPOINTS = 100, 1_000
 """Each body costs time in every frame, and a signal in every log; each waypoint is checked in every situation."""
 
-SHAPES = ("box", "cylinder", "capsule")
-
 Point = tuple[float, float, float]
+_ROUTE = "a list of waypoints, where the mission lands at the last one"
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,37 +126,44 @@ class Nominal:
     """Speeds of the nominal flight; the time limit follows from them.
 
     Attributes:
-        climb_mps, sink_mps: speed of climb at the start, speed of descent at the end [m/s].
-        turn_radps: rate of a turn on the spot [rad/s].
+        climb_mps: speed of climb at the start [m/s].
+        sink_mps: speed of descent at the end [m/s].
+        turn_degps: rate of a turn on the spot [deg/s].
         dwell_s: pause after take-off [s].
     """
 
-    climb_mps: float
-    sink_mps: float
-    turn_radps: float
-    dwell_s: float
+    climb_mps: Annotated[MoreThanZero, Examples(0.7)]
+    sink_mps: Annotated[MoreThanZero, Examples(0.5)]
+    turn_degps: Annotated[MoreThanZero, Examples(45.0)]
+    dwell_s: Annotated[NotNegative, Examples(0.5)]
 
 
 @dataclass(frozen=True)
 class MissionPlan:
-    """The mission of the vehicle.
+    """What the drone has to fly.
 
     Attributes:
-        home: (x, y) of take-off and landing [m, world].
-        yaw_rad: heading at the start [rad].
-        route: names of the waypoints in order; it lands at the last one.
+        home: x, y of take-off and landing; the floor there is at z = 0 [m, world].
+        yaw_deg: heading at the start, from x, left positive [deg].
+        route: names of waypoints in order, or home; it lands at the last one.
         altitude_m: altitude of flight, where a waypoint has none of its own [m].
-        cruise_mps, slow_mps: speed before and after the first detection of a person [m/s].
-        nominal: other speeds of the nominal flight.
+        cruise_mps: cruise speed [m/s].
+        slow_mps: speed after the first detection of a person [m/s].
+        nominal: speeds of the nominal flight, from which the time limit follows.
     """
 
-    home: tuple[float, float]
-    yaw_rad: float
-    route: tuple[str, ...]
-    altitude_m: float
-    cruise_mps: float
-    slow_mps: float
+    home: Annotated[tuple[float, float], Examples((0.0, 0.0))]
+    yaw_deg: Annotated[float, Examples(0.0)]
+    route: Annotated[tuple[str, ...], Size(1, MOST_WAYPOINTS, _ROUTE), Examples(("corner", "home"))]
+    altitude_m: Annotated[MoreThanZero, Examples(1.65)]
+    cruise_mps: Annotated[MoreThanZero, Examples(0.5)]
+    slow_mps: Annotated[MoreThanZero, Examples(0.2)]
     nominal: Nominal
+
+    @property
+    def yaw_rad(self) -> float:
+        """Heading at the start [rad]."""
+        return math.radians(self.yaw_deg)
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,6 +239,156 @@ class World:
         return Surroundings(self.scene, self.light, places, self.happenings)
 
 
+def _place(allowed: str, hint: Any) -> Any:
+    """Reads two or three coordinates."""
+
+    def find(item: Item) -> tuple[float, ...]:
+        numbers: tuple[float, ...] = value_of(tuple[hint, ...], item)
+        if len(numbers) not in (2, 3):
+            raise item.error(allowed)
+        return numbers
+
+    size = {"minItems": 2, "maxItems": 3, "examples": [[0.0, 7.0], [0.0, 7.0, 1.4]]}
+    return Reads(find, lambda _names: {"type": "array", "items": schema_of(hint), **size})
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """What every body has.
+
+    Attributes:
+        role: how detector, observer and map treat it.
+        position: x, y of its foot, and the height of the foot where it stands on something [m, world].
+        reflectivity: share of infrared light that it reflects; dark bodies vanish in the dark.
+        present: whether it is there; an axis may set this.
+        optional: whether flights without it have no signal of it.
+    """
+
+    role: Annotated[str, Choices(lambda: {name: role.meaning for name, role in ROLES.items()}, named="roles")]
+    position: Annotated[tuple[float, ...], _place("[x, y] or [x, y, z of the foot]", Metres)]
+    reflectivity: Annotated[Share, Examples(0.3)]
+    present: bool
+    optional: bool = field(default=False, kw_only=True)
+
+    def forms(self) -> tuple[Mesh, Mesh, float]:
+        """Its triangles about its centre, those of its core, and its height [m]."""
+        raise NotImplementedError
+
+    def body(self, name: str) -> Body:
+        """The body in the mine."""
+        form, core, height_m = self.forms()
+        foot_m = self.position[2] if len(self.position) == 3 else 0.0
+        centre = (self.position[0], self.position[1], foot_m + 0.5 * height_m)
+        meshes = form.moved(centre), core.moved(centre)
+        return Body(name, self.role, *meshes, centre, self.reflectivity, self.present, self.optional)
+
+
+Edge = Annotated[float, Bounds(least=LEAST_M, most=FARTHEST_M)]
+
+
+@dataclass(frozen=True)
+class Box(_Shape):
+    """A box.
+
+    Attributes:
+        shape: a box about the vertical.
+        size_m: edges x, y, z of the box [m].
+    """
+
+    shape: Literal["box"]
+    size_m: Annotated[tuple[Edge, Edge, Edge], Examples((0.5, 0.5, 1.8))]
+
+    def forms(self) -> tuple[Mesh, Mesh, float]:
+        """The box, its core, and its edge z [m]."""
+        return mesh.box(self.size_m), mesh.box([edge - 2.0 * MARGIN_M for edge in self.size_m]), self.size_m[2]
+
+
+@dataclass(frozen=True)
+class Turned(_Shape):
+    """A cylinder, or a capsule.
+
+    Attributes:
+        shape: an upright cylinder, or one with round ends.
+        radius_m: radius [m].
+        height_m: height; of a capsule at least twice the radius [m].
+    """
+
+    shape: Literal["cylinder", "capsule"]
+    radius_m: Annotated[Edge, Examples(0.25)]
+    height_m: Annotated[float, Bounds(least=LEAST_M, most=2.0 * FARTHEST_M), Examples(1.7)]
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a capsule whose round ends would overlap."""
+        if self.shape == "capsule" and self.height_m < 2.0 * self.radius_m:
+            yield item.need("height_m").error(f">= {2.0 * self.radius_m:g} and <= {2.0 * FARTHEST_M:g}")
+
+    def forms(self) -> tuple[Mesh, Mesh, float]:
+        """The solid, its core, and its height [m]."""
+        turned = mesh.cylinder if self.shape == "cylinder" else mesh.capsule
+        core = turned(self.radius_m - MARGIN_M, self.height_m - 2.0 * MARGIN_M)
+        return turned(self.radius_m, self.height_m), core, self.height_m
+
+
+Solid = Annotated[Box | Turned, Either(by="shape")]
+Waypoint = Annotated[tuple[float, ...], _place("[x, y] or [x, y, z]", float)]
+_BODY = "a name of letters, digits and _ other than 'wall' and 'ground'"
+
+
+@dataclass(frozen=True)
+class WorldModel:
+    """The mine, its bodies, the mission and what happens during a flight.  World axes: x east, y north, z up.
+
+    Attributes:
+        mine: the rock: a ground plan, or a mesh of your own.
+        bodies: the bodies by name; each has a clearance in the log.
+        waypoints: the places of the mission by name; without z at the mission's altitude [m, world].
+        mission: what the drone has to fly.
+        light: brightness of visible light: 0 dark, 1 full.
+        signals: optional signals that every flight records; `scaloft-fi signals` lists them.
+        happenings: what happens during a flight, by name.
+    """
+
+    mine: Annotated[Item, Reads(lambda item: item, lambda _names: schema_of(Rock))]
+    bodies: Annotated[Mapping[str, Solid], Size(0, MOST_BODIES), Pattern(r"(?!(?:wall|ground)$)[^\W\d]\w*", _BODY)]
+    waypoints: Annotated[Mapping[str, Waypoint], Size(0, MOST_WAYPOINTS)]
+    mission: MissionPlan
+    light: Annotated[Share, Examples(0.9, 0.003)]
+    signals: tuple[Annotated[str, Choices(_optional_signals, named="signals")], ...] = ()
+    happenings: Annotated[tuple[Read, ...], Reads(read_happenings, happenings_schema)] = ()
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a home among the waypoints, unknown places of the route, and signals that are recorded anyway."""
+        waypoints, route = item.need("waypoints"), item.need("mission").need("route")
+        if (own := waypoints.get("home")) is not None:
+            yield InputError(f"{own.place}: home is no waypoint of its own; it is set under mission")
+        known = ["home", *self.waypoints]
+        for name, entry in zip(self.mission.route, route, strict=True):
+            if name not in known:
+                yield InputError(f"{entry.place}: no waypoint {name!r}{did_you_mean(name, known)}")
+        listed = item.get("signals")
+        recorded = {signal.name for signal in truth_signals((WALL, GROUND, *self.bodies))}
+        for name, entry in zip(self.signals, listed or (), strict=True):
+            if name in recorded:
+                yield InputError(f"{entry.place}: signal {name!r} is recorded already; list it once, or not at all")
+            recorded.add(name)
+
+    def world(self, mine: Mine) -> World:
+        """The world around a mine."""
+        altitude_m = self.mission.altitude_m
+        return World(
+            mine=mine,
+            bodies={name: solid.body(name) for name, solid in self.bodies.items()},
+            waypoints={
+                "home": (*self.mission.home, altitude_m),
+                **{n: (at[0], at[1], at[2] if len(at) == 3 else altitude_m) for n, at in self.waypoints.items()},
+            },
+            mission=self.mission,
+            light=self.light,
+            signals=self.signals,
+            happenings=tuple(one.happening for one in self.happenings),
+        )
+
+
 def read_world(item: Item, mine: Mine | None = None) -> World:
     """Read and check a world; `mine` is its mine, if that was read already.
 
@@ -223,9 +396,9 @@ def read_world(item: Item, mine: Mine | None = None) -> World:
         InputError: a value is not allowed, a key is unknown, a waypoint is not in open space.
     """
     world, happenings = assembled(item, mine)
-    for error in misplaced(world, item):
-        raise error
-    check_happenings(world, happenings)
+    faults = Faults()
+    faults.add(*misplaced(world, item), *misfits(world, happenings))
+    faults.end()
     return world
 
 
@@ -235,155 +408,16 @@ def assembled(item: Item, mine: Mine | None = None) -> tuple[World, tuple[Read, 
     Raises:
         InputError: a value is not allowed, or a key is unknown.
     """
-    mine_item = item.need("mine")
-    mine = read_mine(mine_item) if mine is None else mine
-    bodies = {name: read_body(name, body) for name, body in item.need("bodies").mapping(most=MOST_BODIES).items()}
-    waypoint_items = item.need("waypoints").mapping(most=MOST_WAYPOINTS)
-    mission_item = item.need("mission")
-    if "home" in waypoint_items:
-        raise InputError(f"{waypoint_items['home'].place}: home is no waypoint of its own; it is set under mission")
-    mission = read_mission(mission_item, waypoint_items)
-    waypoints = {name: read_waypoint(entry, mission.altitude_m) for name, entry in waypoint_items.items()}
-    happenings = read_happenings(item.get("happenings"))
-    world = World(
-        mine=mine,
-        bodies=bodies,
-        waypoints={"home": (*mission.home, mission.altitude_m), **waypoints},
-        mission=mission,
-        light=read_light(item.need("light")),
-        signals=read_signals(item.get("signals"), (WALL, GROUND, *bodies)),
-        happenings=tuple(read.happening for read in happenings),
-    )
-    item.close()
-    return world, happenings
-
-
-def read_light(item: Item) -> float:
-    """Read the brightness of visible light, 0..1.
-
-    Raises:
-        InputError: it is none.
-    """
-    return item.number(least=0.0, most=1.0)
-
-
-def read_signals(item: Item | None, surfaces: Iterable[str]) -> tuple[str, ...]:
-    """Read the names of the optional signals.
-
-    Raises:
-        InputError: a name is unknown, belongs to a signal that every flight has, or is listed twice.
-    """
-    known = {signal.name for signal in truth_signals(surfaces)}
-    names: list[str] = []
-    for entry in item or ():
-        name = entry.choice(tuple(SIGNALS))
-        if name in known or name in names:
-            raise InputError(f"{entry.place}: signal {name!r} is recorded already; list it once, or not at all")
-        names.append(name)
-    return tuple(names)
-
-
-def read_waypoint(item: Item, altitude_m: float) -> Point:
-    """A waypoint [x, y] at the altitude of the mission, or [x, y, z].
-
-    Raises:
-        InputError: it is none.
-    """
-    numbers = item.numbers()
-    if len(numbers) not in (2, 3):
-        raise item.error("[x, y] or [x, y, z]")
-    return numbers[0], numbers[1], numbers[2] if len(numbers) == 3 else altitude_m
-
-
-def _pair(item: Item) -> tuple[float, float]:
-    x, y = item.numbers(2)
-    return x, y
-
-
-def read_body(name: str, item: Item) -> Body:
-    """Read one body.
-
-    Raises:
-        InputError: a value is not allowed, or a key is unknown.
-    """
-    if name in (WALL, GROUND) or not name.isidentifier():
-        raise InputError(
-            f"{item.place}: body {name!r} must have a name of letters, digits and _ other than 'wall' and 'ground'"
-        )
-    role = item.need("role").choice(tuple(ROLES))
-    shape = item.need("shape").choice(SHAPES)
-    if shape == "box":
-        size_item = item.need("size_m")
-        size = size_item.numbers(3, most=FARTHEST_M)
-        if min(size) < LEAST_M:
-            raise size_item.error(f"3 numbers >= {LEAST_M:g}")
-        form, height_m = mesh.box(size), size[2]
-        core = mesh.box([edge - 2.0 * MARGIN_M for edge in size])
-    else:
-        radius_m = item.need("radius_m").number(least=LEAST_M, most=FARTHEST_M)
-        height_m = item.need("height_m").number(
-            least=2.0 * radius_m if shape == "capsule" else LEAST_M, most=2.0 * FARTHEST_M
-        )
-        turned = mesh.cylinder if shape == "cylinder" else mesh.capsule
-        form, core = turned(radius_m, height_m), turned(radius_m - MARGIN_M, height_m - 2.0 * MARGIN_M)
-    position_item = item.need("position")
-    position = position_item.numbers(least=-FARTHEST_M, most=FARTHEST_M)
-    if len(position) not in (2, 3):
-        raise position_item.error("[x, y] or [x, y, z of the foot]")
-    foot_m = position[2] if len(position) == 3 else 0.0
-    centre = (position[0], position[1], foot_m + 0.5 * height_m)
-    body = Body(
-        name=name,
-        role=role,
-        mesh=form.moved(centre),
-        core=core.moved(centre),
-        centre=centre,
-        reflectivity=item.need("reflectivity").number(least=0.0, most=1.0),
-        present=item.need("present").flag(),
-        optional=optional.flag() if (optional := item.get("optional")) else False,
-    )
-    item.close()
-    return body
-
-
-def read_mission(item: Item, waypoints: Collection[str]) -> MissionPlan:
-    """Read the mission.
-
-    Args:
-        item: its entry.
-        waypoints: names of the waypoints.
-
-    Raises:
-        InputError: a value is not allowed, or a key or waypoint is unknown.
-    """
-    route_item = item.need("route")
-    route = []
-    for entry in route_item.items(most=MOST_WAYPOINTS):
-        name = entry.text()
-        if name != "home" and name not in waypoints:
-            raise InputError(f"{entry.place}: no waypoint {name!r}{did_you_mean(name, ['home', *waypoints])}")
-        route.append(name)
-    if not route:
-        raise route_item.error("a list of waypoints, where the mission lands at the last one")
-    nominal_item = item.need("nominal")
-    nominal = Nominal(
-        climb_mps=nominal_item.need("climb_mps").number(above=0.0),
-        sink_mps=nominal_item.need("sink_mps").number(above=0.0),
-        turn_radps=math.radians(nominal_item.need("turn_degps").number(above=0.0)),
-        dwell_s=nominal_item.need("dwell_s").number(least=0.0),
-    )
-    nominal_item.close()
-    mission = MissionPlan(
-        home=_pair(item.need("home")),
-        yaw_rad=math.radians(item.need("yaw_deg").number()),
-        route=tuple(route),
-        altitude_m=item.need("altitude_m").number(above=0.0),
-        cruise_mps=item.need("cruise_mps").number(above=0.0),
-        slow_mps=item.need("slow_mps").number(above=0.0),
-        nominal=nominal,
-    )
-    item.close()
-    return mission
+    faults, model = Faults(), None
+    with faults.collecting():
+        model = read(WorldModel, item)
+    if mine is None and "mine" in item.mapping():
+        with faults.collecting():
+            mine = read_mine(item.need("mine"))
+    faults.end()
+    assert model is not None
+    assert mine is not None
+    return model.world(mine), model.happenings
 
 
 ON_FLOOR_M = 0.05

@@ -35,6 +35,15 @@ STEPS_PER_TICK = 12
 S = TypeVar("S")
 
 
+class ConfigError(ValueError):
+    """Settings of a stack do not fit together; `path` names the setting, such as `stack.mission.goal_radius_m`."""
+
+    def __init__(self, path: str, complaint: str) -> None:
+        super().__init__(f"{path}: {complaint}")
+        self.path = path
+        self.complaint = complaint
+
+
 class Wire(Protocol):
     """Carries samples over the seams."""
 
@@ -394,8 +403,8 @@ class Declaration:
         beliefs: the numbers that `Stack.beliefs` returns, in order.
         make: makes the stack, ready for take-off.  It imports heavy modules itself, because verbs that do not fly read
             the declaration too.
-        settings: returns the frozen dataclass, or named tuple, that the rest of `sim/stack.yaml` is built into
-            (`stack.config.build`); None hands the plain mapping over.
+        settings: returns the model that the rest of `sim/stack.yaml` is read into, a frozen dataclass or named tuple
+            (`scaloft_fi.model`); None hands the plain mapping over.
         canaries: seams that carry samples in every situation, the one nearest to the rotors first.  `run --mutant`
             flies a control there, to prove that faults reach the drone.
         operators: modules that declare operators of this stack's own; imported when a study names the stack.

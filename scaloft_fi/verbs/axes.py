@@ -160,8 +160,10 @@ def _free(axis: FreeAxis) -> Record:
         "to": own.high,
         "distribution": _shape(own),
         "set": axis.path,
-        "also": [{"path": path, "value": item.plain()} for path, item in axis.also],
-        "only_with": [{"axis": name, "values": list(map(str, sorted(values)))} for name, values in axis.only_with],
+        "also": [{"path": path, "value": item.plain()} for path, item in axis.also.items()],
+        "only_with": [
+            {"axis": name, "values": list(map(str, sorted(values)))} for name, values in axis.only_with.items()
+        ],
     }
 
 

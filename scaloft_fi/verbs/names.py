@@ -233,7 +233,7 @@ def _signal_names(study: Path, _context: click.Context, _typed: str) -> Iterator
 
 
 def _document_names(_study: Path, _context: click.Context, _typed: str) -> Names:
-    return rows(r'^ +Document\("(\w+)"', "verbs/documents/listed.py")
+    return rows(r'^ +Document\("(\w+)"', "verbs/schema.py")
 
 
 mutants = _completer(lambda study, _context, typed: _mutant_names(study, typed))

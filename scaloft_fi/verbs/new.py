@@ -66,7 +66,7 @@ def new_command(folder: Path, plugin: bool, name: str | None, style: str) -> Non
     """
     from scaloft_fi.sim.stacks import STACKS
     from scaloft_fi.templates import check_package_name, plugin_files, study_files, write_new
-    from scaloft_fi.verbs.documents.listed import pointed, schema_files
+    from scaloft_fi.verbs.schema import pointed, schema_files
 
     if name is not None and not plugin:
         raise InputError(f"--name={name!r} is the name of a package; give --plugin with it, or leave it out")

@@ -1,21 +1,325 @@
-"""`scaloft-fi schema`: the JSON Schemas of the YAML documents of a study."""
+"""`scaloft-fi schema`: every YAML document of a study with its model, and the JSON Schema that follows from it."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Annotated, Any
 
 import click
 
+import scaloft_fi.mutants.reference
+import scaloft_fi.outside.faults  # noqa: F401 - both declare operators
 from scaloft_fi.console import say, tell, tell_line
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.hazop.load import GUIDEWORD, CellModel, Guidewords, Parameters
+from scaloft_fi.hazop.matrix import Classes, Fault
+from scaloft_fi.judge.requirement import RequirementsModel
+from scaloft_fi.marks import About, Pattern
+from scaloft_fi.model import Hook, Names, Schema, schema, schema_of
+from scaloft_fi.mutants.operator import Argument, Operator
+from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.outside.border import PORTS
+from scaloft_fi.outside.command import FlightCommand
+from scaloft_fi.outside.exchange import BELOW, OutsideConfig
+from scaloft_fi.outside.records.record_map import RecordMapModel
+from scaloft_fi.outside.stack import GoalConfig, VelocityConfig
+from scaloft_fi.registry import load_plugins
+from scaloft_fi.sim.found import Finds
+from scaloft_fi.sim.grid import FurtherGridModel, GridModel
+from scaloft_fi.sim.happenings import HAPPENINGS
+from scaloft_fi.sim.load import DOCUMENTS as PREFIXES
+from scaloft_fi.sim.load import Source
+from scaloft_fi.sim.log import SIGNALS
+from scaloft_fi.sim.patch import PARTS
+from scaloft_fi.sim.sensors.sensor import SENSORS
+from scaloft_fi.sim.sensors.suite import sensors_model
+from scaloft_fi.sim.stacks import STACKS
+from scaloft_fi.sim.vehicle import Vehicle
+from scaloft_fi.sim.world import ROLES, WorldModel
+from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.study import DispositionModel, ScoreModel, Study
 from scaloft_fi.verbs.names import documents
+from scaloft_fi.verbs.operators import OWN, argument_facts, package_of
 from scaloft_fi.verbs.options import study_option, write
 from scaloft_fi.verbs.verb import verb
+from scaloft_fi.views.table import Format, Table, render
 
-if TYPE_CHECKING:
-    from scaloft_fi.verbs.documents.schema import Declared
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+PUBLISHED = "docs/schemas/study"
+"""Folder of the published schemas in the repository."""
+FOLDER = "schemas"
+"""The folder of the schemas in the folder of a study."""
+OWN_ROLES = ("obstacle", "person", "structure")
+"""Roles are data, which do not tell who declared them."""
+
+
+def declared_names(*, own: bool = False, seams: Mapping[str, str] | None = None) -> Names:
+    """Everything that documents name and that is declared now.
+
+    Args:
+        own: leave out what other packages declare.
+        seams: the seams of the study with their edges; without them any text is one.
+    """
+
+    def chosen(entries: Mapping[str, Any], maker: Callable[[Any], Any]) -> list[str]:
+        return [name for name in sorted(entries) if not own or package_of(maker(entries[name])) == OWN]
+
+    return {
+        "operators": {name: OPERATORS[name].summary for name in chosen(OPERATORS, lambda one: one.make)},
+        "sensors": chosen(SENSORS, lambda one: one.make),
+        "happenings": chosen(HAPPENINGS, lambda one: one.effect),
+        "roles": {name: role.meaning for name, role in ROLES.items() if name in OWN_ROLES or not own},
+        "signals": {name: SIGNALS[name].meaning for name in chosen(SIGNALS, lambda one: one.make)},
+        "stacks": chosen(STACKS, lambda one: one.make),
+        **({"seams": seams} if seams else {}),
+    }
+
+
+@dataclass(frozen=True)
+class Document:
+    """A YAML document of a study.
+
+    Attributes:
+        name: by which its schema is asked for.
+        files: pattern of its files in the folder of a study.
+        make: makes the schema from what is declared.
+        written: whether a verb writes it; people edit the others.
+    """
+
+    name: str
+    files: str
+    make: Callable[[Names], Schema]
+    written: bool = False
+
+    def schema(self, names: Names) -> Schema:
+        """The whole schema."""
+        head = {"$schema": DIALECT, "$id": f"urn:scaloft-fi:study:{self.name}", "title": self.files}
+        return {**head, **self.make(names)}
+
+
+def _model(hint: Any, hook: Hook | None = None) -> Callable[[Names], Schema]:
+    """The schema of a model, or of a mapping of models with a text about it."""
+    about = [mark.text for mark in getattr(hint, "__metadata__", ()) if isinstance(mark, About)]
+
+    def make(names: Names) -> Schema:
+        made = schema_of(hint, names, hook) if hook else schema_of(hint, names)
+        return {**made, "description": about[0]} if about else made
+
+    return make
+
+
+def _of_operator(name: str, operator: Operator) -> Schema:
+    """Under an operator's name its own arguments, and no others."""
+    arguments = {key: _argument(argument) for key, argument in operator.arguments.items()}
+    then: dict[str, Any] = {
+        "arguments": {"properties": arguments, "additionalProperties": False},
+        "magnitude": {"properties": {"argument": {"enum": list(arguments)}}},
+    }
+    return {
+        "if": {"properties": {"operator": {"const": name}}, "required": ["operator"]},
+        "then": {"properties": then},
+    }
+
+
+def _argument(argument: Argument) -> Schema:
+    facts = argument_facts(argument)
+    unit = f" [{facts['unit']}]" if facts["unit"] else ""
+    told: Schema = {"description": f"{facts['range'] or facts['kind']}{unit}"}
+    if not argument.required:
+        told["default"] = argument.default
+    if argument.kind in (float, int):
+        bounds = {"minimum": facts["least"], "exclusiveMinimum": facts["above"], "maximum": facts["most"]}
+        return told | {"type": "number"} | {key: bound for key, bound in bounds.items() if bound is not None}
+    if argument.kind is bool:
+        return told | {"type": "boolean"}
+    if argument.choices:
+        return told | {"enum": list(argument.choices)}
+    return told | ({"type": "string"} if argument.kind is str else {"type": ["number", "string", "boolean"]})
+
+
+def _cells(names: Names) -> Schema:
+    conditions = [_of_operator(name, OPERATORS[name]) for name in names.get("operators", ())]
+    hint = Annotated[Mapping[str, CellModel], Pattern(GUIDEWORD, "")]
+    made = schema_of(hint, names, lambda cls, one: {**one, "allOf": conditions} if cls is Fault else one)
+    return {**made, "description": "The cells of one parameter, one for each guideword."}
+
+
+def _sensors(names: Names) -> Schema:
+    return schema(sensors_model(names), names)
+
+
+SOURCES = Annotated[
+    Mapping[str, Source],
+    Pattern(rf"(?:{'|'.join(PREFIXES)})(?:\..+)?", ""),
+    About("The source of each number of `sim/` by dotted path, its document first; a path covers all below it."),
+]
+
+
+def _grid(names: Names) -> Schema:
+    """The schema of a further grid, which may have entries of other documents."""
+    made = schema(FurtherGridModel, names)
+    parts = {"world": schema(WorldModel, names), "vehicle": schema(Vehicle), "sensors": _sensors(names)}
+    added = {part: _loosened(parts[part], f"new entries of sim/{part}.yaml") for part in PARTS}
+    own = {"type": "object", "properties": added, "required": [], "additionalProperties": False}
+    for key, more in (("adds", own), ("sources", schema_of(SOURCES))):
+        made["properties"][key] = {**more, "description": made["properties"][key]["description"]}
+    return made
+
+
+def _loosened(document: Schema, about: str) -> Schema:
+    """A mapping of which nothing is needed, and whose entries by name may be parts of entries."""
+    keys = {}
+    for key, one in document["properties"].items():
+        each = one.get("additionalProperties") or next(iter(one.get("patternProperties", {}).values()), None)
+        if each:
+            part = {"anyOf": [each, {"type": "object", "description": "new keys of an entry that exists"}]}
+            one = {"type": "object", "description": one["description"], "additionalProperties": part}
+        elif one.get("type") == "object":
+            one = {**one, "required": []}
+        keys[key] = one
+    return {**document, "description": about, "properties": keys, "required": []}
+
+
+def _stack(names: Names) -> Schema:
+    forms = [form for name in names.get("stacks", STACKS) for form in _forms(STACKS[name])]
+    return {"description": "The stack under test: its name, and its settings.", "oneOf": forms}
+
+
+def _forms(declared: Declaration) -> list[Schema]:
+    """The forms of the document for one stack; of one outside a form for each part of our drone that flies below it."""
+    about = "the stack; another name means other settings"
+    name = {"name": {"const": declared.name, "description": about}}
+    if declared.settings is None:
+        free = {"type": "object", "description": f"The stack {declared.name}.", "properties": name}
+        return [{**free, "required": ["name"], "additionalProperties": True}]
+    forms = []
+    for settings in (VelocityConfig, GoalConfig) if declared.name == "outside" else (declared.settings(),):
+        made = _outside(settings) if issubclass(settings, OutsideConfig) else schema(settings)
+        if settings not in (VelocityConfig, GoalConfig):
+            made["description"] = f"The stack {declared.name}."
+        forms.append({**made, "properties": {**name, **made["properties"]}, "required": ["name", *made["required"]]})
+    return forms
+
+
+def _outside(settings: type) -> Schema:
+    below = "flight_control" if settings is VelocityConfig else "planner"
+    ports = {name: port.meaning for name, port in PORTS.items() if port.outward or name in BELOW[below]}
+    made = schema(settings, {"ports": ports})
+    taken = made["properties"]["below"]
+    taken["enum"] = [below]
+    return made
+
+
+DOCUMENTS: Mapping[str, Document] = {
+    one.name: one
+    for one in (
+        Document(
+            "guidewords",
+            "hazop/guidewords.yaml",
+            _model(Annotated[Guidewords, About("The guidewords by name, in the order of the columns of the matrix.")]),
+        ),
+        Document(
+            "parameters",
+            "hazop/parameters.yaml",
+            _model(
+                Annotated[
+                    Parameters,
+                    About(
+                        "The parameters by name, in the order of the rows of the matrix; `hazop/matrix/<name>.yaml` has the cells of one."
+                    ),
+                ]
+            ),
+        ),
+        Document(
+            "severities",
+            "hazop/severities.yaml",
+            _model(
+                Annotated[
+                    Classes, About("The study's own classes of severity by name, the worst first; they enter no ratio.")
+                ]
+            ),
+        ),
+        Document("matrix", "hazop/matrix/*.yaml", _cells),
+        Document("score", "hazop/score.yaml", _model(ScoreModel)),
+        Document(
+            "dispositions",
+            "hazop/dispositions.yaml",
+            _model(
+                Annotated[
+                    Mapping[str, DispositionModel],
+                    About("The accepted survivors by a mutant's id; a bare cell name is its default."),
+                ]
+            ),
+        ),
+        Document("world", "sim/world.yaml", _model(WorldModel)),
+        Document("vehicle", "sim/vehicle.yaml", _model(Vehicle)),
+        Document("sensors", "sim/sensors.yaml", _sensors),
+        Document("stack", "sim/stack.yaml", _stack),
+        Document("situations", "sim/situations.yaml", _model(GridModel)),
+        Document("grid", "sim/grids/*.yaml", _grid),
+        Document("requirements", "sim/requirements.yaml", _model(RequirementsModel)),
+        Document("sources", "sim/sources.yaml", _model(SOURCES)),
+        Document("found", "sim/found.yaml", _model(Finds), written=True),
+        Document("flyer", "sim/flyer.yaml", _model(FlightCommand)),
+        Document("record", "sim/record.yaml", _model(RecordMapModel)),
+    )
+}
+"""In the order in which a study is read about."""
+
+
+def document(name: str) -> Document:
+    """The document of a name.
+
+    Raises:
+        InputError: there is none; the message names the nearest.
+    """
+    if name not in DOCUMENTS:
+        raise InputError(f"no document {name!r}{did_you_mean(name, DOCUMENTS)}")
+    return DOCUMENTS[name]
+
+
+def schema_texts(names: Names) -> dict[str, str]:
+    """The text of each schema by its file name."""
+    return {f"{one.name}.json": schema_text(one.schema(names)) for one in DOCUMENTS.values()}
+
+
+def schema_text(made: Schema) -> str:
+    """A schema as JSON."""
+    return json.dumps(made, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def pointed(files: Mapping[str, bytes], below: str = "") -> dict[str, bytes]:
+    """Files of a study by path; each document that has a schema begins with the line that names it.
+
+    Args:
+        files: content by path.
+        below: folder of the study among the files, such as "study/".
+    """
+    return {name: _line(name.removeprefix(below)) + content for name, content in files.items()}
+
+
+def schema_files(stack: Declaration) -> dict[str, bytes]:
+    """The schemas of every document by path, with what is installed and the seams of a stack.
+
+    Raises:
+        InputError: a plugin that is installed cannot be loaded.
+    """
+    load_plugins()
+    names = declared_names(seams={seam.name: seam.edge for seam in stack.seams})
+    return {f"{FOLDER}/{name}": text.encode() for name, text in schema_texts(names).items()}
+
+
+def _line(name: str) -> bytes:
+    """The line for a document at this path in its study; nothing for another file."""
+    path = PurePosixPath(name)
+    for one in DOCUMENTS.values():
+        if path.match(one.files) and len(path.parts) == one.files.count("/") + 1:
+            up = "../" * one.files.count("/")
+            return f"# yaml-language-server: $schema={up}{FOLDER}/{one.name}.json\n".encode()
+    return b""
 
 
 @verb(
@@ -42,33 +346,26 @@ def schema_command(name: str | None, study_folder: Path | None, folder: Path | N
     YAML completes keys and shows what they mean, when the first line of the document is
     `# yaml-language-server: $schema=` with the path of the schema.
     """
-    from scaloft_fi.verbs.documents.listed import DOCUMENTS, document, schema_text, schema_texts
-    from scaloft_fi.views.table import Format, Table, render
-
     if name and folder:
         raise click.UsageError("--write writes every schema and goes with no NAME")
     if folder:
-        _write(folder, schema_texts(_declared(study_folder)))
+        _write(folder, schema_texts(_of_study(study_folder)))
     elif name:
         one = document(name)
-        tell(schema_text(one.schema(_declared(study_folder))))
+        tell(schema_text(one.schema(_of_study(study_folder))))
     else:
         rows = tuple((one.name, one.files) for one in DOCUMENTS.values())
         tell(render((Table("Schemas of YAML documents", ("document", "files"), rows),), Format.TABLE))
 
 
-def _declared(folder: Path | None) -> Declared:
+def _of_study(folder: Path | None) -> Names:
     """What is declared; without the seams of a study whose stack cannot be read yet, as while it is written."""
-    from scaloft_fi.study import Study
-    from scaloft_fi.verbs.documents.schema import Declared
-
-    study = Study.open(folder)
+    study, seams = Study.open(folder), dict[str, str]()
     try:
         seams = {seam.name: seam.edge for seam in study.stack.seams}
     except InputError as error:
         say(f"warning: without the names of seams: {error}")
-        seams = {}
-    return replace(Declared.everything(), seams=seams)
+    return declared_names(seams=seams)
 
 
 def _write(folder: Path, texts: dict[str, str]) -> None:

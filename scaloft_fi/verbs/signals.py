@@ -12,6 +12,7 @@ import click
 
 from scaloft_fi.document import is_there
 from scaloft_fi.judge.bounds import ANY, SIGHT_M, TRUTH, Cap, cap_of
+from scaloft_fi.model import read
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, Signal, belief_signals, clearance_name, truth_signals
 from scaloft_fi.stack.declaration import UNITS, Belief
@@ -267,7 +268,8 @@ def _passing(study: Study, known: set[str]) -> Iterator[Found]:
         kind = HAPPENINGS[entry.need("kind").text()]
         for name in kind.signals:
             brought.setdefault(name, []).append(happening)
-        if body := kind.read(entry).moved:
+        effect = read(kind.effect, entry, beside=entry.mapping())
+        if body := effect.moved:
             for axis in "xy":
                 moved.setdefault(f"{body}_{axis}_m", []).append(happening)
     for name in passing:

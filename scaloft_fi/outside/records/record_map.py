@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Annotated, Any, Protocol
 
-from scaloft_fi.document import LARGEST, MOST, Item, is_folder, load
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.document import Item, is_folder, load
+from scaloft_fi.errors import Faults, InputError, did_you_mean
+from scaloft_fi.marks import MOST, Choices, Either, Examples, Reads, Size
+from scaloft_fi.model import read, schema_of, value_of
 from scaloft_fi.registry import Registry
 from scaloft_fi.stack.messages import Array
 
@@ -269,6 +271,203 @@ def own_map(signals: Sequence[str]) -> RecordMap:
     return RecordMap("the mapping of our own records", Timing(column=OWN_TIME), entries, loose=True)
 
 
+@dataclass(frozen=True)
+class Column:
+    """A column of a table.
+
+    Attributes:
+        column: name of the column.
+    """
+
+    column: Annotated[str, Examples("east")]
+
+    def source(self, signal: str) -> Source:
+        """Where a signal stands."""
+        return Source(signal, column=self.column)
+
+
+@dataclass(frozen=True)
+class Message:
+    """A field of messages.
+
+    Attributes:
+        topic: the topic.
+        field: path of the field.
+    """
+
+    topic: Annotated[str, Examples("/odom")]
+    field: Annotated[str, Examples("pose.pose.position.x", "q[0]")]
+
+    def source(self, signal: str) -> Source:
+        """Where a signal stands."""
+        return Source(signal, topic=self.topic, field=self.field)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Converted:
+    """How a value becomes that of the signal.
+
+    Attributes:
+        unit: conversion to the signal's unit; not beside factor and offset.
+        factor: signal = factor x value + offset.
+        offset: signal = factor x value + offset.
+        unknown: its value before the first message; left out: it must have one by the start.
+        keep: which value stands for the messages since the last sample.
+    """
+
+    unit: Annotated[str, Choices(UNITS.keys())] = ""
+    factor: float = 1.0
+    offset: float = 0.0
+    unknown: float | bool | None = None
+    keep: Keep = Keep.LAST
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a unit beside a factor or an offset."""
+        unit = item.get("unit")
+        if unit and (item.get("factor") or item.get("offset")):
+            yield InputError(f"{unit.place}: {item.name} must have a unit, or a factor and an offset, not both")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SignalInColumn(_Converted, Column):
+    """In a table."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SignalInMessage(_Converted, Message):
+    """In messages."""
+
+
+@dataclass(frozen=True)
+class Constant:
+    """Nowhere: always the same.
+
+    Attributes:
+        constant: the value.
+    """
+
+    constant: float | bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class FromColumn(Column):
+    """The first row whose value is at least `least`.
+
+    Attributes:
+        least: the least value that counts.
+    """
+
+    least: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class FromMessage(Message):
+    """The first message whose value is at least `least`.
+
+    Attributes:
+        least: the least value that counts.
+    """
+
+    least: float
+
+
+@dataclass(frozen=True)
+class TimeColumn:
+    """A column of a table.
+
+    Attributes:
+        column: name of the column.
+        unit: its unit.
+    """
+
+    column: Annotated[str, Examples("t_s")]
+    unit: Annotated[str, Choices(TIME_UNITS.keys())] = "s"
+
+
+@dataclass(frozen=True)
+class TimeOfMessages:
+    """Of the messages.
+
+    Attributes:
+        message: which time of a message counts.
+    """
+
+    message: Annotated[str, Choices({"received": "when it was received", "stamp": "the stamp in the message"})]
+
+
+@dataclass(frozen=True)
+class TimeOfClock:
+    """A topic that tells the simulated time.
+
+    Attributes:
+        clock: the topic.
+    """
+
+    clock: Annotated[str, Examples("/clock")]
+
+
+def _entry(signal: str, stands: Column | Message | Constant) -> Entry:
+    """Where a signal comes from."""
+    if isinstance(stands, Constant):
+        return Entry(None, constant=float(stands.constant))
+    if not isinstance(stands, _Converted):
+        return Entry(stands.source(signal))
+    factor, offset = UNITS[stands.unit] if stands.unit else (stands.factor, stands.offset)
+    unknown = None if stands.unknown is None else float(stands.unknown)
+    return Entry(stands.source(signal), factor, offset, unknown=unknown, keep=stands.keep)
+
+
+def _moment(name: str, stands: FromColumn | FromMessage | None) -> Moment | None:
+    return Moment(_entry(name, stands), stands.least) if stands else None
+
+
+def _count(name: str, stands: Column | Message | None) -> Entry | None:
+    return replace(_entry(name, stands), unknown=0.0) if stands else None
+
+
+def _timing(item: Item) -> Timing:
+    """The time, by the form in which it is told.
+
+    Raises:
+        InputError: it is none of the forms.
+    """
+    told = value_of(_Time, item)
+    if isinstance(told, TimeColumn):
+        return Timing(column=told.column, unit_s=TIME_UNITS[told.unit])
+    return Timing(clock=told.clock) if isinstance(told, TimeOfClock) else Timing(stamped=told.message == "stamp")
+
+
+_Time = Annotated[
+    TimeColumn | TimeOfMessages | TimeOfClock,
+    Either("one of {column: NAME}, {message: received}, {message: stamp} and {clock: TOPIC}"),
+]
+_WHERE = "{column: NAME}, or {topic: NAME, field: PATH}, not both"
+Begins = Annotated[FromColumn | FromMessage | None, Either(_WHERE)]
+Counted = Annotated[Column | Message | None, Either(_WHERE)]
+Stands = Annotated[SignalInColumn | SignalInMessage | Constant, Either(f"{_WHERE}, or {{constant: NUMBER}}")]
+
+
+@dataclass(frozen=True)
+class RecordMapModel:
+    """Where the signals of the requirements stand in a record of a flight.
+
+    Attributes:
+        signals: where the signals stand, by name; `scaloft-fi signals` says which follow from others.
+        time: which time the values have; left out: at which messages were received.
+        start: when the flight starts: at the first message of at least `least`; left out: the first of x_m.
+        end: when the flight ends: at the first message of at least `least`; left out: the last of x_m.
+        altered: how many samples a fault has altered up to then.
+        carried: how many samples the fault's seam has carried up to then.
+    """
+
+    signals: Annotated[Mapping[str, Stands], Size(0, MOST)]
+    time: Annotated[Timing, Reads(_timing, lambda _names: schema_of(_Time))] = Timing()
+    start: Begins = None
+    end: Begins = None
+    altered: Counted = None
+    carried: Counted = None
+
+
 def load_record_map(path: Path, signals: Sequence[str] | None = None) -> RecordMap:
     """Read a mapping.
 
@@ -279,94 +478,24 @@ def load_record_map(path: Path, signals: Sequence[str] | None = None) -> RecordM
     Raises:
         InputError: it is no such mapping; the message names file and line.
     """
-    document = load(path)
-    entries = document.need("signals").mapping(most=MOST)
-    for name, item in entries.items():
+    document, faults = load(path), Faults()
+    model = None
+    with faults.collecting():
+        model = read(RecordMapModel, document)
+    entries = document.mapping().get("signals")
+    for name, item in (entries.mapping() if entries and isinstance(entries.value, dict) else {}).items():
         if signals is not None and name not in signals:
             hint = did_you_mean(name, signals)
-            raise InputError(f"{item.place}: {name!r} is no signal that this study knows{hint}")
+            faults.add(InputError(f"{item.place}: {name!r} is no signal that this study knows{hint}"))
+    faults.end()
+    assert model is not None
     found = RecordMap(
         name=str(path),
-        timing=_timing(document.get("time")),
-        signals={name: _entry(name, item) for name, item in entries.items()},
-        start=_moment("start", document.get("start")),
-        end=_moment("end", document.get("end")),
-        altered=_counted("altered", document.get("altered")),
-        carried=_counted("carried", document.get("carried")),
+        timing=model.time,
+        signals={name: _entry(name, stands) for name, stands in model.signals.items()},
+        start=_moment("start", model.start),
+        end=_moment("end", model.end),
+        altered=_count("altered", model.altered),
+        carried=_count("carried", model.carried),
     )
-    document.close()
     return found
-
-
-def _timing(item: Item | None) -> Timing:
-    """`{column: t_s, unit: ms}`, `{message: received}` (the default), `{message: stamp}` or `{clock: /clock}`."""
-    if item is None:
-        return Timing()
-    ways = [way for way in ("column", "message", "clock") if item.get(way)]
-    if len(ways) != 1:
-        raise item.error("one of {column: NAME}, {message: received}, {message: stamp} and {clock: TOPIC}")
-    column, message, clock = item.get("column"), item.get("message"), item.get("clock")
-    unit = item.get("unit") if column else None
-    timing = Timing(
-        column=column.text() if column else "",
-        unit_s=TIME_UNITS[unit.choice(list(TIME_UNITS))] if unit else 1.0,
-        stamped=message is not None and message.choice(("received", "stamp")) == "stamp",
-        clock=clock.text() if clock else "",
-    )
-    item.close()
-    return timing
-
-
-def _entry(name: str, item: Item) -> Entry:
-    if constant := item.get("constant"):
-        entry = Entry(None, constant=_plain(constant))
-        item.close()
-        return entry
-    source = _source(name, item)
-    unit, factor, offset = item.get("unit"), item.get("factor"), item.get("offset")
-    if unit and (factor or offset):
-        raise InputError(f"{unit.place}: {name} must have a unit, or a factor and an offset, not both")
-    by, plus = UNITS[unit.choice(list(UNITS))] if unit else (1.0, 0.0)
-    unknown, keep = item.get("unknown"), item.get("keep")
-    entry = Entry(
-        source,
-        factor=factor.number() if factor else by,
-        offset=offset.number() if offset else plus,
-        unknown=_plain(unknown) if unknown else None,
-        keep=Keep(keep.choice(list(Keep))) if keep else Keep.LAST,
-    )
-    item.close()
-    return entry
-
-
-def _source(name: str, item: Item) -> Source:
-    column, topic, fields = item.get("column"), item.get("topic"), item.get("field")
-    if column and (topic or fields):
-        raise InputError(f"{item.place}: {name} must have a column, or a topic and a field, not both")
-    if column:
-        return Source(name, column=column.text())
-    if not topic and not fields:
-        raise item.error("{column: NAME}, {topic: NAME, field: PATH} or {constant: NUMBER}")
-    return Source(name, topic=item.need("topic").text(), field=item.need("field").text())
-
-
-def _moment(name: str, item: Item | None) -> Moment | None:
-    if item is None:
-        return None
-    least = item.need("least").number()
-    moment = Moment(Entry(_source(name, item)), least)
-    item.close()
-    return moment
-
-
-def _counted(name: str, item: Item | None) -> Entry | None:
-    if item is None:
-        return None
-    entry = Entry(_source(name, item), unknown=0.0)
-    item.close()
-    return entry
-
-
-def _plain(item: Item) -> float:
-    """A number, or a truth value."""
-    return float(item.value) if isinstance(item.value, bool) else item.number(least=-LARGEST, most=LARGEST)

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from scaloft_fi.document import Item
+from scaloft_fi.errors import InputError
+from scaloft_fi.marks import Bounds, Count, NotNegative, Share
 from scaloft_fi.sim.build import GRAVITY_MPS2
-from scaloft_fi.sim.sensors.sensor import LONGEST_S, SENSORS, FlightSetting, Moment, SensorKind
+from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Latency, Moment, SensorKind
 from scaloft_fi.stack.declaration import STEP_S, TICK_S
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Battery, Bumper, Fix, Imu
@@ -40,31 +44,20 @@ class PositioningConfig:
 
     Attributes:
         sigma_m: standard deviation per axis [m].
-        yaw_sigma_rad: standard deviation of the heading [rad].
+        yaw_sigma_deg: standard deviation of the heading [deg].
         latency_s: from measurement to delivery [s].
     """
 
-    sigma_m: float
-    yaw_sigma_rad: float
-    latency_s: float
-
-    @classmethod
-    def read(cls, item: Item) -> PositioningConfig:
-        """Read the `positioning` of `sensors.yaml`."""
-        config = cls(
-            sigma_m=item.need("sigma_m").number(least=0.0),
-            yaw_sigma_rad=math.radians(item.need("yaw_sigma_deg").number(least=0.0)),
-            latency_s=item.need("latency_s").number(least=0.0, most=LONGEST_S),
-        )
-        item.close()
-        return config
+    sigma_m: NotNegative
+    yaw_sigma_deg: NotNegative
+    latency_s: Latency
 
 
 class Positioning:
     """Measures position and heading."""
 
     def __init__(self, config: PositioningConfig, flight: FlightSetting) -> None:
-        self._config = config
+        self._config, self._yaw_sigma_rad = config, math.radians(config.yaw_sigma_deg)
         self._noise = Table(4, *flight.stream, "fix")
 
     def measure(self, moment: Moment) -> Fix:
@@ -75,7 +68,7 @@ class Positioning:
         return Fix(
             moment.stamps.fix_s,
             state[:3] + moment.around.drift_m + self._config.sigma_m * noise[:3],
-            yaw_rad + self._config.yaw_sigma_rad * float(noise[3]),
+            yaw_rad + self._yaw_sigma_rad * float(noise[3]),
         )
 
 
@@ -84,7 +77,7 @@ SENSORS.declare(
     SensorKind(
         Positioning,
         Fix,
-        read=PositioningConfig.read,
+        PositioningConfig,
         latency_s=lambda config: config.latency_s,
         required=True,
     ),
@@ -109,31 +102,19 @@ class BatteryConfig:
         idle_w: power of all other consumers [W].
     """
 
-    cells: int
-    capacity_ah: float
-    charge: float
+    cells: Count
+    capacity_ah: Annotated[float, Bounds(least=1e-3)]
+    charge: Share
     full_cell_v: float
-    empty_cell_v: float
-    resistance_ohm: float
-    hover_w_per_n15: float
-    idle_w: float
+    empty_cell_v: Annotated[float, Bounds(least=1e-3)]
+    resistance_ohm: NotNegative
+    hover_w_per_n15: NotNegative
+    idle_w: NotNegative
 
-    @classmethod
-    def read(cls, item: Item) -> BatteryConfig:
-        """Read the `battery` of `sensors.yaml`."""
-        empty_cell_v = item.need("empty_cell_v").number(least=1e-3)
-        config = cls(
-            cells=item.need("cells").whole(least=1, most=1_000),
-            capacity_ah=item.need("capacity_ah").number(least=1e-3),
-            charge=item.need("charge").number(least=0.0, most=1.0),
-            full_cell_v=item.need("full_cell_v").number(above=empty_cell_v),
-            empty_cell_v=empty_cell_v,
-            resistance_ohm=item.need("resistance_ohm").number(least=0.0),
-            hover_w_per_n15=item.need("hover_w_per_n15").number(least=0.0),
-            idle_w=item.need("idle_w").number(least=0.0),
-        )
-        item.close()
-        return config
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a full cell whose voltage is not above that of an empty one."""
+        if self.full_cell_v <= self.empty_cell_v:
+            yield item.need("full_cell_v").error(f"> {self.empty_cell_v:g}")
 
 
 class BatteryGauge:
@@ -161,7 +142,7 @@ class BatteryGauge:
         return Battery(moment.now_s, self._charge, voltage_v, self._config.cells)
 
 
-SENSORS.declare("battery", SensorKind(BatteryGauge, Battery, read=BatteryConfig.read, required=True))
+SENSORS.declare("battery", SensorKind(BatteryGauge, Battery, BatteryConfig, required=True))
 
 
 NUMBERS = 21
@@ -176,22 +157,10 @@ class ImuConfig:
         force_sigma_mps2, force_bias_mps2: white noise per sample, standard deviation of the bias [m/s2].
     """
 
-    rate_sigma_radps: float
-    rate_bias_radps: float
-    force_sigma_mps2: float
-    force_bias_mps2: float
-
-    @classmethod
-    def read(cls, item: Item) -> ImuConfig:
-        """Read the `imu` of `sensors.yaml`."""
-        config = cls(
-            rate_sigma_radps=item.need("rate_sigma_radps").number(least=0.0),
-            rate_bias_radps=item.need("rate_bias_radps").number(least=0.0),
-            force_sigma_mps2=item.need("force_sigma_mps2").number(least=0.0),
-            force_bias_mps2=item.need("force_bias_mps2").number(least=0.0),
-        )
-        item.close()
-        return config
+    rate_sigma_radps: NotNegative
+    rate_bias_radps: NotNegative
+    force_sigma_mps2: NotNegative
+    force_bias_mps2: NotNegative
 
 
 class ImuSensor:

@@ -21,14 +21,19 @@ Noise is hashed from (key, frame, pixel) by SplitMix64: one 64-bit word decides 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scaloft_fi.document import Item
+from scaloft_fi.errors import InputError
+from scaloft_fi.marks import Bounds, NotNegative, Positive, Share
 from scaloft_fi.sim.mesh import Array, Camera, Faces, Scene, Segments, View
-from scaloft_fi.sim.sensors.sensor import LONGEST_S, SENSORS, FlightSetting, Moment, SensorKind
+from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Latency, Moment, SensorKind
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import DepthFrame
 from scaloft_fi.streams import key_words
@@ -199,7 +204,9 @@ class DepthConfig:
     """Settings of the depth camera.
 
     Attributes:
-        camera: geometry of the camera.
+        width, height: columns and rows of the picture [pixels].
+        fov_deg: width of the view [deg].
+        ahead_m: how far ahead of the vehicle's centre the camera sits [m].
         min_m, max_m: a surface nearer or farther than these gives no depth [m].
         sigma_per_m: standard deviation of depth z is `sigma_per_m` z^2 [1/m].
         best: probability of a depth at full signal.
@@ -209,42 +216,30 @@ class DepthConfig:
         latency_s: from measurement to delivery [s].
     """
 
-    camera: Camera
-    min_m: float
+    width: Annotated[int, Bounds(least=2, most=MOST_PIXELS)]
+    height: Annotated[int, Bounds(least=2, most=MOST_PIXELS)]
+    fov_deg: Annotated[float, Bounds(least=1.0, most=150.0)]
+    ahead_m: float
+    min_m: NotNegative
     max_m: float
-    sigma_per_m: float
-    best: float
+    sigma_per_m: NotNegative
+    best: Share
     snr_half: float
-    snr_width: float
-    passive: float
-    passive_range_m: float
-    active: float
-    latency_s: float
+    snr_width: Positive
+    passive: NotNegative
+    passive_range_m: Annotated[float, Bounds(least=1e-3)]
+    active: NotNegative
+    latency_s: Latency
 
-    @classmethod
-    def read(cls, item: Item) -> DepthConfig:
-        """Read the `depth` of `sensors.yaml`."""
-        min_m = item.need("min_m").number(least=0.0)
-        config = cls(
-            camera=Camera(
-                width=item.need("width").whole(least=2, most=MOST_PIXELS),
-                height=item.need("height").whole(least=2, most=MOST_PIXELS),
-                fov_rad=math.radians(item.need("fov_deg").number(least=1.0, most=150.0)),
-                ahead_m=item.need("ahead_m").number(),
-            ),
-            min_m=min_m,
-            max_m=item.need("max_m").number(above=min_m),
-            sigma_per_m=item.need("sigma_per_m").number(least=0.0),
-            best=item.need("best").number(least=0.0, most=1.0),
-            snr_half=item.need("snr_half").number(),
-            snr_width=item.need("snr_width").number(least=1e-6),
-            passive=item.need("passive").number(least=0.0),
-            passive_range_m=item.need("passive_range_m").number(least=1e-3),
-            active=item.need("active").number(least=0.0),
-            latency_s=item.need("latency_s").number(least=0.0, most=LONGEST_S),
-        )
-        item.close()
-        return config
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a reach that ends before it begins."""
+        if self.max_m <= self.min_m:
+            yield item.need("max_m").error(f"> {self.min_m:g}")
+
+    @cached_property
+    def camera(self) -> Camera:
+        """Geometry of the camera."""
+        return Camera(self.width, self.height, math.radians(self.fov_deg), self.ahead_m)
 
     def numbers(self) -> Array:
         """Argument of `sense`, (9,)."""
@@ -369,7 +364,7 @@ SENSORS.declare(
     SensorKind(
         DepthSensor,
         DepthFrame,
-        read=DepthConfig.read,
+        DepthConfig,
         latency_s=lambda config: config.latency_s,
         required=True,
     ),

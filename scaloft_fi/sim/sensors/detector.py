@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from scaloft_fi.document import Item
+from scaloft_fi.marks import Bounds, NotNegative, Positive, Share
 from scaloft_fi.sim.mesh import View
-from scaloft_fi.sim.sensors.sensor import LONGEST_S, SENSORS, FlightSetting, Moment, SensorKind
+from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Latency, Moment, SensorKind
 from scaloft_fi.stack.messages import Detections, Exposure, Metering, Person
 from scaloft_fi.streams import Table
 
@@ -35,45 +36,25 @@ class DetectorConfig:
         noise_light: light at which half of that probability remains, at sensor gain 1.
         pixels_half, pixels_width: visible pixels at which half of it remains, and width of the logistic curve.
         exposure_width_ev: exposure error at which 61 % of it remains [EV].
-        bearing_sigma_rad: standard deviation of the bearing [rad].
+        bearing_sigma_deg: standard deviation of the bearing [deg].
         range_sigma: standard deviation of the range, as a share of the range.
         score_base, score_slope, score_sigma: score = base + slope * probability + noise, within 0.05..0.999.
         false_positives: probability of a false positive per picture.
         latency_s: from the picture to delivery [s].
     """
 
-    best: float
-    noise_light: float
-    pixels_half: float
-    pixels_width: float
-    exposure_width_ev: float
-    bearing_sigma_rad: float
-    range_sigma: float
+    best: Share
+    noise_light: NotNegative
+    pixels_half: NotNegative
+    pixels_width: Positive
+    exposure_width_ev: Annotated[float, Bounds(least=1e-3)]
+    bearing_sigma_deg: NotNegative
+    range_sigma: NotNegative
     score_base: float
     score_slope: float
-    score_sigma: float
-    false_positives: float
-    latency_s: float
-
-    @classmethod
-    def read(cls, item: Item) -> DetectorConfig:
-        """Read the `detector` of `sensors.yaml`."""
-        config = cls(
-            best=item.need("best").number(least=0.0, most=1.0),
-            noise_light=item.need("noise_light").number(least=0.0),
-            pixels_half=item.need("pixels_half").number(least=0.0),
-            pixels_width=item.need("pixels_width").number(least=1e-6),
-            exposure_width_ev=item.need("exposure_width_ev").number(least=1e-3),
-            bearing_sigma_rad=math.radians(item.need("bearing_sigma_deg").number(least=0.0)),
-            range_sigma=item.need("range_sigma").number(least=0.0),
-            score_base=item.need("score_base").number(),
-            score_slope=item.need("score_slope").number(),
-            score_sigma=item.need("score_sigma").number(least=0.0),
-            false_positives=item.need("false_positives").number(least=0.0, most=1.0),
-            latency_s=item.need("latency_s").number(least=0.0, most=LONGEST_S),
-        )
-        item.close()
-        return config
+    score_sigma: NotNegative
+    false_positives: Share
+    latency_s: Latency
 
     def probability(self, pixels: float, light: float, gain: float, error_ev: float) -> float:
         """Probability of detecting a person in one picture.
@@ -100,7 +81,7 @@ class Detector:
 
     def __init__(self, config: DetectorConfig, flight: FlightSetting) -> None:
         stream, names = flight.stream, flight.scene.names
-        self._config = config
+        self._config, self._bearing_sigma_rad = config, math.radians(config.bearing_sigma_deg)
         self._metering = flight.settings["metering"]
         self._camera = flight.settings["depth"].camera
         self._rays = self._camera.rays
@@ -145,7 +126,7 @@ class Detector:
                 Person(
                     label,
                     config.score(probability, float(draw[0])),
-                    math.atan(float(np.mean(left))) + config.bearing_sigma_rad * float(draw[1]),
+                    math.atan(float(np.mean(left))) + self._bearing_sigma_rad * float(draw[1]),
                     max(0.1, range_m * (1.0 + config.range_sigma * float(draw[2]))),
                 )
             )
@@ -164,7 +145,7 @@ SENSORS.declare(
     SensorKind(
         Detector,
         Detections,
-        read=DetectorConfig.read,
+        DetectorConfig,
         period_ticks=PERIOD_TICKS,
         latency_s=lambda config: config.latency_s,
         required=True,
@@ -185,18 +166,8 @@ class MeteringConfig:
         sigma_ev: standard deviation of a reading [EV].
     """
 
-    mid: float
-    sigma_ev: float
-
-    @classmethod
-    def read(cls, item: Item) -> MeteringConfig:
-        """Read the `metering` of `sensors.yaml`."""
-        config = cls(
-            mid=item.need("mid").number(least=1e-6, most=1.0),
-            sigma_ev=item.need("sigma_ev").number(least=0.0),
-        )
-        item.close()
-        return config
+    mid: Annotated[float, Bounds(least=1e-6, most=1.0)]
+    sigma_ev: NotNegative
 
     def error_ev(self, light: float, exposure: Exposure) -> float:
         """Exposure error of the picture [EV], + when too dark."""
@@ -218,4 +189,4 @@ class LightMeter:
         return Metering(moment.now_s, self._config.error_ev(moment.around.light, moment.exposure) + noise_ev)
 
 
-SENSORS.declare("metering", SensorKind(LightMeter, Metering, read=MeteringConfig.read, required=True))
+SENSORS.declare("metering", SensorKind(LightMeter, Metering, MeteringConfig, required=True))

@@ -7,7 +7,7 @@ A plugin adds a sensor with one class and one declaration, in a module that its 
         def __init__(self, config: RangeConfig, flight: FlightSetting) -> None: ...
         def measure(self, moment: Moment) -> Range | None: ...
 
-    SENSORS.declare("range", SensorKind(RangeFinder, Range, read=RangeConfig.read, latency_s=0.05))
+    SENSORS.declare("range", SensorKind(RangeFinder, Range, RangeConfig, latency_s=0.05))
 
 If `sensors.yaml` of a study has an entry `range`, its flights have the sensor, and the stack reads `frames["range"]`.
 """
@@ -16,9 +16,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Annotated, Any, NamedTuple, Protocol
 
-from scaloft_fi.document import Item
+from scaloft_fi.marks import Bounds
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.happenings import Surroundings
@@ -84,9 +84,9 @@ class SensorKind:
     """A declared sensor.
 
     Attributes:
-        make: makes the sensor of a flight from its settings (None without `read`) and the constants of the flight.
+        make: makes the sensor of a flight from its settings (None without any) and the constants of the flight.
         message: type of its messages.
-        read: reads its settings from its entry in `sensors.yaml`; None for a sensor without settings.
+        settings: the model of its entry in `sensors.yaml` (`scaloft_fi.model`); None for a sensor without settings.
         period_ticks: the sensor measures at every tick whose number is a multiple of this.
         latency_s: time from measurement to delivery [s]: a number, or a function of the settings.
         required: whether every study must have the sensor; an optional sensor needs an entry in `sensors.yaml`.
@@ -94,7 +94,7 @@ class SensorKind:
 
     make: Callable[[Any, FlightSetting], Sensor]
     message: type
-    read: Callable[[Item], Any] | None = None
+    settings: type | None = None
     period_ticks: int = 1
     latency_s: float | Callable[[Any], float] = 0.0
     required: bool = False
@@ -104,7 +104,7 @@ class SensorKind:
         return self.latency_s(settings) if callable(self.latency_s) else self.latency_s
 
 
-LONGEST_S = 3_600.0
-"""Longest latency of a sensor [s]."""
+Latency = Annotated[float, Bounds(least=0.0, most=3_600.0)]
+"""From measurement to delivery [s], an hour at most."""
 
 SENSORS = Registry[SensorKind]("sensor")

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from dataclasses import dataclass, field, make_dataclass
+from functools import lru_cache
+from typing import Annotated, Any, Generic, TypeVar
 
 from scaloft_fi.document import Item
+from scaloft_fi.marks import About, Called
+from scaloft_fi.model import NO_NAMES, Names, read, summary_of
 from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.happenings import Surroundings
 from scaloft_fi.sim.mesh import View
@@ -16,8 +19,8 @@ from scaloft_fi.sim.sensors import body  # noqa: F401 - they declare their senso
 from scaloft_fi.sim.sensors.body import BatteryConfig, ImuConfig, ImuSensor, PositioningConfig
 from scaloft_fi.sim.sensors.camera import DepthConfig, look
 from scaloft_fi.sim.sensors.detector import DetectorConfig, MeteringConfig
-from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, Sensor
-from scaloft_fi.stack.declaration import TICK_S
+from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, Sensor, SensorKind
+from scaloft_fi.stack.declaration import TICK_HZ, TICK_S
 from scaloft_fi.stack.messages import Exposure, Imu, SensorFrames, Stamps
 from scaloft_fi.streams import Array
 
@@ -67,25 +70,43 @@ class SensorsConfig:
         return config
 
 
+@dataclass(frozen=True)
+class NoSettings:
+    """A sensor without settings."""
+
+
+def sensors_model(names: Names = NO_NAMES) -> type:
+    """The model of `sensors.yaml`: the inertial sensor, and an entry for each declared sensor that has settings."""
+    return _sensors_model(tuple((name, SENSORS[name]) for name in names.get("sensors", SENSORS)))
+
+
+@lru_cache(maxsize=16)
+def _sensors_model(kinds: tuple[tuple[str, SensorKind], ...]) -> type:
+    fields: list[Any] = [("imu", Annotated[ImuConfig, About(f"{summary_of(ImuConfig)} 240 Hz.")])]
+    for number, (name, kind) in enumerate(kinds):
+        if kind.settings is None and kind.required:
+            continue
+        settings: Any = kind.settings or NoSettings
+        marks = Called(name), About(f"{summary_of(settings)} {TICK_HZ / kind.period_ticks:g} Hz.")
+        entry: Any = Annotated[(settings if kind.required else settings | None, *marks)]
+        fields.append((f"sensor_{number}", entry, *([] if kind.required else [field(default=None)])))
+    about = "The sensors: the stack gets data of the simulator only through them."
+    return make_dataclass("Sensors", fields, frozen=True, kw_only=True, namespace={"__doc__": about})
+
+
 def read_sensors(item: Item) -> SensorsConfig:
     """Read the sensors.
 
     Raises:
         InputError: a value is not allowed, or a sensor or key is unknown.
     """
-    imu, by_name = ImuConfig.read(item.need("imu")), dict[str, Any]()
-    for name, kind in SENSORS.items():
-        if kind.read is None and kind.required:
-            by_name[name] = None
-            continue
-        entry = item.need(name) if kind.required else item.get(name)
-        if entry is None:
-            continue
-        if kind.read is None:
-            entry.close()
-        by_name[name] = kind.read(entry) if kind.read else None
-    item.close()
-    return SensorsConfig(imu, by_name)
+    model: Any = read(sensors_model(), item)
+    by_name: dict[str, Any] = {}
+    for number, (name, kind) in enumerate(SENSORS.items()):
+        settings = getattr(model, f"sensor_{number}", None)
+        if settings is not None or kind.required:
+            by_name[name] = None if isinstance(settings, NoSettings) else settings
+    return SensorsConfig(model.imu, by_name)
 
 
 class Pipe(Generic[M]):

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaloft_fi.stack.config import Count
+from scaloft_fi.marks import Count
 from scaloft_fi.stack.declaration import Wire
 from scaloft_fi.stack.messages import Array, Bumper, DepthFrame, Exposure, Metering, SensorFrames
 from scaloft_fi.stack.reference.flight_control import FlightControl

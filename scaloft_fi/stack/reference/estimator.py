@@ -23,7 +23,7 @@ from numba import types
 from numba.extending import intrinsic
 from scipy.linalg.lapack import dgesv
 
-from scaloft_fi.stack.config import NotNegative, Positive
+from scaloft_fi.marks import NotNegative, Positive
 from scaloft_fi.stack.declaration import TICK_S
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Array, Fix, Imu

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaloft_fi.stack.config import Positive
+from scaloft_fi.marks import Positive
 from scaloft_fi.stack.declaration import STEP_HZ, Numbers
 from scaloft_fi.stack.kernel import jit, joined
 from scaloft_fi.stack.messages import Array, Imu, Thrust

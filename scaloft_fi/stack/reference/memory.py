@@ -15,7 +15,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.stack.config import Bounds, Count, NotNegative
+from scaloft_fi.marks import Bounds, Count, NotNegative
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Array, DepthCamera, DepthFrame
 from scaloft_fi.stack.reference.messages import Clearing, ObstacleMap, PoseEstimate

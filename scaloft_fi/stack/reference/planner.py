@@ -18,7 +18,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from scaloft_fi.stack.config import Bounds, Count, NotNegative, Positive
+from scaloft_fi.marks import Bounds, Count, NotNegative, Positive
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Array, Point
 from scaloft_fi.stack.reference.messages import ObstacleMap, PoseEstimate, SpeedLimit

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaloft_fi.stack.config import Count
+from scaloft_fi.marks import Count
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Array, DepthCamera, DepthFrame
 from scaloft_fi.stack.reference.messages import CollisionFlag, PoseEstimate, Proximity

@@ -6,7 +6,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 from scaloft_fi.stack.declaration import STEP_HZ, STEP_S, TICK_HZ, Belief, Declaration, PlainStack, Seam
-from scaloft_fi.stack.config import Bounds
+from scaloft_fi.marks import Bounds
 from scaloft_fi.stack.messages import Stamp, Vector
 from scaloft_fi.sim.stacks import declare_stack
 from scaloft_fi.stack import messages

@@ -1,1 +1,0 @@
-"""The YAML documents of a study, each as a JSON Schema that editors and programs use."""
