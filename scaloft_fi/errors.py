@@ -87,7 +87,11 @@ class Faults:
     """Collects what is wrong with a document, so that one reading tells all of it."""
 
     def __init__(self) -> None:
-        self._found: list[InputError] = []
+        self._found: dict[str, InputError] = {}
+
+    def __bool__(self) -> bool:
+        """Whether something is wrong."""
+        return bool(self._found)
 
     @contextmanager
     def collecting(self) -> Iterator[None]:
@@ -98,9 +102,10 @@ class Faults:
             self.add(error)
 
     def add(self, *errors: InputError) -> None:
-        """Keep errors."""
+        """Keep errors, the same sentence once."""
         for error in errors:
-            self._found += error.faults if isinstance(error, FaultsError) else [error]
+            for fault in error.faults if isinstance(error, FaultsError) else (error,):
+                self._found.setdefault(str(fault), fault)
 
     def end(self) -> None:
         """Raise what was kept, if anything.
@@ -108,8 +113,9 @@ class Faults:
         Raises:
             InputError: the one fault, or a `FaultsError` of several.
         """
-        if self._found:
-            raise FaultsError(self._found) if len(self._found) > 1 else self._found[0]
+        found = tuple(self._found.values())
+        if found:
+            raise FaultsError(found) if len(found) > 1 else found[0]
 
 
 _MOST_NAMES, _LONGEST_NAME = 2_000, 200

@@ -1,7 +1,7 @@
 """What a setting may be: marks in the type of a field, `Annotated[float, Bounds(least=0.0)]`.
 
-A frozen dataclass or named tuple whose fields carry such marks describes a mapping of settings once: reading, bounds and
-schema follow from it (`scaloft_fi.model`).  The texts stand in the docstring of the class, under `Attributes:`.
+A frozen dataclass or named tuple whose fields carry such marks describes a mapping of settings once: reading, bounds
+and schema follow from it (`scaloft_fi.model`).  The texts stand in the docstring of the class, under `Attributes:`.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Pattern:
     allowed: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Choices:
     """Allowed texts, with the meaning of each if it is a mapping.
 

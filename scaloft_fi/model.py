@@ -6,7 +6,7 @@ A model is a frozen dataclass or a named tuple whose fields carry the marks of `
     class Lamp:
         '''A lamp.
 
-        Attributes:
+Attributes:
             power_w: its power [W].
         '''
 
@@ -30,9 +30,9 @@ import types
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
-from functools import lru_cache
+from functools import cache
 from inspect import cleandoc, get_annotations
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from scaloft_fi.document import ITEMS, Item
 from scaloft_fi.errors import Faults, InputError, did_you_mean
@@ -76,11 +76,8 @@ class Field:
     optional: bool
     default: Any
     about: str
-
-    @property
-    def given(self) -> Given | None:
-        """How the field is found where no key has it."""
-        return _mark(self.hint, Given)
+    given: Given | None
+    """How the field is found where no key has it."""
 
 
 def is_model(hint: Any) -> bool:
@@ -93,7 +90,7 @@ def fields_of(cls: type) -> tuple[Field, ...]:
     return _fields_of(cls)
 
 
-@lru_cache(maxsize=None)
+@cache
 def _fields_of(cls: Any) -> tuple[Field, ...]:
     hints, told = _hints(cls), attributes_of(cls)
     found = []
@@ -105,12 +102,14 @@ def _fields_of(cls: Any) -> tuple[Field, ...]:
         if (otherwise := _mark(hint, Otherwise)) is not None:
             default = otherwise.value
         optional = default is not dataclasses.MISSING and _mark(hint, Needed) is None
-        found.append(Field(name, called.key if called else name, hint, optional, default, text))
+        found.append(Field(name, called.key if called else name, hint, optional, default, text, _mark(hint, Given)))
     return tuple(found)
 
 
 def _hints(cls: type) -> dict[str, Any]:
     """The types of all fields; a base class of another module names what its own module imports."""
+    if hasattr(cls, "_fields"):
+        return get_type_hints(cls, include_extras=True)
     hints: dict[str, Any] = {}
     for base in reversed(cls.__mro__):
         hints |= get_annotations(base, eval_str=True)
@@ -122,8 +121,8 @@ def _defaults(cls: type) -> dict[str, Any]:
     if hasattr(cls, "_fields"):
         defaults = getattr(cls, "_field_defaults", {})
         return {name: defaults.get(name, dataclasses.MISSING) for name in cls._fields}
-    found = {}
-    for field in dataclasses.fields(cls):
+    found: dict[str, Any] = {}
+    for field in dataclasses.fields(cls) if dataclasses.is_dataclass(cls) else ():
         made = field.default_factory
         found[field.name] = field.default if made is dataclasses.MISSING else made()
     return found
@@ -158,19 +157,26 @@ def summary_of(cls: type) -> str:
 
 def _mark(hint: Any, kind: type[T]) -> T | None:
     """The mark of a kind that a type carries; that of an optional type too."""
+    found: T | None = _found_mark(hint, cast(Any, kind))
+    return found
+
+
+@cache
+def _found_mark(hint: Any, kind: Any) -> Any:
     for mark in getattr(hint, "__metadata__", ()):
         if isinstance(mark, kind):
             return mark
     if hasattr(hint, "__metadata__"):
-        return _mark(hint.__origin__, kind)
+        return _found_mark(hint.__origin__, kind)
     alternatives = get_args(hint) if _is_union(hint) else ()
-    return next((mark for one in alternatives if (mark := _mark(one, kind)) is not None), None)
+    return next((mark for one in alternatives if (mark := _found_mark(one, kind)) is not None), None)
 
 
 def _is_union(hint: Any) -> bool:
     return get_origin(hint) in (Union, types.UnionType)
 
 
+@cache
 def _present(hint: Any) -> tuple[Any, ...]:
     """The alternatives of a type without their marks, None left out."""
     if hasattr(hint, "__metadata__"):
@@ -215,16 +221,38 @@ def read(
         elif field.key in entries:
             item.get(field.key)
             with faults.collecting():
-                values[field.name] = value_of(field.hint, entries[field.key], names)
+                values[field.name] = _reader(field.hint)(entries[field.key], names)
         elif field.optional:
             values[field.name] = field.default
+    model = _partly(cls, values) if faults else cls(**values)
+    faults.add(*_contradictions(model, item, partly=bool(faults)))
     faults.end()
-    model = cls(**values)
-    contradictions = getattr(model, "contradictions", None)
-    if contradictions is not None:
-        faults.add(*contradictions(item))
-        faults.end()
     return model
+
+
+def _partly(cls: type, values: Mapping[str, Any]) -> Any:
+    """A model of which some fields cannot be read."""
+    model: Any = object.__new__(cls) if dataclasses.is_dataclass(cls) else None
+    if model is not None:
+        for name, value in values.items():
+            object.__setattr__(model, name, value)
+    return model
+
+
+def _contradictions(model: Any, item: Item, *, partly: bool) -> Iterator[InputError]:
+    """What `contradictions` of a model yields; of one that was read partly, up to the first field that is missing."""
+    find = getattr(model, "contradictions", None)
+    if find is None:
+        return
+    try:
+        yield from find(item)
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError):
+        if not partly:
+            raise
+    except InputError as error:
+        if not partly:
+            raise
+        yield error
 
 
 def _wrong_keys(item: Item, fields: Iterable[Field], beside: Collection[str]) -> Iterator[InputError]:
@@ -248,41 +276,55 @@ def _wrong_keys(item: Item, fields: Iterable[Field], beside: Collection[str]) ->
         yield InputError(f"{entry.place}: unknown key {key!r} in {item.name}{did_you_mean(key, known)}")
 
 
+Reader = Callable[[Item, Names], Any]
+"""Makes of an entry, and names of the study, a value."""
+
+
 def value_of(hint: Any, item: Item, names: Names = NO_NAMES) -> Any:
     """The value of an entry as its type and marks ask for it.
 
     Raises:
         InputError: it is not allowed; all that is wrong with it.
     """
+    return _reader(hint)(item, names)
+
+
+@cache
+def _reader(hint: Any) -> Reader:
+    """What reads values of a type; found once, because a study has thousands of values."""
     if (reads := _mark(hint, Reads)) is not None:
-        return reads.read(item)
+        return lambda item, _names: reads.read(item)
     kinds = _present(hint)
     if set(kinds) <= {str, int, float, bool} and len(kinds) > 1:
-        return _scalar(hint, kinds, item)
+        return lambda item, names: _scalar(hint, kinds, item, names)
     if len(kinds) > 1:
-        return read(_form(hint, kinds, item), item, names)
+        return lambda item, names: read(_form(hint, kinds, item), item, names)
     (kind,) = kinds
     if kind is Item:
-        return item
+        return lambda item, _names: item
     if kind is Any:
-        return item.plain()
+        return lambda item, _names: item.plain()
     if is_model(kind):
-        return read(kind, item, names)
+        return lambda item, names: read(kind, item, names)
     origin = get_origin(kind)
     if origin in (tuple, frozenset):
-        return _several(hint, kind, item, names)
+        return lambda item, names: _several(hint, kind, item, names)
     if origin is Mapping:
-        return _by_name(hint, get_args(kind)[1], item, names)
+        return lambda item, names: _by_name(hint, get_args(kind)[1], item, names)
     if origin is Literal:
-        return _literal(get_args(kind), item)
+        return lambda item, _names: _literal(get_args(kind), item)
     if issubclass(kind, Enum):
-        return kind(item.choice([member.value for member in kind]))
+        values = [member.value for member in kind]
+        return lambda item, _names: kind(item.choice(values))
+    if kind is bool:
+        return lambda item, _names: item.flag()
     bounds = _mark(hint, Bounds) or Bounds()
+    least, most, above, infinite = bounds.least, bounds.most, bounds.above, bounds.infinite
     if kind is float:
-        return item.number(least=bounds.least, most=bounds.most, above=bounds.above, infinite=bounds.infinite)
+        return lambda item, _names: item.number(least=least, most=most, above=above, infinite=infinite)
     if kind is int:
-        return item.whole(least=int(bounds.least), most=int(bounds.most))
-    return item.flag() if kind is bool else _text(hint, item, names)
+        return lambda item, _names: item.whole(least=int(least), most=int(most))
+    return lambda item, names: _text(hint, item, names)
 
 
 def _text(hint: Any, item: Item, names: Names) -> str:
@@ -296,15 +338,15 @@ def _text(hint: Any, item: Item, names: Names) -> str:
     return item.value
 
 
-def _scalar(hint: Any, kinds: Collection[type], item: Item) -> Any:
+def _scalar(hint: Any, kinds: Collection[type], item: Item, names: Names) -> Any:
     """A value of several plain types; a text obeys the pattern, a number the bounds."""
     value = item.value
     if isinstance(value, bool) and bool in kinds:
         return value
     if isinstance(value, str) and str in kinds:
-        return _text(hint, item, NO_NAMES)
+        return _text(hint, item, names)
     if isinstance(value, int | float) and not isinstance(value, bool) and {int, float} & set(kinds):
-        return value_of(_marked(float, hint), item)
+        return _reader(_marked(float, hint))(item, names)
     told = {str: "a text", float: "a number", int: "a number", bool: "true or false"}
     raise item.error(" or ".join(dict.fromkeys(told[kind] for kind in kinds)))
 
@@ -347,13 +389,14 @@ def _several(hint: Any, kind: Any, item: Item, names: Names) -> Any:
     entries = item.items() if exact else _entries(hint, item, "list")
     for place, entry in enumerate(entries):
         with faults.collecting():
-            values.append(value_of(inner[place] if exact else inner[0], entry, names))
+            values.append(_reader(inner[place] if exact else inner[0])(entry, names))
     faults.end()
     return get_origin(kind)(values)
 
 
 def _by_name(hint: Any, inner: Any, item: Item, names: Names) -> dict[str, Any]:
     pattern, choices, faults, values = _mark(hint, Pattern), _mark(hint, Choices), Faults(), {}
+    reader = _reader(inner)
     for key, entry in _entries(hint, item, "mapping").items():
         if pattern is not None and not re.fullmatch(pattern.text, key):
             faults.add(InputError(f"{entry.place}: name {key!r} must be {pattern.allowed}"))
@@ -361,7 +404,7 @@ def _by_name(hint: Any, inner: Any, item: Item, names: Names) -> dict[str, Any]:
             faults.add(InputError(f"{entry.place}: {item.name} {key!r} is not known{did_you_mean(key, among)}"))
         else:
             with faults.collecting():
-                values[key] = value_of(inner, entry, names)
+                values[key] = reader(entry, names)
     faults.end()
     return values
 
@@ -379,10 +422,13 @@ def _form(hint: Any, models: tuple[Any, ...], item: Item) -> Any:
     whole = [model for model in fitting if entries.keys() & set.union(*own.values()) <= own[model]]
     if len(whole) == 1 or (len(fitting) == 1 and not either.allowed):
         return (whole or fitting)[0]
-    best = max(models, key=lambda model: len(own[model] & entries.keys()))
+    strange = entries.keys() - set.union(*own.values())
+    for model in models:
+        if not fitting and any(difflib.get_close_matches(key, own[model] - shared, 1, _NEAR) for key in strange):
+            return model
     if either.allowed:
         raise item.error(either.allowed)
-    return best
+    return max(models, key=lambda model: len(own[model] & entries.keys()))
 
 
 def _fixed(model: type, key: str) -> tuple[Any, ...]:
@@ -492,7 +538,7 @@ def _mapping_schema(hint: Any, inner: Any, names: Names, hook: Hook) -> Schema:
     if pattern is not None:
         told = {"patternProperties": {f"^(?:{pattern.text})$": each}, "additionalProperties": False}
     elif choices is not None and (among := choices.among(names)):
-        told = {"properties": {name: each for name in among}, "additionalProperties": False}
+        told = {"properties": dict.fromkeys(among, each), "additionalProperties": False}
     return {"type": "object", **told, **_size(hint, "Properties")}
 
 

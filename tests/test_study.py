@@ -183,11 +183,8 @@ def test_an_edit_of_a_kind_of_happening_changes_the_hash_of_the_code_where_the_w
         def apply(self, around: Surroundings, since_s: float) -> None:
             pass
 
-    def read(_item: object) -> Effect:
-        return Nothing()
-
-    read.__module__ = "mine_faults.wander"
-    monkeypatch.setitem(HAPPENINGS._entries, "wandering", HappeningKind(read))
+    Nothing.__module__ = "mine_faults.wander"
+    monkeypatch.setitem(HAPPENINGS._entries, "wandering", HappeningKind(Nothing))
     before = Study(copy).inputs["code"]
     with (copy / "sim" / "world.yaml").open("a") as file:
         file.write("\nhappenings: {h: {kind: wandering, active: false}}\n")

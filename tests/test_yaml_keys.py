@@ -5,20 +5,19 @@ from __future__ import annotations
 import json
 import re
 
-from asked import keys_of
+from schemas import keys_of
 
 from scaloft_fi.reference import yaml_keys_page
-from scaloft_fi.verbs.documents.listed import DOCUMENTS
-from scaloft_fi.verbs.documents.schema import Declared
+from scaloft_fi.verbs.schema import DOCUMENTS, declared_names
 
 
 def test_every_document_and_every_key_is_on_the_page() -> None:
     page = yaml_keys_page()
     sections = dict(re.findall(r"^## `(.*?)`\n(.*?)(?=^## |\Z)", page, re.MULTILINE | re.DOTALL))
-    declared = Declared.everything(own=True)
+    names = declared_names(own=True)
     for one in DOCUMENTS.values():
         told = re.findall(r"^\| `(.*?)` \|", sections[one.files], re.MULTILINE)
-        keys = {pointer[-1] for pointer in keys_of(one.schema(declared)) if "then" not in pointer}
+        keys = {pointer[-1] for pointer in keys_of(one.schema(names)) if "then" not in pointer}
         assert {re.sub(r"\[\]|\?", "", name).rpartition(".")[2] for name in told} - {"*"} == keys, one.name
 
 

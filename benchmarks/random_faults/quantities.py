@@ -45,7 +45,7 @@ def _quantities(study: Study) -> Iterator[Quantity]:
     scenario = scenarios[0]
     vehicle, cells = scenario.vehicle, scenario.sensors.battery
     length_m = _length_m([corner for ring in scenario.world.mine.footprint for corner in ring])
-    force_mps2 = len(vehicle.rotors) * vehicle.max_thrust_n / vehicle.mass_kg
+    force_mps2 = len(vehicle.rotors_m) * vehicle.max_thrust_n / vehicle.mass_kg
     yield Quantity("s", max(s.nominal_s for s in scenarios), "the longest nominal mission of the grid")
     yield Quantity("m", length_m, "the longer side of the mine's ground plan")
     yield Quantity("m/s2", force_mps2, "greatest thrust of all rotors over the mass")
@@ -66,5 +66,5 @@ def _length_m(corners: list[tuple[float, float]]) -> float:
 
 def _roll_radps2(vehicle: Vehicle) -> float:
     """Greatest angular acceleration about the body's x axis: one side at full thrust, the other at none [rad/s2]."""
-    arms_m = vehicle.rotors[:, 1]
-    return float(vehicle.max_thrust_n * arms_m[arms_m > 0].sum() / vehicle.inertia[0])
+    arm_m = sum(y for _, y in vehicle.rotors_m if y > 0)
+    return vehicle.max_thrust_n * arm_m / vehicle.inertia_kgm2[0]

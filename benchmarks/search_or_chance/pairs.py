@@ -60,7 +60,7 @@ def _constraints(grid: Grid) -> Iterator[dict[str, Any]]:
         axes = [(axis, constraint.excluded[axis.id]) for axis in grid.axes if axis.id in constraint.excluded]
         yield _any(_is(axis.id, value.id) for axis, out in axes for value in axis.values if value.id not in out)
     for free in grid.free:
-        for other, values in free.only_with:
+        for other, values in free.only_with.items():
             yield _any([{**_is(free.id, OFF), "operator": "ne"}, *(_is(other, value) for value in sorted(values))])
 
 

@@ -26,7 +26,7 @@ from scaloft_fi.hazop.matrix import (
     SeverityClass,
     load_severities,
 )
-from scaloft_fi.marks import ByName, Either, Examples, Pattern, Size
+from scaloft_fi.marks import ByName, Choices, Either, Examples, Pattern, Size
 from scaloft_fi.model import value_of
 
 FOLDERS = ("hazop", "mutants", "sim")
@@ -144,7 +144,9 @@ class Tested:
     effect: str
     requirements: Annotated[tuple[Annotated[str, Examples("SR1")], ...], Size(1, MOST_ENTRIES)]
     faults: Annotated[tuple[Fault, ...], Size(1, MOST_ENTRIES)]
-    severity: Annotated[str, Pattern(SEVERITY, "the name of a class"), Examples("injury")] = ""
+    severity: Annotated[str, Choices(named="classes"), Pattern(SEVERITY, "the name of a class"), Examples("injury")] = (
+        ""
+    )
     predicted: str = ""
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
@@ -265,11 +267,14 @@ def read_cell(
         raise InputError(
             f"{place}: the cell {name} is blank; it must be credible, a control, or not_meaningful with a reason"
         )
-    model: NotMeaningful | Tested = value_of(CellModel, item, {"seams": sorted(seams)} if seams else {})
+    names = {"classes": [one.id for one in classes], **({"seams": sorted(seams)} if seams else {})}
+    model: NotMeaningful | Tested = value_of(CellModel, item, names)
     status = CellStatus(model.status)
     if isinstance(model, NotMeaningful):
         return Cell(guideword, parameter, status, reason=model.reason, place=item.place), None
-    severity = class_named(model.severity, item, classes) if model.severity else None
+    severity = next((one for one in classes if one.id == model.severity), None)
+    if model.severity and severity is None:
+        raise item.need("severity").error(f"left out in a study without classes: hazop/{SEVERITIES} lists them")
     faults = model.faults
     if seams is not None:
         faults = tuple(replace(fault, message=seams[fault.seam].message) for fault in faults)
@@ -287,15 +292,3 @@ def read_cell(
         requirements_place=item.need("requirements").place,
     )
     return cell, severity
-
-
-def class_named(severity: str, cell: Item, classes: tuple[SeverityClass, ...]) -> SeverityClass:
-    """The class of a cell.
-
-    Raises:
-        InputError: the class is unknown, or the study has no classes.
-    """
-    entry, by_id = cell.need("severity"), {one.id: one for one in classes}
-    if not by_id:
-        raise entry.error(f"left out in a study without classes: hazop/{SEVERITIES} lists them")
-    return by_id[entry.choice(tuple(by_id))]

@@ -318,10 +318,9 @@ class OutsideConfig:
         carries = item.need("carries")
         twins = [name for name, other in self.seams.items() if other.carries == seam.carries]
         if not PORTS[seam.carries].outward and seam.carries not in BELOW[self.below]:
-            taken = ", ".join(BELOW[self.below])
-            yield carries.error(f"taken where below={self.below!r}: {taken}")
+            yield carries.error(f"taken by {self.below}, which takes {' and '.join(BELOW[self.below])}")
         elif not PORTS[seam.carries].outward and len(twins) > 1:
-            yield carries.error(f"carried once, it is by {' and '.join(twins)}")
+            yield InputError(f"{carries.place}: {seam.carries!r} is carried by {' and '.join(twins)}; one is allowed")
         elif misfit := BORDERS[self.border].misfit(seam.as_topic(item.name)):
             yield InputError(f"{item.place}: {item.name}: {misfit}")
 

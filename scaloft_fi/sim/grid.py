@@ -273,10 +273,10 @@ class Grid:
         """
         document, own = documents["world"], self.documents["world"]
         unchanged = document.mapping().get("mine") is own.mapping().get("mine")
-        return read_world(document, self._mine if unchanged else None)
+        return read_world(document, self.mine if unchanged else None)
 
     @cached_property
-    def _mine(self) -> Mine:
+    def mine(self) -> Mine:
         """The mine of every world whose situation does not change it; reading a mesh takes seconds."""
         return read_mine(self.documents["world"].need("mine"))
 
@@ -403,6 +403,11 @@ def contradictions(grid: Grid) -> Iterator[InputError]:
             grid.situation(grid.aliases[alias])
         except InputError as error:
             yield InputError(f"{entry.place}: alias {alias!r}: {error}")
+    try:
+        _ = grid.mine
+    except InputError as error:
+        yield error
+        return  # every world would have it
     for value in grid.proved_values:
         try:
             grid.world_of(grid.documents_with([value]))

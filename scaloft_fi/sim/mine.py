@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
@@ -217,7 +217,7 @@ class MeshMine(_Rock):
     mesh: Annotated[str, Examples("my_mine.obj")]
     scale_m: Annotated[MoreThanZero, Examples(0.01)] = 1.0
     ground: tuple[str, ...] = ()
-    mesh_limits: MeshLimits = MeshLimits()
+    mesh_limits: MeshLimits = field(default_factory=MeshLimits)
 
     def surface(self, item: Item) -> tuple[Path, Mesh, tuple[str, ...]]:
         """The file, its faces, and the object that each belongs to.

@@ -139,7 +139,7 @@ Path = Annotated[
 ]
 
 
-_TAKES = {shape: () for shape in Shape} | {Shape.NORMAL: ("mean", "sd"), Shape.TRIANGULAR: ("mode",)}
+_TAKES = dict.fromkeys(Shape, ()) | {Shape.NORMAL: ("mean", "sd"), Shape.TRIANGULAR: ("mode",)}
 """What each distribution needs besides its ends."""
 
 
@@ -153,7 +153,7 @@ class Drawn:
         high: upper end, at most four significant digits.
         unit: unit of the number.
         benign: the number of a situation in which the axis is 0; of a free axis the one that the documents have.
-        shape: how the number is distributed.
+        shape: how the number is distributed: uniform, log-uniform, normal or triangular.
         mean: of a normal distribution before it is cut off at both ends.
         sd: standard deviation of a normal distribution before it is cut off.
         mode: the likeliest number of a triangular distribution, between both ends.
@@ -414,10 +414,15 @@ class Situation:
         return self.key
 
 
+def _formula(item: Item) -> Item:
+    item.text()
+    return item
+
+
 Realised = Annotated[
     Item,
     Reads(
-        lambda item: item if item.text() else item,
+        _formula,
         lambda _names: {"type": "string", "minLength": 1, "examples": ["eventually(person_sight_m <= 3)"]},
     ),
 ]

@@ -227,9 +227,7 @@ DOCUMENTS: Mapping[str, Document] = {
             _model(
                 Annotated[
                     Parameters,
-                    About(
-                        "The parameters by name, in the order of the rows of the matrix; `hazop/matrix/<name>.yaml` has the cells of one."
-                    ),
+                    About("The parameters by name, in the order of the rows of the matrix; each has a file of cells."),
                 ]
             ),
         ),

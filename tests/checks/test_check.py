@@ -161,7 +161,7 @@ def test_a_broken_list_of_classes_is_one_error_and_cells_are_held_against_its_na
     _edit(copy / "hazop" / "severities.yaml", "  title: time is lost\n", "")
     _edit(copy / "hazop" / "matrix" / "goal.yaml", "severity: mission", "severity: mision")
     assert [found.partition("error: ")[2].partition(";")[0] for found in errors(check_study(copy))] == [
-        "delay lacks the key 'title'",
+        "delay lacks the key 'title': name of the class for people",
         *["severity='mision' is not known"] * 2,
     ]
 

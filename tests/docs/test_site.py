@@ -18,8 +18,8 @@ from printed import printed_enumerations
 
 from scaloft_fi.cli import VERBS, command_of
 from scaloft_fi.errors import ExitCode
-from scaloft_fi.verbs.documents.listed import DOCUMENTS
 from scaloft_fi.verbs.export.rows import BASIS, HEAD, TAIL
+from scaloft_fi.verbs.schema import DOCUMENTS
 from scaloft_fi.views.glossary import TERMS
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -58,7 +58,7 @@ def test_a_cell_needs_no_class(tmp_path: Path, classes: str) -> None:
         ("  severity: inury\n", CLASSES, MORE, 8, "severity='inury' is not known; did you mean 'injury'?"),
         ("  severity: 3\n", CLASSES, MORE, 8, "severity=3 is not known"),
         ("  severity: injury\n", "", MORE, 8, "severity='injury' must be left out in a study without classes"),
-        ("", CLASSES, MORE.replace("}", ", severity: injury}"), 8, "must be left out where the cell is not credible"),
+        ("", CLASSES, MORE.replace("}", ", severity: injury}"), 8, "unknown key 'severity' in MORE"),
         ("", CLASSES, CONTROL + "  severity: damage\n", 15, "must be left out where the cell is not credible"),
     ],
 )

@@ -165,7 +165,7 @@ def test_an_excluded_situation_is_refused_with_its_reason(constrained):
     [
         ("{exclude: {T: 0, X: 1}, reason: r}", "exclude names the unknown axis 'X'"),
         ("{exclude: {T: 0, W: 2}, reason: r}", "W=2 must be values of axis 'W', 0 to 1"),
-        ("{exclude: {T: 0, W: []}, reason: r}", r"W=\[...\] must be values of axis 'W', 0 to 1"),
+        ("{exclude: {T: 0, W: []}, reason: r}", r"W=\[...\] must be the id of a value"),
         ("{exclude: {T: 0}, reason: r}", "exclude must name the values of at least 2 axes"),
         ("{exclude: {T: 0, W: 1}}", "lacks the key 'reason'"),
         ("{exclude: {T: 0, W: 1}, reason: r, why: x}", "unknown key 'why'"),

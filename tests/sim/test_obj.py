@@ -7,6 +7,7 @@ import pytest
 
 from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
+from scaloft_fi.model import read
 from scaloft_fi.sim.mesh import MeshLimits, read_obj
 
 
@@ -79,5 +80,4 @@ def test_a_mesh_at_its_limits_is_read_with_line_ends_of_any_system(tmp_path):
 
 def test_limits_are_raised_in_the_study(tmp_path):
     (tmp_path / "a.yaml").write_text("triangles: 5000000\n")
-    assert MeshLimits.read(load(tmp_path / "a.yaml")) == MeshLimits(triangles=5_000_000)
-    assert MeshLimits.read(None) == MeshLimits()
+    assert read(MeshLimits, load(tmp_path / "a.yaml")) == MeshLimits(triangles=5_000_000)

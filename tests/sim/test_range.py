@@ -5,17 +5,13 @@ from pathlib import Path
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from items import item_of
 from ranges import CRUISE, with_range
 
-from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
+from scaloft_fi.model import read
 from scaloft_fi.sim.load import load
-from scaloft_fi.sim.situation import Range, cut, number_text, read_range
-
-
-def item_of(**values: object) -> Item:
-    entries = {name: Item(Path("s.yaml"), 1, name, value) for name, value in values.items()}  # type: ignore[arg-type]
-    return Item(Path("s.yaml"), 1, "range", entries)
+from scaloft_fi.sim.situation import Range, cut, number_text
 
 
 @st.composite
@@ -36,11 +32,9 @@ def ranges(draw: st.DrawFn) -> Range:
     share = draw(st.floats(0, 1))
     benign = min(max(float(number_text(low + share * (high - low))), low), high)
     mode = {"mode": benign} if own["distribution"] == "triangular" else {}
-    item = item_of(
-        set="light", to=high, unit="m", bins=draw(st.integers(2, 6)), benign=benign, **own, **mode, **{"from": low}
-    )
+    ends = {"set": "light", "from": low, "to": high, "unit": "m", "bins": draw(st.integers(2, 6)), "benign": benign}
     try:
-        return read_range(item)
+        return read(Range, item_of({**ends, **own, **mode}, "range"))
     except InputError as error:
         assume("equal at 4" not in str(error) and "distribution in the range" not in str(error))
         raise
@@ -94,9 +88,9 @@ BAD = [
     ("from: 0.4", "from: .nan", "from=nan must be a number"),
     ("to: 1.2", "to: .inf", "to=inf must be a finite number"),
     ("to: 1.2", "to: 1.23456", "to=1.23456 must be a number with at most 4 significant digits, such as 1.235"),
-    ("bins: 4", "bins: 0", "bins=0 must be 2 to 100"),
-    ("bins: 4", "bins: 1", "bins=1 must be 2 to 100"),
-    ("bins: 4", "bins: 1000000000", "bins=1000000000 must be 2 to 100"),
+    ("bins: 4", "bins: 0", "bins=0 must be a whole number >= 2"),
+    ("bins: 4", "bins: 1", "bins=1 must be a whole number >= 2"),
+    ("bins: 4", "bins: 1000000000", "bins=1000000000 must be a whole number >= 2 and <= 100"),
     ("bins: 4", "bins: 2.5", "bins=2.5 must be a whole number"),
     ("to: 1.2", "to: 0.4003", "bins=4 must be less: two ends of bins are equal at 4 significant digits"),
     ("benign: 0.5", "benign: 0.3", "benign=0.3 must be 0.4 to 1.2, within the range"),
@@ -128,11 +122,15 @@ BAD = [
     ),
     ("set: mission.cruise_mps\n      from: 0.4", "set: vehicle.mass_kg\n      from: 0", "mass_kg=0.0 must be >= 1e-06"),
     ("    realised: eventually(speed_mps >= 0.8 * number)\n", "", "C lacks the key 'realised': a formula"),
-    ("      distribution: uniform\n", "", "range lacks the key 'distribution': one of uniform, log-uniform"),
+    (
+        "      distribution: uniform\n",
+        "",
+        "range lacks the key 'distribution': how the number is distributed: uniform, log-uniform",
+    ),
     (
         "    realised:",
         "    values: [{id: 0, title: a}]\n    realised:",
-        "axis 'C' must have either 'values' or 'range', not both",
+        "C={...} must be an axis with either 'values' or 'range'",
     ),
 ]
 

@@ -59,7 +59,7 @@ def flown(vehicle, velocity, rate, thrusts, attitude=UPRIGHT):
 def test_wind_adds_what_its_drag_can_add_in_a_tick():
     calm, windy = Reach(VEHICLE), Reach(VEHICLE, 10.0)
     gained_m = windy.gained_m - calm.gained_m
-    assert gained_m == pytest.approx(0.05**2 * 13 / 24 * VEHICLE.drag * 10.0 / VEHICLE.mass_kg)
+    assert gained_m == pytest.approx(0.05**2 * 13 / 24 * VEHICLE.drag_ns_per_m * 10.0 / VEHICLE.mass_kg)
     assert windy.gained_rad == calm.gained_rad
 
 
@@ -85,7 +85,7 @@ def test_nothing_comes_nearer_than_it_says(velocity, speed, rate, spin, rotors, 
 
 
 def test_the_way_gained_is_that_of_all_rotors_and_weight_together():
-    streamlined = replace(VEHICLE, drag=0.0)
+    streamlined = replace(VEHICLE, drag_ns_per_m=0.0)
     *_, last = flown(streamlined, (0, 0, 0), (0, 0, 0), np.full((STEPS, 4), VEHICLE.max_thrust_n), INVERTED)
     assert -last[2] == pytest.approx(Reach(VEHICLE).gained_m, rel=1e-9)
 
@@ -96,14 +96,14 @@ def test_the_turn_gained_is_that_of_the_rotors_of_one_side():
 
 
 def test_a_tumbling_body_gains_rate_without_torque_but_no_more_than_it_says():
-    slender = replace(VEHICLE, inertia=(0.005, 0.02, 0.024), drag=0.0)
+    slender = replace(VEHICLE, inertia_kgm2=(0.005, 0.02, 0.024), drag_ns_per_m=0.0)
     states = flown(slender, (0, 0, 0), (0.01, 1.0, 0.01), np.zeros((4000, 4)))
     grown = max(float(np.linalg.norm(state[10:13])) for state in states)
     assert 1.2 < grown < Reach(slender).tumble
 
 
 def test_a_rate_counts_with_all_that_it_may_grow_to():
-    reach = Reach(replace(VEHICLE, inertia=(0.005, 0.02, 0.024)))
+    reach = Reach(replace(VEHICLE, inertia_kgm2=(0.005, 0.02, 0.024)))
     still_m, turning_m = (reach.within_tick_m((0.0,) * 10 + (0.0, rate, 0.0)) for rate in (0.0, 1.0))
     assert turning_m - still_m == pytest.approx(0.05 * reach.tumble * 0.5 * math.hypot(*VEHICLE.hull_m))
 

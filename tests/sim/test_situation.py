@@ -53,7 +53,7 @@ BAD = [
     ("[0.865, 7.0]", "[1.865, 7.0]", "corner=[1.865, 7.0] must be in the open space"),
     ("[corner, end, corner, home]", "[corner, and, corner, home]", "no waypoint 'and'; did you mean 'end'"),
     ("T0O0W0D1H0", "T0O0W0D7H0", "alias '2': no situation 'T0O0W0D7H0'"),
-    ("  T:\n", "  turn:\n", "axis 'turn' must be named by a capital letter"),
+    ("  T:\n", "  turn:\n", "name 'turn' must be a capital letter"),
     ("axes:\n", "axis:\n", "unknown key 'axis' in situations.yaml; did you mean 'axes'?"),
     ("axes:\n", "speed: 3\naxes:\n", "unknown key 'speed'"),
 ]

@@ -52,7 +52,7 @@ def test_rotors_have_the_published_time_constants(config):
 
 
 def test_each_rotor_lifts_and_turns_about_its_arm(config):
-    for rotor, (x, y) in enumerate(config.vehicle.rotors):
+    for rotor, (x, y) in enumerate(config.vehicle.rotors_m):
         force, torque = pushed(config, np.eye(4)[rotor], still())
         assert np.allclose(force, (0, 0, 1))
         assert np.allclose(torque, (y, -x, 0.06 * config.vehicle.spins[rotor]))
@@ -70,10 +70,10 @@ def test_the_wrench_is_the_body_wrench_turned_into_the_world(config, thrust, att
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
     )
-    arms = np.column_stack([config.vehicle.rotors, np.zeros(4)])
+    arms = np.column_stack([config.vehicle.rotors_m, np.zeros(4)])
     body_torque = np.cross(arms, np.outer(thrust, (0, 0, 1))).sum(axis=0)
     body_torque[2] += 0.06 * thrust @ config.vehicle.spins
-    assert np.allclose(force, turn @ (0, 0, thrust.sum()) - config.vehicle.drag * np.array(velocity))
+    assert np.allclose(force, turn @ (0, 0, thrust.sum()) - config.vehicle.drag_ns_per_m * np.array(velocity))
     assert np.allclose(torque, turn @ body_torque)
 
 

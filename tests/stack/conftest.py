@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from items import build
 
-from scaloft_fi.stack.config import build
 from scaloft_fi.stack.messages import DepthCamera, DepthFrame
 from scaloft_fi.stack.reference.memory import MemoryConfig
 from scaloft_fi.stack.reference.messages import PoseEstimate

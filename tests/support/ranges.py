@@ -8,7 +8,7 @@ from pathlib import Path
 from builders import GRID
 
 from scaloft_fi.document import Item
-from scaloft_fi.sim.situation import Distribution, Range, Shape
+from scaloft_fi.sim.situation import Range, Shape
 
 CRUISE = """
   C:
@@ -37,10 +37,12 @@ def with_range(folder: Path, axis: str = CRUISE, *, first: bool = False) -> Path
 
 UNIT = Range(
     path="world.light",
+    low=0.0,
+    high=1.0,
     unit="lx",
-    distribution=Distribution(Shape.UNIFORM, 0.0, 1.0),
-    edges=(0.0, 0.5, 1.0),
     benign=0.25,
+    shape=Shape.UNIFORM,
+    bins=2,
     item=Item(Path("situations.yaml"), 1, "set", "light"),
 )
 RANGED = replace(GRID, ranges=(("H", UNIT),))

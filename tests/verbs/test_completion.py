@@ -24,11 +24,11 @@ from scaloft_fi.cli import VERBS, main
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.axes import axis_list
 from scaloft_fi.verbs.completion import COMPLETION, SHELLS, answered
-from scaloft_fi.verbs.documents.listed import DOCUMENTS
 from scaloft_fi.verbs.export.dossier import FORMATS
 from scaloft_fi.verbs.listing import Listing
 from scaloft_fi.verbs.names import OPERATOR, declared
 from scaloft_fi.verbs.operators import operator_list
+from scaloft_fi.verbs.schema import DOCUMENTS
 from scaloft_fi.verbs.seams import seam_list
 from scaloft_fi.verbs.signals import signal_list
 

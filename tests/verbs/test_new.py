@@ -18,7 +18,7 @@ from scaloft_fi.cli import main
 from scaloft_fi.document import load
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.documents.listed import DOCUMENTS
+from scaloft_fi.verbs.schema import DOCUMENTS
 
 KEY = re.compile(r"^[ -]*([\w-]+):(?=\s|$)")
 NAMES = {

@@ -1,16 +1,115 @@
-"""`scaloft-fi schema`."""
+"""`scaloft-fi schema`: the JSON Schemas of the documents of a study, and the documents that they hold for."""
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
+import subprocess
+import sys
+from pathlib import Path, PurePath
+from typing import Any
 
 import pytest
+from every_key import every_key_study
+from jsonschema import Draft202012Validator
+from plugins import call, install_project
+from schemas import keys_of
 
 from scaloft_fi.cli import main
-from scaloft_fi.verbs.documents.listed import DOCUMENTS
+from scaloft_fi.document import Item, load
+from scaloft_fi.model import Schema
+from scaloft_fi.verbs.schema import DOCUMENTS, PUBLISHED, declared_names
 
 ROOT = Path(__file__).parents[2]
+
+
+def document_of(file: str) -> str:
+    """The name of the document that a file is; "" for none."""
+    fits = [name for name, one in DOCUMENTS.items() if PurePath(file).match(one.files)]
+    return fits[0] if fits else ""
+
+
+FILES = sorted(
+    path.relative_to(ROOT).as_posix()
+    for folder in ("hazop", "sim", "examples", "templates/study")
+    for path in (ROOT / folder).rglob("*.yaml")
+    if document_of(str(path))
+)
+PLUGINS = ("examples/own_stack/", "examples/testbed/")
+COMPLETED = {"examples/testbed/study/sim/stack.yaml": "sim/stack.yaml"}
+"""The example's script fills `inside` with the settings of this file."""
+
+
+@pytest.fixture(scope="module")
+def schemas() -> dict[str, Schema]:
+    return {name: one.schema(declared_names(own=True)) for name, one in DOCUMENTS.items()}
+
+
+def _plain(item: Item) -> Any:
+    """As `Item.plain`, infinite numbers included."""
+    if isinstance(item.value, dict):
+        return {key: _plain(entry) for key, entry in item.value.items()}
+    return [_plain(entry) for entry in item.value] if isinstance(item.value, tuple) else item.value
+
+
+def _faults(schema: Schema, path: Path) -> list[str]:
+    errors = Draft202012Validator(schema).iter_errors(_plain(load(path)))
+    return [f"{path}: {list(error.absolute_path)}: {error.message[:300]}" for error in errors]
+
+
+def test_every_document_of_the_repository_and_the_study_with_every_key_are_valid(
+    schemas: dict[str, Schema], tmp_path: Path
+) -> None:
+    paths = [ROOT / file for file in FILES if not file.startswith(PLUGINS)]
+    paths += [path for path in every_key_study(tmp_path).rglob("*.yaml") if document_of(str(path))]
+    assert len(paths) > 50
+    assert [fault for path in paths for fault in _faults(schemas[document_of(str(path))], path)] == []
+
+
+def test_every_key_says_what_it_is(schemas: dict[str, Schema]) -> None:
+    for name, schema in schemas.items():
+        Draft202012Validator.check_schema(schema)
+        for pointer in keys_of(schema):
+            part: Any = schema
+            for step in pointer:
+                part = part[step]
+            assert part is False or part.get("description") or {"then", "allOf", "oneOf"} & {*pointer}, (name, pointer)
+
+
+VALIDATING = """
+import sys
+from pathlib import Path
+from jsonschema import Draft202012Validator
+from scaloft_fi.document import load
+from scaloft_fi.registry import load_plugins
+from scaloft_fi.verbs.schema import DOCUMENTS, declared_names
+
+load_plugins()
+for name, one in DOCUMENTS.items():
+    for path in Path(sys.argv[1]).glob(one.files):
+        instance = load(path).plain()
+        assert not list(Draft202012Validator(one.schema(declared_names())).iter_errors(instance)), path
+        if name in ("stack", "sensors"):
+            assert list(Draft202012Validator(one.schema(declared_names(own=True))).iter_errors(instance)), path
+sigma_m = DOCUMENTS["sensors"].schema(declared_names())["properties"]["altimeter"]["properties"]["sigma_m"]
+assert sigma_m["type"] == "number" and sigma_m["minimum"] == 0.0, sigma_m
+"""
+
+
+def test_a_plugin_s_stack_sensor_and_operator_are_in_the_schemas_that_its_process_makes(tmp_path: Path) -> None:
+    install_project(tmp_path / "site", ROOT / PLUGINS[0])
+    done = call(tmp_path / "site", "-c", VALIDATING, ROOT / PLUGINS[0] / "study", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_published_schemas_are_those_of_the_code() -> None:
+    published = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / PUBLISHED).iterdir()}
+    # in a process of its own, because other tests declare stacks in this one
+    program = (
+        "import json; from scaloft_fi.verbs.schema import declared_names, schema_texts\n"
+        "print(json.dumps(schema_texts(declared_names(own=True))))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert published == json.loads(done.stdout), "run python docs/schemas/write.py"
 
 
 def run(*args: str | Path) -> int:

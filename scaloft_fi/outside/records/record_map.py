@@ -441,10 +441,13 @@ _Time = Annotated[
     TimeColumn | TimeOfMessages | TimeOfClock,
     Either("one of {column: NAME}, {message: received}, {message: stamp} and {clock: TOPIC}"),
 ]
-_WHERE = "{column: NAME}, or {topic: NAME, field: PATH}, not both"
+_WHERE = "{column: NAME} or {topic: NAME, field: PATH}"
 Begins = Annotated[FromColumn | FromMessage | None, Either(_WHERE)]
 Counted = Annotated[Column | Message | None, Either(_WHERE)]
-Stands = Annotated[SignalInColumn | SignalInMessage | Constant, Either(f"{_WHERE}, or {{constant: NUMBER}}")]
+Stands = Annotated[
+    SignalInColumn | SignalInMessage | Constant,
+    Either("{column: NAME}, {topic: NAME, field: PATH} or {constant: NUMBER}"),
+]
 
 
 @dataclass(frozen=True)
@@ -489,7 +492,7 @@ def load_record_map(path: Path, signals: Sequence[str] | None = None) -> RecordM
             faults.add(InputError(f"{item.place}: {name!r} is no signal that this study knows{hint}"))
     faults.end()
     assert model is not None
-    found = RecordMap(
+    return RecordMap(
         name=str(path),
         timing=model.time,
         signals={name: _entry(name, stands) for name, stands in model.signals.items()},
@@ -498,4 +501,3 @@ def load_record_map(path: Path, signals: Sequence[str] | None = None) -> RecordM
         altered=_count("altered", model.altered),
         carried=_count("carried", model.carried),
     )
-    return found

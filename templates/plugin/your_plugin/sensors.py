@@ -1,8 +1,10 @@
 """A sensor: what the simulator measures for the stack.  The stack sees nothing of the flight but its sensors."""
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
 
 import numpy as np
+from scaloft_fi.marks import Bounds
 from scaloft_fi.sim.sensors.sensor import SENSORS, SensorKind
 from scaloft_fi.stack.messages import Array, Stamp, Vector
 from scaloft_fi.streams import Table
@@ -31,12 +33,23 @@ def matrix(x, y, z, w):
     )
 
 
+@dataclass(frozen=True)
+class TrackerConfig:
+    """What sim/sensors.yaml says of the tracker; `scaloft-fi check` and an editor know it from here.
+
+    Attributes:
+        sigma_m: standard deviation of position and velocity [m, m/s].
+    """
+
+    sigma_m: Annotated[float, Bounds(least=0.0, most=1.0)]
+
+
 class Tracker:
     """A laser tracker at the portal: position and velocity with noise, attitude without."""
 
-    def __init__(self, sigma_m, flight):
+    def __init__(self, config, flight):
         # Row `tick` of a table is the same in every flight of this situation and seed, whatever else is drawn.
-        self._sigma_m, self._noise = sigma_m, Table(3, *flight.stream, "your_plugin_tracker")
+        self._sigma_m, self._noise = config.sigma_m, Table(3, *flight.stream, "your_plugin_tracker")
 
     def measure(self, moment):
         """What is sent at this tick; None sends nothing."""
@@ -45,7 +58,5 @@ class Tracker:
         return Pose(moment.now_s, state[:3] + noise, state[7:10] + noise, matrix(*state[3:7]))
 
 
-# `read` takes the entry of sim/sensors.yaml; a study without the entry flies without the sensor.
-SENSORS.declare(
-    "your_plugin_tracker", SensorKind(Tracker, Pose, read=lambda item: item.need("sigma_m").number(least=0.0, most=1.0))
-)
+# A study without an entry of this name in sim/sensors.yaml flies without the sensor.
+SENSORS.declare("your_plugin_tracker", SensorKind(Tracker, Pose, TrackerConfig))

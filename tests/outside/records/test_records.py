@@ -162,8 +162,8 @@ def test_what_a_requirement_needs_and_the_mapping_lacks_is_named_with_the_neares
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("signals: {x_m: {colum: x}}", "{column: NAME}, {topic: NAME, field: PATH} or {constant: NUMBER}"),
-        ("signals: {x_m: {column: x, topic: /x}}", "a column, or a topic and a field, not both"),
+        ("signals: {x_m: {colum: x}}", "unknown key 'colum' in x_m; did you mean 'column'?"),
+        ("signals: {x_m: {column: x, topic: /x}}", "{column: NAME}, {topic: NAME, field: PATH} or {constant: NUMBER}"),
         ("signals: {x_m: {column: x, unit: mn to m}}", "did you mean 'mm to m'"),
         ("signals: {x_m: {column: x, unit: mm to m, factor: 2}}", "a unit, or a factor and an offset, not both"),
         ("signals: {x_m: {column: x, keep: worst}}", "keep='worst' is not known"),

@@ -78,7 +78,7 @@ def test_an_order_that_is_no_number_hides_a_person(config):
 
 
 def test_bearing_and_range_are_those_of_the_visible_part(config):
-    it = detector(config, bearing_sigma_rad=0.0, range_sigma=0.0, best=1.0, noise_light=0.0)
+    it = detector(config, bearing_sigma_deg=0.0, range_sigma=0.0, best=1.0, noise_light=0.0)
     found = it.find(0, picture(96, column=10), GOOD, 0.1, LIGHT).persons[0]
     left = config.sensors.depth.camera.rays[0, 10:12, 1]
     assert found.bearing_rad == pytest.approx(math.atan(left.mean()))
@@ -92,7 +92,7 @@ def test_bearing_and_range_are_noisy_without_offset(config):
     found = [it.find(k, picture(), GOOD, 0.0, LIGHT).persons[0] for k in range(400)]
     ranges, bearings = np.array([p.range_m for p in found]), np.array([p.bearing_rad for p in found])
     assert ranges.std() / ranges.mean() == pytest.approx(config.sensors.detector.range_sigma, rel=0.15)
-    assert bearings.std() == pytest.approx(config.sensors.detector.bearing_sigma_rad, rel=0.15)
+    assert bearings.std() == pytest.approx(math.radians(config.sensors.detector.bearing_sigma_deg), rel=0.15)
 
 
 def test_the_score_rises_with_the_probability(config):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import pytest
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.marks import NotNegative
 from scaloft_fi.sim.flight import FlightLoop, physics_server
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.sensors.sensor import SENSORS, SensorKind
@@ -19,9 +21,14 @@ class Range(NamedTuple):
     range_m: float
 
 
+@dataclass(frozen=True)
+class RangeConfig:
+    sigma_m: NotNegative
+
+
 class RangeFinder:
     def __init__(self, config, flight):
-        self.sigma_m = config
+        self.sigma_m = config.sigma_m
         self.noise = Table(1, *flight.stream, "range")
 
     def measure(self, moment):
@@ -29,15 +36,9 @@ class RangeFinder:
         return Range(moment.now_s, float(moment.view.depth[24, 32]) + noise_m)
 
 
-def sigma_of(item):
-    sigma_m = item.need("sigma_m").number(least=0.0)
-    item.close()
-    return sigma_m
-
-
 @pytest.fixture
 def declared(monkeypatch):
-    kind = SensorKind(RangeFinder, Range, read=sigma_of, period_ticks=2, latency_s=0.1)
+    kind = SensorKind(RangeFinder, Range, RangeConfig, period_ticks=2, latency_s=0.1)
     monkeypatch.setitem(SENSORS._entries, "range", kind)
 
 

@@ -1,16 +1,12 @@
 """Speed limit, exposure, battery monitor, recoil, pose buffer, settings."""
 
 import math
-import re
-from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.stack.config import Bounds, ConfigError, Count, Positive, build
 from scaloft_fi.stack.messages import Battery, Detections, Metering, Person
 from scaloft_fi.stack.reference.companion import ExposureConfig, ExposureControl, PoseBuffer
 from scaloft_fi.stack.reference.messages import CollisionFlag, PoseEstimate
@@ -148,59 +144,3 @@ def test_the_pose_buffer_drops_what_is_not_newer():
     buffer.add(pose(1.0, x=1.0))
     buffer.add(pose(0.5, x=7.0))
     assert buffer.newest.position[0] == 1.0
-
-
-@dataclass(frozen=True)
-class Inner:
-    gain: float
-    axes: tuple[float, float]
-    name: str
-
-
-@dataclass(frozen=True)
-class Outer:
-    inner: Inner
-    points: tuple[tuple[float, ...], ...]
-
-
-GOOD = {"inner": {"gain": 1, "axes": [1, 2], "name": "a"}, "points": [[1, 2], [3]]}
-
-
-def test_settings_become_nested_frozen_values():
-    assert build(Outer, GOOD) == Outer(Inner(1.0, (1.0, 2.0), "a"), ((1.0, 2.0), (3.0,)))
-
-
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        ({"inner": {"gian": 1, "axes": [1, 2], "name": "a"}}, "stack.inner.gian: unknown setting; did you mean 'gain'"),
-        ({"inner": {"gain": True, "axes": [1, 2], "name": "a"}}, "stack.inner.gain: True must be a number"),
-        ({"inner": {"gain": 1, "axes": [1], "name": "a"}}, "stack.inner.axes: must be a list of 2"),
-        ({"inner": {"gain": 1, "axes": [1, 2], "name": 3}}, "stack.inner.name: 3 must be a text"),
-        ({"inner": 3}, "stack.inner: must be a mapping"),
-        ({"points": 3}, "stack.points: 3 must be a list"),
-        ({"points": [[1, math.nan]]}, "stack.points[0][1]: nan must be a number from -1e+09 to 1e+09"),
-        ({"points": [[10**10]]}, "stack.points[0][0]: 10000000000 must be a number from -1e+09 to 1e+09"),
-    ],
-)
-def test_a_bad_setting_is_named(change, sentence):
-    with pytest.raises(ConfigError, match=re.escape(sentence)):
-        build(Outer, {**GOOD, **change})
-
-
-def test_a_missing_setting_is_named():
-    with pytest.raises(ConfigError, match="lacks the setting 'points'"):
-        build(Outer, {"inner": GOOD["inner"]})
-
-
-@dataclass(frozen=True)
-class Bounded:
-    count: Count
-    edges: tuple[Positive, Annotated[float, Bounds(most=1e12)]]
-
-
-def test_a_setting_states_its_own_bounds():
-    assert build(Bounded, {"count": 3, "edges": [1e-6, 1e12]}) == Bounded(3, (1e-6, 1e12))
-    for change in ({"count": 0}, {"count": 1001}, {"edges": [0, 1]}, {"edges": [1, 1e13]}):
-        with pytest.raises(ConfigError, match="must be a number from"):
-            build(Bounded, {"count": 3, "edges": [1, 1], **change})
