@@ -631,7 +631,7 @@ DEVIATES = 1 / 3
 """The chance that a free axis is off its benign value in a situation drawn at random: else nearly all would be off."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FreeAxis(Drawn):
     """A number around the situations of the grid: benign, or anywhere in its range.
 

@@ -213,45 +213,26 @@ def _outside(settings: type) -> Schema:
     return made
 
 
+GUIDEWORDS = Annotated[Guidewords, About("The guidewords by name, in the order of the columns of the matrix.")]
+PARAMETERS = Annotated[
+    Parameters, About("The parameters by name, in the order of the rows of the matrix; each has a file of cells.")
+]
+SEVERITIES = Annotated[
+    Classes, About("The study's own classes of severity by name, the worst first; they enter no ratio.")
+]
+DISPOSITIONS = Annotated[
+    Mapping[str, DispositionModel], About("The accepted survivors by a mutant's id; a bare cell name is its default.")
+]
+
 DOCUMENTS: Mapping[str, Document] = {
     one.name: one
     for one in (
-        Document(
-            "guidewords",
-            "hazop/guidewords.yaml",
-            _model(Annotated[Guidewords, About("The guidewords by name, in the order of the columns of the matrix.")]),
-        ),
-        Document(
-            "parameters",
-            "hazop/parameters.yaml",
-            _model(
-                Annotated[
-                    Parameters,
-                    About("The parameters by name, in the order of the rows of the matrix; each has a file of cells."),
-                ]
-            ),
-        ),
-        Document(
-            "severities",
-            "hazop/severities.yaml",
-            _model(
-                Annotated[
-                    Classes, About("The study's own classes of severity by name, the worst first; they enter no ratio.")
-                ]
-            ),
-        ),
+        Document("guidewords", "hazop/guidewords.yaml", _model(GUIDEWORDS)),
+        Document("parameters", "hazop/parameters.yaml", _model(PARAMETERS)),
+        Document("severities", "hazop/severities.yaml", _model(SEVERITIES)),
         Document("matrix", "hazop/matrix/*.yaml", _cells),
         Document("score", "hazop/score.yaml", _model(ScoreModel)),
-        Document(
-            "dispositions",
-            "hazop/dispositions.yaml",
-            _model(
-                Annotated[
-                    Mapping[str, DispositionModel],
-                    About("The accepted survivors by a mutant's id; a bare cell name is its default."),
-                ]
-            ),
-        ),
+        Document("dispositions", "hazop/dispositions.yaml", _model(DISPOSITIONS)),
         Document("world", "sim/world.yaml", _model(WorldModel)),
         Document("vehicle", "sim/vehicle.yaml", _model(Vehicle)),
         Document("sensors", "sim/sensors.yaml", _sensors),

@@ -119,6 +119,6 @@ def test_a_setting_of_the_stack_that_is_unknown_is_named(tmp_path):
         (tmp_path / file.name).write_text(file.read_text().replace("goal_radius_m:", "gaol_radius_m:"))
     config = load(tmp_path)
     with pytest.raises(
-        InputError, match=r"stack.yaml:\d+: .*gaol_radius_m: unknown setting; did you mean 'goal_radius_m'"
+        InputError, match=r"stack.yaml:\d+: unknown key 'gaol_radius_m' in mission; did you mean 'goal_radius_m'"
     ):
         flown(config, PlainWire())

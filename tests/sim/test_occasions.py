@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from items import item_of
 from tiny_stack import SOUND, Hop, hop
 
 from scaloft_fi.document import load
@@ -136,7 +137,7 @@ def struck_at(config: SimConfig, event: str) -> tuple[FlightLog, SeamCount]:
     mutant = Mutant(f"NO-level#{event}", "NO", "level", "", 0.0, "level", "outage", arguments, event)
     wire = wire_for(mutant, HOP, contexts(mutant.id, "T0O0W0D0H0", 0, Facts()))
     assert isinstance(wire, TappedWire)
-    study = replace(config, stack=StackChoice("hop", {"mass_kg": 1.5}, load(SIM / "stack.yaml")))
+    study = replace(config, stack=StackChoice.read(item_of({"name": "hop", "mass_kg": 1.5})))
     return fly(study, config.grid.situation("T0O0W0D0H0"), 0, wire, HOP), wire.counts["level"]
 
 

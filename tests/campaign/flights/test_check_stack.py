@@ -240,7 +240,7 @@ def test_a_fast_path_with_the_bits_of_the_step_is_sound(check: Check) -> None:
 
 def test_settings_that_do_not_fit_are_named_with_their_place(check: Check) -> None:
     (failure,) = check(SOUND, settings="mass_kg: heavy").failures
-    assert "stack.yaml:2: stack.mass_kg: 'heavy' must be a number" in failure
+    assert "stack.yaml:2: mass_kg='heavy' must be a number" in failure
 
 
 def test_a_stack_that_declares_no_determinism_may_draw_random_numbers(check: Check) -> None:
