@@ -65,13 +65,34 @@ if TYPE_CHECKING:
     from scaloft_fi.campaign.flights.check_stack import StackCheck, check_stack
     from scaloft_fi.campaign.runs.request import Asked, strategy
     from scaloft_fi.mutants.check_operator import OperatorCheck, check_operator, operators_of
+    from scaloft_fi.outside.border import BORDERS, Arrival, BorderError, CameraInfo, Land, Topic, from_plain, taken
+    from scaloft_fi.outside.exchange import Command, Processes
+    from scaloft_fi.outside.lines import Codec, LinesBorder
+    from scaloft_fi.outside.ros_messages import LAYOUTS, Layout, layout_of
     from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroundings
     from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
     from scaloft_fi.sim.world import ROLES, Role
+    from scaloft_fi.stack.reference.messages import SpeedLimit
     from scaloft_fi.study import Study
     from scaloft_fi.verbs.export.dossier import Dossier, export_format
 
 LATE = {
+    "BORDERS": "scaloft_fi.outside.border",
+    "Arrival": "scaloft_fi.outside.border",
+    "BorderError": "scaloft_fi.outside.border",
+    "CameraInfo": "scaloft_fi.outside.border",
+    "Land": "scaloft_fi.outside.border",
+    "Topic": "scaloft_fi.outside.border",
+    "from_plain": "scaloft_fi.outside.border",
+    "taken": "scaloft_fi.outside.border",
+    "Command": "scaloft_fi.outside.exchange",
+    "Processes": "scaloft_fi.outside.exchange",
+    "Codec": "scaloft_fi.outside.lines",
+    "LinesBorder": "scaloft_fi.outside.lines",
+    "LAYOUTS": "scaloft_fi.outside.ros_messages",
+    "Layout": "scaloft_fi.outside.ros_messages",
+    "layout_of": "scaloft_fi.outside.ros_messages",
+    "SpeedLimit": "scaloft_fi.stack.reference.messages",
     "Asked": "scaloft_fi.campaign.runs.request",
     "Dossier": "scaloft_fi.verbs.export",
     "Effect": "scaloft_fi.sim.happenings",
@@ -98,8 +119,10 @@ one of them, so that the keys of a plugin's flights leave the rest out."""
 
 __all__ = [
     "ANYTHING",
+    "BORDERS",
     "HAPPENINGS",
     "IMAGE",
+    "LAYOUTS",
     "NUMBERS",
     "ROLES",
     "SENSORS",
@@ -109,12 +132,17 @@ __all__ = [
     "TICK_HZ",
     "TICK_S",
     "Array",
+    "Arrival",
     "Asked",
     "Axis",
     "Belief",
+    "BorderError",
     "Bounds",
+    "CameraInfo",
     "Choices",
     "Claim",
+    "Codec",
+    "Command",
     "Component",
     "Count",
     "Declaration",
@@ -131,6 +159,9 @@ __all__ = [
     "Hold",
     "Image",
     "Instant",
+    "Land",
+    "Layout",
+    "LinesBorder",
     "Mark",
     "Metres",
     "Moment",
@@ -145,6 +176,7 @@ __all__ = [
     "PlainWire",
     "Point",
     "Positive",
+    "Processes",
     "Range",
     "Role",
     "Seam",
@@ -152,6 +184,7 @@ __all__ = [
     "SensorKind",
     "Share",
     "Size",
+    "SpeedLimit",
     "Stack",
     "StackCheck",
     "Stamp",
@@ -161,6 +194,7 @@ __all__ = [
     "Tap",
     "TapContext",
     "Task",
+    "Topic",
     "Vector",
     "Windows",
     "Wire",
@@ -169,12 +203,15 @@ __all__ = [
     "declare_claims",
     "declare_stack",
     "export_format",
+    "from_plain",
+    "layout_of",
     "messages",
     "on_each",
     "operator",
     "operators_of",
     "signal",
     "strategy",
+    "taken",
     "the",
     "within",
 ]

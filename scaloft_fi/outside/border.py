@@ -154,7 +154,6 @@ class BorderKind(Protocol):
 BORDERS = Registry[BorderKind]("border")
 BORDERS.promise("lines", "scaloft_fi.outside.lines:LinesBorder")
 BORDERS.promise("ros2", "scaloft_fi.outside.ros2:Ros2Border")
-BORDERS.promise("ros1", "scaloft_fi.outside.ros1:Ros1Border")
 
 
 AHEAD_S = 0.1

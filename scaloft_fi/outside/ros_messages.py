@@ -1,4 +1,4 @@
-"""The usual messages of ROS for our ports, as nested mappings of their fields, and where ROS 1 differs from ROS 2.
+"""The usual messages of ROS for our ports, as nested mappings of their fields, without what only one ROS has.
 
 Units and frames are those of REP 103 and REP 105: metres, radians, x forward, y left, z up.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
@@ -240,40 +240,3 @@ def layout_of(topic: Topic, layouts: Mapping[type, tuple[Layout, ...]] = LAYOUTS
 def _mapping(plain: Any) -> Fields:
     fields: Fields = plain
     return fields
-
-
-def camera_info_1(info: CameraInfo) -> Fields:
-    """`sensor_msgs/CameraInfo`, whose matrices have capital names in ROS 1."""
-    return {name.upper() if len(name) == 1 else name: value for name, value in camera_info(info).items()}
-
-
-def bounding_boxes(detections: Detections) -> Fields:
-    """`darknet_ros_msgs/BoundingBoxes`: class and score of each person; our detector has no corners in pixels."""
-    return {
-        "bounding_boxes": [
-            {"Class": one.label, "probability": float(one.score), "id": place}
-            for place, one in enumerate(detections.persons)
-        ]
-    }
-
-
-def contacts_state(bumper: Bumper) -> Fields:
-    """`gazebo_msgs/ContactsState`: one state while the hull touches something, else none."""
-    return {"states": [{"info": "hull", "collision1_name": "hull"}] if bumper.hull else []}
-
-
-def _with(message: type, *more: Layout) -> tuple[Layout, ...]:
-    return (*LAYOUTS[message], *more)
-
-
-LAYOUTS_1: Mapping[type, tuple[Layout, ...]] = MappingProxyType(
-    {
-        **LAYOUTS,
-        CameraInfo: tuple(replace(one, written=camera_info_1) for one in LAYOUTS[CameraInfo]),
-        Detections: _with(Detections, Layout("darknet_ros_msgs/BoundingBoxes", bounding_boxes, BODY)),
-        Bumper: _with(Bumper, Layout("gazebo_msgs/ContactsState", contacts_state, BODY)),
-        SpeedLimit: _with(SpeedLimit, replace(LAYOUTS[SpeedLimit][0], type="std_msgs/Float32")),
-        Land: _with(Land, Layout("std_msgs/Float32")),
-    }
-)
-"""The usual messages of each port, the first one where a topic names none."""

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from scaloft_ros1.border import unimportable
 
 from scaloft_fi.campaign.flights.fly import judged, wire_of
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.outside.ros1 import unimportable
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.study import Study
 

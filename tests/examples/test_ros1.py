@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from scaloft_ros1.border import Ros1Border, python, unimportable
 
 from scaloft_fi.outside.border import BorderError, Goal, Land, Topic
 from scaloft_fi.outside.guard import descendants
-from scaloft_fi.outside.ros1 import Ros1Border, python, unimportable
 from scaloft_fi.stack.messages import Bumper
 
 LACKING = unimportable(("rospy", "rosmaster", "rosgraph_msgs", "geometry_msgs"))
@@ -99,10 +99,10 @@ def test_the_death_of_the_bridge_is_the_harness(flight: Callable[..., Ros1Border
     border = flight(1.0)
     assert border._bridge is not None
     for pid in descendants(os.getpid()):
-        if b"ros1_bridge" in Path(f"/proc/{pid}/cmdline").read_bytes():
+        if b"bridge" in Path(f"/proc/{pid}/cmdline").read_bytes():
             os.kill(pid, signal.SIGKILL)
     border._bridge.ended(within_s=5.0)
-    with pytest.raises(BorderError, match=r"the bridge to ROS 1: ros1_bridge\.py was ended by SIGKILL"):
+    with pytest.raises(BorderError, match=r"the bridge to ROS 1: bridge\.py was ended by SIGKILL"):
         border.clock(1.0)
 
 
@@ -119,7 +119,7 @@ def test_nothing_is_left_of_a_flight_that_is_killed(tmp_path: Path) -> None:
 import os, signal, sys
 from pathlib import Path
 from scaloft_fi.outside.guard import descendants
-from scaloft_fi.outside.ros1 import Ros1Border
+from scaloft_ros1.border import Ros1Border
 border = Ros1Border((), Path(sys.argv[1]))
 border.open()
 print(*descendants(os.getpid()), flush=True)

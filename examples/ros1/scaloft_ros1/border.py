@@ -19,15 +19,26 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.outside.border import Arrival, BorderError, Topic, from_plain, taken
-from scaloft_fi.outside.exchange import Command, Processes
-from scaloft_fi.outside.lines import Codec, LinesBorder
-from scaloft_fi.outside.ros_messages import LAYOUTS_1, Layout, layout_of
+from scaloft_fi import InputError
+from scaloft_fi.api import (
+    BORDERS,
+    Arrival,
+    BorderError,
+    Codec,
+    Command,
+    Layout,
+    LinesBorder,
+    Processes,
+    Topic,
+    from_plain,
+    layout_of,
+    taken,
+)
+from scaloft_ros1.layouts import LAYOUTS_1
 
 PYTHON = "SCALOFT_ROS1_PYTHON"
 """The environment variable with the Python that has rospy; by default the system's `python3`."""
-BRIDGE = Path(__file__).with_name("ros1_bridge.py")
+BRIDGE = Path(__file__).with_name("bridge.py")
 DEPTH, MOST_DEPTH = 10, 1000
 """Usual and greatest number of messages that wait for a reader."""
 UP_S, CHECK_S = 30.0, 0.02
@@ -64,7 +75,7 @@ class Ros1Border:
             return str(error)
         for name, value in topic.qos.items():
             if name != "depth":
-                return f"qos.{name} is nothing that border=ros1 has{did_you_mean(name, ['depth'])}"
+                return f"qos.{name} is nothing that border=ros1 has; allowed: 'depth'"
             if type(value) is not int or not 1 <= value <= MOST_DEPTH:
                 return f"qos.depth={value!r} must be a whole number, 1 to {MOST_DEPTH}"
         return ""
@@ -244,3 +255,6 @@ def held_port() -> socket.socket:
     held.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     held.bind(("127.0.0.1", 0))
     return held
+
+
+BORDERS.declare("ros1", Ros1Border)

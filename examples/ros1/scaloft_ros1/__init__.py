@@ -1,0 +1,1 @@
+"""Topics of ROS 1 for stages of a drone in other processes, as a plugin of scaloft-fi."""
