@@ -125,7 +125,9 @@ border.open()
 print(*descendants(os.getpid()), flush=True)
 os.kill(os.getpid(), signal.SIGKILL)
 """
-    killed = subprocess.run([sys.executable, "-c", program, str(tmp_path)], stdout=subprocess.PIPE, check=False)
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command = [sys.executable, "-c", program, str(tmp_path)]
+    killed = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=False)
     below = [int(pid) for pid in killed.stdout.split()]
     assert len(below) >= 2
     due_s = time.monotonic() + 5.0
