@@ -62,7 +62,7 @@ def measure(
 ) -> dict[str, Any]:
     """Fly, kill and resume campaigns of a kind until the number of kills is reached."""
     if cluster:
-        words = [*words, "--executor", f"dask://{cluster.address}", "--cluster-key", str(cluster.key)]
+        words = [*words, "--executor", f"dask://{cluster.address}", "--cluster-security", str(cluster.certificates)]
     draw = random.Random(seed)
     calm = kind(folder / "calm", words, cluster)
     calm.run(None, draw)  # once before, so that the timed run compiles nothing

@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
-import secrets
 import signal
 import socket
+import subprocess
 import sys
 from pathlib import Path
 
 from checkout import ROOT
 
 from kill.victims import Marked
+from scaloft_fi.campaign.workers.cluster import MAKE
 
 
 class Cluster:
     """A scheduler and workers.
 
     Args:
-        folder: for key, logs and the workers' files.
+        folder: for certificate, logs and the workers' files.
         workers: how many.
     """
 
     def __init__(self, folder: Path, workers: int) -> None:
         folder.mkdir(parents=True)
         self._folder, self._workers = folder, workers
-        self.key = folder / "cluster.key"
-        self.key.write_text(secrets.token_hex(32))
-        self.key.chmod(0o600)
+        subprocess.run(MAKE, shell=True, check=True, cwd=folder, capture_output=True)
+        self.certificates = folder / "cluster"
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
             self.address = f"127.0.0.1:{probe.getsockname()[1]}"
@@ -35,10 +35,10 @@ class Cluster:
     def heal(self) -> None:
         """Start what does not run; workers find a new scheduler at the old address by themselves."""
         _, port = self.address.split(":")
-        self._start("scheduler", "scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard")
+        self._start("scheduler", "scheduler", "--host", "tls://127.0.0.1", "--port", port, "--no-dashboard")
         for number in range(self._workers):
             local = ("--local-directory", str(self._folder / f"worker{number}"), "--no-dashboard", "--nthreads", "1")
-            self._start(f"worker {number}", "worker", f"tcp://{self.address}", "--host", "127.0.0.1", *local)
+            self._start(f"worker {number}", "worker", f"tls://{self.address}", "--host", "tls://127.0.0.1", *local)
 
     def end(self) -> int:
         """Ask all of it to end; returns the number of processes that do not."""
@@ -54,6 +54,8 @@ class Cluster:
             return
         if running is not None:
             running.outlived()
-        environment = {"PYTHONPATH": str(ROOT), "SCALOFT_CLUSTER_KEY": str(self.key)}
+        certificate, key = self.certificates / "cert.pem", self.certificates / "key.pem"
+        files = (f"--tls-ca-file={certificate}", f"--tls-cert={certificate}", f"--tls-key={key}")
+        environment = {"PYTHONPATH": str(ROOT)}
         with (self._folder / f"{name}.log").open("ab") as log:
-            self.targets[name] = Marked([sys.executable, "-m", "dask", *words], self._folder, environment, log)
+            self.targets[name] = Marked([sys.executable, "-m", "dask", *words, *files], self._folder, environment, log)

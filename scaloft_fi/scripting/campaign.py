@@ -21,8 +21,8 @@ from scaloft_fi.campaign.runs.request import Request, fly, planned_run
 from scaloft_fi.campaign.seeking.finds import Allowance
 from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive
 from scaloft_fi.campaign.store.flown_grid import study_of, study_of_all
+from scaloft_fi.campaign.workers.cluster import LOCAL, executor_named
 from scaloft_fi.campaign.workers.local import Clean
-from scaloft_fi.campaign.workers.named import LOCAL, executor_named
 from scaloft_fi.defaults import SEARCHED
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.output import write_named
@@ -481,7 +481,6 @@ class OpenCampaign(HeldCampaign):
         budget_s: float | None = None,
         jobs: int | None = None,
         executor: str = "local",
-        cluster_key: Path | str | None = None,
         cluster_security: Path | str | None = None,
         share: bool = True,
         max_invalid: float = 0.1,
@@ -503,8 +502,7 @@ class OpenCampaign(HeldCampaign):
             budget_s: wall time after which no flight begins [s].
             jobs: number of processes; by default the number of processors.
             executor: `local`, or `dask://HOST:PORT` for the workers of a Dask scheduler.
-            cluster_key: key file that the workers of the scheduler have too.
-            cluster_security: folder with the certificates for the scheduler.
+            cluster_security: folder with the certificate that scheduler and workers have too.
             share: whether mutants share the beginning of their baseline; the outcomes are the same.
             max_invalid: greatest share 0..1 of flights over which the harness may fail.
             same_platform: whether only flights with the bits of this platform count.
@@ -529,7 +527,7 @@ class OpenCampaign(HeldCampaign):
                 budget_s=None if budget_s is None else number(budget_s, "budget_s", 0.0, 1e9),
             )
             options = RunOptions(
-                executor=_executor(executor, jobs, cluster_key, cluster_security),
+                executor=_executor(executor, jobs, cluster_security),
                 share=CAN_FORK and share,
                 max_invalid=number(max_invalid, "max_invalid", 0.0, 1.0),
                 same_platform=same_platform,
@@ -671,15 +669,12 @@ class OpenCampaign(HeldCampaign):
 def _options(jobs: int | None, same_platform: bool) -> RunOptions:
     """Options of a search."""
     count = cores() if jobs is None else int(number(jobs, "jobs", 1, MOST_JOBS))
-    return RunOptions(jobs=count, executor=_executor("local", count, None, None), same_platform=same_platform)
+    return RunOptions(jobs=count, executor=_executor("local", count, None), same_platform=same_platform)
 
 
-def _executor(
-    name: str, jobs: int | None, cluster_key: Path | str | None, cluster_security: Path | str | None
-) -> Executor:
+def _executor(name: str, jobs: int | None, cluster_security: Path | str | None) -> Executor:
     """What runs the flights; on this machine, new interpreters where the system can hand them a connection."""
     count = None if jobs is None else int(number(jobs, "jobs", 1, MOST_JOBS))
     if name == LOCAL and os.name == "posix" and cluster_security is None:
         return Clean(count or cores())
-    key, security = (None if path is None else Path(path) for path in (cluster_key, cluster_security))
-    return executor_named(name, count, key, security)
+    return executor_named(name, count, None if cluster_security is None else Path(cluster_security))

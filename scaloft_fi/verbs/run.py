@@ -39,7 +39,7 @@ from scaloft_fi.verbs.verb import verb
         "In which situations": "--situation --choose --choose-seed",
         "How often": "--seeds --baseline-seeds --baseline-from --sequential",
         "How": "--jobs --budget --no-share --same-platform",
-        "On many machines": "--shard --executor --cluster-key --cluster-security",
+        "On many machines": "--shard --executor --cluster-security",
         "What fails the run": "--fail-under --fail-under-firm --max-invalid",
         "What is printed": "--all --format --tables --warnings --quiet --help",
     },
@@ -108,19 +108,11 @@ from scaloft_fi.verbs.verb import verb
     help="What runs the flights: processes of this machine, or the workers of a Dask scheduler.",
 )
 @click.option(
-    "--cluster-key",
-    "cluster_key",
-    type=click.Path(path_type=Path),
-    envvar="SCALOFT_CLUSTER_KEY",
-    metavar="FILE",
-    help="The key file that the workers of --executor=dask://... have too.  [default: $SCALOFT_CLUSTER_KEY]",
-)
-@click.option(
     "--cluster-security",
     "certificates",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Connect to the Dask scheduler by TLS with DIR/ca.pem, DIR/cert.pem and DIR/key.pem.",
+    help="The folder of cert.pem and key.pem that scheduler and workers of --executor=dask://... have too.",
 )
 @click.option("--shard", metavar="K/N", help="Fly the K-th of N parts of the run; `merge` joins them.")
 @click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
@@ -158,7 +150,6 @@ def run_command(
     sequential: bool,
     jobs: int | None,
     executor: str,
-    cluster_key: Path | None,
     certificates: Path | None,
     shard: str | None,
     no_share: bool,
@@ -189,7 +180,7 @@ def run_command(
     from scaloft_fi.campaign.runs.run import budget_s
     from scaloft_fi.campaign.store.archive import campaign_folder
     from scaloft_fi.campaign.store.flown_grid import study_of
-    from scaloft_fi.campaign.workers.named import executor_named
+    from scaloft_fi.campaign.workers.cluster import executor_named
     from scaloft_fi.verbs.score import Bars, detected_so_far, report, scored_run
     from scaloft_fi.verbs.score_record import RUN
 
@@ -212,7 +203,7 @@ def run_command(
             f"{baseline_seeds!r} makes {request.short_of_pool} of them; leave one out"
         )
     options = RunOptions(
-        executor=executor_named(executor, jobs, cluster_key, certificates),
+        executor=executor_named(executor, jobs, certificates),
         share=CAN_FORK and not no_share,
         max_invalid=max_invalid,
         warnings=warnings,

@@ -19,6 +19,7 @@ import pytest
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.flights.fly import invalid, reason_of
+from scaloft_fi.campaign.workers.cluster import MAKE, security_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
@@ -174,39 +175,45 @@ def log(tmp_path: Path) -> Log:
     return Log(tmp_path / "flown.txt")
 
 
+def _files(folder: Path) -> tuple[str, ...]:
+    """The options of a part of the cluster that has the certificate in a folder."""
+    certificate, key = folder / "cert.pem", folder / "key.pem"
+    return f"--tls-ca-file={certificate}", f"--tls-cert={certificate}", f"--tls-key={key}"
+
+
 class DaskProcesses:
     """Schedulers and workers of Dask in processes of their own, on the loopback interface."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = self._folder = folder
-        self.key_file = folder / "cluster.key"
-        self.key_file.touch(mode=0o600)
-        self.key_file.write_text("a key of the tests, which only their workers have\n")
+        subprocess.run(MAKE, shell=True, check=True, cwd=folder, capture_output=True)
+        self.certificates = folder / "cluster"
         self._all: list[subprocess.Popen[bytes]] = []
 
-    def scheduler(self, *more: str, protocol: str = "tcp", **environment: str) -> str:
+    def scheduler(self, *more: str, **environment: str) -> str:
         """Start one; returns its HOST:PORT."""
         path = self._folder / f"scheduler-{len(self._all)}.json"
-        words = ("--port", "0", "--host", f"{protocol}://127.0.0.1", "--no-dashboard", "--scheduler-file", path)
-        process = self._start("scheduler", *words, *more, environment=environment)
+        words = ("--port", "0", "--host", "tls://127.0.0.1", "--no-dashboard", "--scheduler-file", path)
+        process = self._start("scheduler", *words, *_files(self.certificates), *more, environment=environment)
         while not (path.exists() and path.read_text().endswith("}")):
             assert process.poll() is None
             time.sleep(0.05)
-        return str(json.loads(path.read_text())["address"]).removeprefix(f"{protocol}://")
+        return str(json.loads(path.read_text())["address"]).removeprefix("tls://")
 
     def worker(
-        self, address: str, *words: str | Path, protocol: str = "tcp", **environment: str
+        self, address: str, *words: str | Path, certificates: Path | None = None, **environment: str
     ) -> subprocess.Popen[bytes]:
-        """Start one with a thread and the key."""
-        environment = {"SCALOFT_CLUSTER_KEY": str(self.key_file), **environment}
+        """Start one with a thread and the certificate of the cluster, or another."""
+        files = _files(certificates or self.certificates)
         own = self._folder / f"worker-{len(self._all)}"
-        local = ("--host", f"{protocol}://127.0.0.1", "--no-dashboard", "--nthreads", "1", "--local-directory", own)
-        return self._start("worker", f"{protocol}://{address}", *local, *words, environment=environment)
+        local = ("--host", "tls://127.0.0.1", "--no-dashboard", "--nthreads", "1", "--local-directory", own)
+        return self._start("worker", f"tls://{address}", *local, *files, *words, environment=environment)
 
-    @property
-    def key(self) -> bytes:
-        """What the key file holds."""
-        return self.key_file.read_bytes().strip()
+    def client(self, address: str) -> Any:
+        """A client of the scheduler at HOST:PORT, as anybody with the certificate has it."""
+        from distributed import Client
+
+        return Client(f"tls://{address}", set_as_default=False, security=security_of(self.certificates))
 
     def _start(self, *words: str | Path, environment: Mapping[str, str]) -> subprocess.Popen[bytes]:
         log = (self._folder / f"dask-{len(self._all)}.log").open("wb")

@@ -1,45 +1,42 @@
-"""A run on a Dask cluster: nobody there is trusted without the key of the cluster."""
+"""A run on a Dask cluster: Dask as it is, over mutual TLS only, so that nobody without its certificate takes part.
+
+Everybody who has the certificate is trusted: Dask lets each of them run code on scheduler and workers, and the run
+unpickles what workers answer.
+"""
 
 from __future__ import annotations
 
-import hmac
-import json
+import hashlib
+import io
 import logging
+import lzma
 import os
 import re
+import shutil
 import ssl
 import stat
+import tarfile
+import tempfile
 import threading
 import time
 import uuid
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import astuple, dataclass, field
+from dataclasses import dataclass, field
 from functools import lru_cache
-from pathlib import Path
-from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any, Final
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.campaign.flights.fly import Flyer, invalid, left_of, lost
+from scaloft_fi.campaign.flight import Batch
+from scaloft_fi.campaign.flights.fly import Flyer, left_of, lost
 from scaloft_fi.campaign.pool import Pool
-from scaloft_fi.campaign.processes import ATTEMPTS, started_clean
+from scaloft_fi.campaign.processes import ATTEMPTS, cores, started_clean
 from scaloft_fi.campaign.store.origin import differences, fingerprint
-from scaloft_fi.campaign.workers.local import Interrupted, LateWorker, Workers
-from scaloft_fi.campaign.workers.plain import (
-    batch_from_plain,
-    batch_to_plain,
-    digest_of,
-    flyer_from_plain,
-    flyer_to_plain,
-    outcome_from_plain,
-    outcome_to_plain,
-    packed,
-    unpacked,
-)
-from scaloft_fi.document import read_bytes
+from scaloft_fi.campaign.workers.local import Executor, Interrupted, LateWorker, Local, Workers
+from scaloft_fi.document import is_file, read_bytes
 from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.load import FOLDERS
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.study import Study
@@ -49,291 +46,248 @@ if TYPE_CHECKING:
     from distributed import Worker as DaskWorker
 
 
-VARIABLE: Final = "SCALOFT_CLUSTER_KEY"
-"""The environment variable with the path of the key file."""
-MAKE = "(umask 077; head -c 32 /dev/urandom | base64 > cluster.key)"
-"""A command that makes a key file."""
-LEAST_BYTES, MOST_BYTES = 32, 4096
-"""Least and greatest size of a key file [bytes]."""
-MOST_MESSAGE: Final = 1 << 20
-"""Greatest length of a sealed message; the largest of the reference campaign has 35,500, of a track of 25,857 bytes."""
-_MAC_LENGTH = 64
-
-
-@dataclass(frozen=True)
-class Message:
-    """What a run and a worker tell each other.
-
-    Attributes:
-        run: id of the run.
-        number: number of the task in the run.
-        worker: address of the worker that sends it, or that it is for; "" = any worker.
-        order: 1 for the first message of this worker about this task, then 2, 3, ...; a repeated message is ignored.
-        kind: what the message says.
-        content: plain JSON values.
-    """
-
-    run: str
-    number: int
-    worker: str
-    order: int
-    kind: str
-    content: Any = None
-
-
-def read_key(path: Path) -> bytes:
-    """Read a key file.
-
-    Raises:
-        InputError: it is no regular file, too short or too long, or others may read it.
-    """
-    content = read_bytes(path, MOST_BYTES).strip()
-    mode = stat.S_IMODE(path.stat().st_mode)
-    if os.name == "posix" and mode & 0o077:
-        raise InputError(f"{path}: mode={mode:03o} lets others read the key; `chmod 600 {path}` stops that")
-    if len(content) < LEAST_BYTES:
-        raise InputError(f"{path}: a key file has {LEAST_BYTES} to {MOST_BYTES} bytes; {MAKE} makes one")
-    return content
-
-
-def sealed(key: bytes, message: Message) -> str:
-    """The signature of a message, then the message.
-
-    Raises:
-        ValueError: the message is longer than `MOST_MESSAGE`, or a number in it is not finite.
-    """
-    body = json.dumps(astuple(message), allow_nan=False)
-    if _MAC_LENGTH + len(body) > MOST_MESSAGE:
-        raise ValueError(f"a message of {len(body)} bytes is longer than {MOST_MESSAGE}")
-    return _mac(key, body) + body
-
-
-def unsealed(key: bytes, text: object) -> Message:
-    """The message in a sealed text; nothing of it is parsed before its signature is found right.
-
-    Raises:
-        ValueError: the text is too long, of another type, or not signed with this key.
-    """
-    if not isinstance(text, str) or not _MAC_LENGTH < len(text) <= MOST_MESSAGE:
-        raise ValueError("no sealed message")
-    mac, body = text[:_MAC_LENGTH], text[_MAC_LENGTH:]
-    if not hmac.compare_digest(mac.encode(errors="replace"), _mac(key, body).encode()):
-        raise ValueError("the message is not signed with this key")
-    parts = json.loads(body)
-    if not isinstance(parts, list) or list(map(type, parts[:-1])) != [str, int, str, int, str]:
-        raise ValueError("the message has other parts")
-    return Message(*parts)
-
-
-def topic_of(key: bytes) -> str:
-    """The topic of the events of all runs with this key; the scheduler keeps the last thousand events of each topic."""
-    return f"scaloft-fi-{_mac(key, 'topic')[:16]}"
-
-
-def _mac(key: bytes, body: str) -> str:
-    return hmac.new(key, f"scaloft-fi 1 {body}".encode(errors="surrogatepass"), "sha256").hexdigest()
-
-
-FILES = ("ca.pem", "cert.pem", "key.pem")
-"""The files of the folder: the certificate of the authority, our own certificate, our own private key."""
+CERTIFICATE, KEY, AUTHORITY = "cert.pem", "key.pem", "ca.pem"
+"""The files of the folder: our certificate, our private key, and the authority's certificate if that is not ours."""
+MAKE = (
+    "(umask 077; mkdir cluster; openssl req -x509 -newkey rsa:3072 -nodes -days 365 -subj /CN=scaloft-fi "
+    "-keyout cluster/key.pem -out cluster/cert.pem)"
+)
+"""The command that makes a certificate which all parts of a cluster share."""
 
 
 def check_certificates(folder: Path) -> None:
     """Check early that the files of `folder` are certificates and a key that fit.
 
     Raises:
-        InputError: a file is missing or no certificate.
+        InputError: a file is missing or no certificate, or others may read the key.
     """
-    for name in FILES:
+    place = f"--cluster-security={folder}"
+    for name in (CERTIFICATE, KEY):
         if not (folder / name).is_file():
-            raise InputError(f"--cluster-security={folder}: {folder / name} is missing; needed: {', '.join(FILES)}")
-    authority, certificate, key = (str(folder / name) for name in FILES)
+            raise InputError(f"{place}: {folder / name} is missing; `{MAKE}` makes {CERTIFICATE} and {KEY}")
+    mode = stat.S_IMODE((folder / KEY).stat().st_mode)
+    if os.name == "posix" and mode & 0o077:
+        key = folder / KEY
+        raise InputError(f"{key}: mode={mode:03o} lets others read the key; `chmod 600 {key}` stops that")
     try:
-        context = ssl.create_default_context(cafile=authority)
-        context.load_cert_chain(certificate, key, password="")
+        context = ssl.create_default_context(cafile=str(_authority(folder)))
+        context.load_cert_chain(folder / CERTIFICATE, folder / KEY, password="")
     except (OSError, ValueError) as error:
         reason = getattr(error, "reason", None) or error
-        raise InputError(f"--cluster-security={folder}: {', '.join(FILES)} do not fit each other: {reason}") from error
+        names = ", ".join(dict.fromkeys((_authority(folder).name, CERTIFICATE, KEY)))
+        raise InputError(f"{place}: {names} do not fit each other: {reason}") from error
 
 
-def security_of(folder: Path | None) -> Security:
-    """The security of a client with the certificates in `folder`; None = not encrypted."""
+def _authority(folder: Path) -> Path:
+    """The certificate that has signed those of all parts; without one ours, which all share."""
+    own = folder / AUTHORITY
+    return own if own.is_file() else folder / CERTIFICATE
+
+
+def security_of(folder: Path) -> Security:
+    """The security of a client with the certificates in `folder`."""
     from distributed import Security
 
-    if folder is None:
-        return Security()
-    authority, certificate, key = (str(folder / name) for name in FILES)
+    authority, certificate, key = (str(path) for path in (_authority(folder), folder / CERTIFICATE, folder / KEY))
     return Security(tls_ca_file=authority, tls_client_cert=certificate, tls_client_key=key, require_encryption=True)
 
 
-class Inbox:
-    """The messages of one run.
+LOCAL = "local"
+_DASK = re.compile(r"dask://(?P<address>[^/\s:@]+:[0-9]{1,5}|\[[0-9A-Fa-f:.]+\]:[0-9]{1,5})/?")
 
-    Args:
-        key: key of the cluster.
 
-    Attributes:
-        strange: number of messages that were none of this run's.
-        nonsense: number of messages with the key that made no sense.
-        lost: number of times at which messages of our workers may have been lost among strange ones.
+def executor_named(name: str, jobs: int | None, certificates: Path | None = None) -> Executor:
+    """The executor for the values of `--executor`, `--jobs` and `--cluster-security`.
+
+    Raises:
+        InputError: the name is no executor, an option does not belong to it, or a certificate is missing.
     """
+    if name == LOCAL:
+        if certificates is not None:
+            raise InputError(f"--cluster-security={certificates} is for --executor=dask://HOST:PORT")
+        return Local(jobs or cores())
+    match = _DASK.fullmatch(name)
+    if match is None:
+        raise InputError(f"--executor={name!r} must be 'local' or 'dask://HOST:PORT', the address of a Dask scheduler")
+    if jobs is not None:
+        raise InputError(f"--jobs={jobs} is for --executor=local; how many fly on {name} is up to its workers")
+    if certificates is None:
+        raise InputError(
+            f"--executor={name} needs a certificate, because on an open scheduler anybody can run code: make one with "
+            f"`{MAKE}`, start scheduler and workers with it, and give run --cluster-security=cluster"
+        )
+    check_certificates(certificates)
+    return Cluster(match["address"], certificates)
 
-    def __init__(self, key: bytes) -> None:
-        self._key, self._run = key, uuid.uuid4().hex
-        self._messages: SimpleQueue[Message] = SimpleQueue()
-        self._numbers = 0
-        self._heard: dict[tuple[int, str], int] = {}
-        self.strange, self.nonsense, self.lost = 0, 0, 0
 
-    def order(self, kind: str, content: Any, worker: str = "") -> tuple[int, str]:
-        """The number of a new task, and the sealed order for it; `worker` = "" is for any worker."""
-        self._numbers += 1
-        return self._numbers, sealed(self._key, Message(self._run, self._numbers, worker, 1, kind, content))
+MOST_FILES = 10_000
+"""Greatest number of files in a bundle."""
+MOST_BYTES = 512 * 1024**2
+"""Greatest size of an unpacked bundle."""
+_MOST_MEMORY = 256 * 1024**2
+"""Greatest memory of the decompressor."""
 
-    @property
-    def run(self) -> str:
-        """Id of the run."""
-        return self._run
 
-    def receive(self, event: Any) -> None:
-        """Receive an event of the topic, a pair of time and sealed message; called in a thread of the client."""
+def packed(study: Path) -> bytes:
+    """Pack the three folders of a study without hidden files; equal content gives equal bytes.
+
+    Raises:
+        InputError: a file cannot be read.
+    """
+    content = io.BytesIO()
+    with tarfile.open(fileobj=content, mode="w") as archive:
+        for path in sorted(path for name in FOLDERS for path in (study / name).rglob("*")):
+            name = path.relative_to(study)
+            if is_file(path) and not any(part.startswith((".", "__")) for part in name.parts):
+                entry = tarfile.TarInfo(name.as_posix())
+                data = read_bytes(path, MOST_BYTES - content.tell())
+                entry.size = len(data)
+                archive.addfile(entry, io.BytesIO(data))
+    return lzma.compress(content.getvalue())
+
+
+def digest_of(bundle: bytes) -> str:
+    """The name of a bundle: its hash."""
+    return hashlib.sha256(bundle).hexdigest()
+
+
+def unpacked(bundle: bytes, folder: Path) -> Path:
+    """Unpack the study of `bundle` into `folder` once; other processes may do the same at the same time.
+
+    Raises:
+        InputError: the bundle is damaged, larger than the limits, or has anything but files in the folders of a study.
+    """
+    if not folder.is_dir():
+        files = _files(bundle)
+        begun = Path(tempfile.mkdtemp(prefix=f"{folder.name}-", dir=folder.parent))
         try:
-            message = unsealed(self._key, event[1])
-        except (ValueError, TypeError, LookupError):
-            self.strange += 1
-            return
-        if message.run != self._run:  # another run with the same key uses the same topic
-            return
-        sender = message.number, message.worker
-        if message.number > self._numbers or message.order <= self._heard.get(sender, 0):
-            self.strange += 1
-            return
-        self._heard[sender] = message.order
-        self._messages.put(message)
+            for name, data in files.items():
+                path = begun / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(data)
+        except OSError as error:
+            shutil.rmtree(begun, ignore_errors=True)
+            raise InputError(f"{folder}: the study cannot be unpacked: {error.strerror}") from error
+        try:
+            os.rename(begun, folder)  # noqa: PTH104 - it must fail if another process was faster
+        except OSError:
+            shutil.rmtree(begun, ignore_errors=True)
+    return folder
 
-    def skip(self) -> None:
-        """Count what the connection did not read; messages of our workers may have been packed with it."""
-        self.strange += 1
-        self.lost += 1
 
-    def messages(self, wait_s: float) -> Iterator[Message]:
-        """The messages that have arrived; wait at most `wait_s` for the first of them [s, wall]."""
-        with suppress(Empty):
-            while True:
-                yield self._messages.get(block=wait_s > 0.0, timeout=wait_s)
-                wait_s = 0.0
+def _files(bundle: bytes) -> dict[str, bytes]:
+    """The contents of the files of a bundle by name."""
+    try:
+        unpacking = lzma.LZMADecompressor(memlimit=_MOST_MEMORY)
+        content = unpacking.decompress(bundle, MOST_BYTES)
+        if not unpacking.eof:
+            raise _refused(f"it is damaged, or larger than {MOST_BYTES} bytes")
+        found: dict[str, bytes] = {}
+        with tarfile.open(fileobj=io.BytesIO(content), mode="r:") as archive:
+            for entry in archive:
+                parts = PurePosixPath(entry.name).parts
+                if not entry.isreg() or not parts or parts[0] not in FOLDERS or ".." in parts or entry.issparse():
+                    raise _refused(f"{entry.name[:80]!r} is no file in {', '.join(FOLDERS)}")
+                if len(found) == MOST_FILES:
+                    raise _refused(f"it has more than {MOST_FILES} files")
+                file = archive.extractfile(entry)
+                found[entry.name] = file.read() if file else b""
+    except (lzma.LZMAError, tarfile.TarError, ValueError, EOFError, OSError) as error:
+        raise _refused(f"it is damaged ({error})") from error
+    return found
 
-    def summary(self) -> Iterator[str]:
-        """How many messages were ignored, for the end of a run."""
-        if self.strange:
-            yield f"warning: {self.strange} messages on the scheduler did not carry the key of the run and were ignored"
-        if self.nonsense:
-            yield f"warning: {self.nonsense} messages of workers held no outcome that was asked for and were ignored"
+
+def _refused(reason: str) -> InputError:
+    return InputError(f"the bundle of the study is refused: {reason}")
 
 
 IDLE_S = 60.0
 """A process without a task for this time ends, because its run has ended or died [s, wall]."""
 
-_idle: dict[tuple[Path, str | None, str], list[_Slot]] = defaultdict(list)
-_taken: set[tuple[str, int]] = set()
+_idle: dict[tuple[Path, str | None, Flyer], list[_Slot]] = defaultdict(list)
 _lock = threading.Lock()
 
-Send = Callable[[str, Any], None]
 
+@dataclass(frozen=True)
+class Sent:
+    """What a worker needs to fly a study.
 
-def join(order: str, bundle: bytes) -> None:
-    """Prove to a run that this worker has its key, and take its study.
-
-    Sends `ready`; or `refused` when the hashes of study or code are others than in the run; or `failed` when the study
-    cannot be read there; before that `platform` when the platform is another than the run's.
-
-    Args:
-        order: a sealed message with the digest of the bundle, the hashes of the run's inputs, its platform.
+    Attributes:
         bundle: the packed study.
-
-    Raises:
-        ScaloftError: the order does not carry the key of this worker.
+        name: its digest.
+        grid: name of the grid.
+        inputs: hashes of what the run flies, by part.
+        platform: of the run.
     """
-    with _opened(order, "join") as (content, scratch, send, _):
-        if digest_of(bundle) != content["bundle"]:
-            raise InputError("the study that came is not the one that was sent")
-        ours = _study(unpacked(bundle, _folder(scratch, content)), content["grid"]).inputs
-        theirs = content["inputs"]
-        other = [part for part, digest in theirs.items() if ours.get(part) != digest]
-        changed = differences(content["platform"], fingerprint())
-        if changed:
-            send("platform", ", ".join(changed))
-        if other:
-            parts = (f"{part} {ours.get(part, 'none')[:12]}, not {theirs[part][:12]}" for part in other)
-            send("refused", ", ".join(parts))
-        else:
-            send("ready", None)
+
+    bundle: bytes = field(repr=False)
+    name: str
+    grid: str | None
+    inputs: Mapping[str, str]
+    platform: Mapping[str, str]
+
+    @classmethod
+    def of(cls, study: Study) -> Sent:
+        """Pack a study."""
+        bundle = packed(study.folder)
+        return cls(bundle, digest_of(bundle), study.grid_name, dict(study.inputs), fingerprint())
 
 
-def fly_batch(order: str) -> None:
-    """Fly one batch; sends `begun`, then each `outcome` when it is known, or `failed` when the study cannot be flown.
+@dataclass(frozen=True)
+class Greeting:
+    """What a worker answers to a run.
 
-    Args:
-        order: a sealed message with the digest of the study's bundle, the flyer and the batch.
-
-    Raises:
-        ScaloftError: the order does not carry the key of this worker.
+    Attributes:
+        refusal: why it flies nothing; "" if it flies.
+        platform: how its platform differs from the run's; "" if it does not.
     """
-    with _opened(order, "fly") as (content, scratch, send, stop):
-        send("begun", None)
-        folder = _folder(scratch, content)
-        study = _study(folder, content["grid"])
-        batch = batch_from_plain(study, content["batch"])
-        flights = {flight.name: flight for flight in batch.flights}
-        with _slot(study, content["flyer"], stop) as pool:
-            for outcome in pool.map([batch]):
-                _send_outcome(send, flights[outcome.name], outcome)
+
+    refusal: str = ""
+    platform: str = ""
 
 
-def _send_outcome(send: Send, flight: Flight, outcome: Outcome) -> None:
+def greet(sent: Sent) -> Greeting:
+    """Take the study of a run, and compare code, data and platform; runs on a worker."""
     try:
-        send("outcome", outcome_to_plain(outcome))
-    except ValueError as error:
-        send("outcome", outcome_to_plain(invalid(flight, f"its outcome cannot be sent: {error}")))
+        ours = _study(unpacked(sent.bundle, _folder(sent.name)), sent.grid).inputs
+    except Exception as error:  # noqa: BLE001 - whatever it is, the run has to tell it
+        return Greeting(f"cannot fly the study: {error if isinstance(error, InputError) else in_one_line(error)}")
+    parts = [
+        f"{part} {ours.get(part, 'none')[:12]}, not {digest[:12]}"
+        for part, digest in sent.inputs.items()
+        if ours.get(part) != digest
+    ]
+    refusal = f"has other code or data and flies nothing: {', '.join(parts)}" if parts else ""
+    return Greeting(refusal, ", ".join(differences(sent.platform, fingerprint())))
 
 
-@contextmanager
-def _opened(order: str, kind: str) -> Iterator[tuple[Mapping[str, Any], Path, Send, Callable[[], bool]]]:
-    """Content of a sealed order, folder of the worker, a function that sends, and whether the run gave the order up.
-
-    An error inside the context is sent as `failed`.
-    """
+def fly_batch(name: str, grid: str | None, flyer: Flyer, batch: Batch) -> list[Outcome] | None:
+    """Fly one batch in a process of its own; runs on a worker.  None where the worker has lost the study `name`."""
     from distributed import get_worker
 
     worker: DaskWorker = get_worker()
-    task = worker.get_current_task()
-    path = os.environ.get(VARIABLE)
-    if not path:
-        raise InputError(f"{VARIABLE} is not set: start the worker with the path of the run's key file in it")
-    key = read_key(Path(path))
-    try:
-        message = unsealed(key, order)
-    except ValueError as error:
-        raise InputError(f"an order does not carry the key in {path}, and is not followed") from error
-    known = (message.run, message.number)
-    with _lock:
-        if message.kind != kind or message.worker not in ("", worker.address) or known in _taken:
-            raise InputError("an order was sent twice, or is for another worker, and is not followed")
-        _taken.add(known)
-    orders = iter(range(1, 1 << 31))
-
-    def send(kind: str, content: Any) -> None:
-        note = Message(message.run, message.number, worker.address, next(orders), kind, content)
-        worker.log_event(topic_of(key), sealed(key, note))
+    task, folder = worker.get_current_task(), _folder(name)
+    if not folder.is_dir():
+        return None
 
     def stop() -> bool:  # the run no longer wants the batch
         state = worker.state.tasks.get(task)
         return state is None or state.state == "cancelled"
 
-    try:
-        yield message.content, Path(worker.local_directory), send, stop
-    except Exception as error:  # noqa: BLE001 - an exception would reach the run as a pickle, which it does not read
-        send("failed", str(error) if isinstance(error, InputError) else in_one_line(error))
+    with _slot(_study(folder, grid), flyer, stop) as pool:
+        return list(pool.map([batch]))
+
+
+def _folder(name: str) -> Path:
+    """Where this worker keeps a study."""
+    from distributed import get_worker
+
+    return Path(get_worker().local_directory) / f"study-{name}"
+
+
+@lru_cache
+def _study(folder: Path, grid_name: str | None) -> Study:
+    return Study.open(folder, grid_name)
 
 
 @dataclass(eq=False)
@@ -352,11 +306,11 @@ class _Slot:
 
 
 @contextmanager
-def _slot(study: Study, flyer: Mapping[str, Any], stop: Callable[[], bool]) -> Iterator[Pool[Batch, Outcome]]:
+def _slot(study: Study, flyer: Flyer, stop: Callable[[], bool]) -> Iterator[Pool[Batch, Outcome]]:
     """The pool of an idle slot, else of a new slot; the slot is kept for the next batch, or closed after an error."""
-    slots = _idle[study.folder, study.grid_name, json.dumps(flyer)]
+    slots = _idle[study.folder, study.grid_name, flyer]
     with _lock:
-        slot = slots.pop() if slots else _Slot(LateWorker(study.folder, study.grid_name, flyer_from_plain(flyer)))
+        slot = slots.pop() if slots else _Slot(LateWorker(study.folder, study.grid_name, flyer))
         if slot.expiry:
             slot.expiry.cancel()
     slot.stop = stop
@@ -380,28 +334,21 @@ def _expire(slots: list[_Slot], slot: _Slot) -> None:
     slot.pool.close()
 
 
-def _folder(scratch: Path, content: Mapping[str, Any]) -> Path:
-    return scratch / f"study-{content['bundle']}"
-
-
-@lru_cache
-def _study(folder: Path, grid_name: str | None) -> Study:
-    return Study.open(folder, grid_name)
-
-
 LOOK_UP_S = 0.1
 """Interval between checks for finished batches [s, wall]."""
 COUNT_S = 1.0
 """Interval between counts of the workers and their threads [s, wall]."""
+TAKEN = 10
+"""Greatest number of tasks of a run that somebody may take from the scheduler."""
 LEAST_JOBS = 8
 """Least number of threads for which batches are arranged, because workers may join."""
 AHEAD = 2
 """Number of batches per thread that are handed out at a time, so that no thread waits."""
-SILENT = 100
-"""A run ends when this many batches in sequence end without a word of a worker."""
+CONNECT_S = 10.0
+"""Greatest time to wait for an answer of the scheduler [s, wall]."""
 
 GONE = "the Dask scheduler is gone; what was flown is saved, the same command resumes"
-_ADDRESS = re.compile(r"[a-z]+://[A-Za-z0-9_.:%\[\]-]+")
+ROBBED = "somebody takes the tasks of this run from the Dask scheduler; what was flown is saved"
 
 
 @contextmanager
@@ -413,23 +360,20 @@ def disconnecting() -> Iterator[None]:
         yield
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Trial:
     """A batch that was handed out.
 
     Attributes:
-        where: addresses of the workers that may fly it.
-        begun: number of starts without any outcome.
-        lost_before: how often messages were lost before it was handed out.
-        arrived: its outcomes so far, by name.
+        begun: how often so far.
+        where: to which workers.
+        alone: whether nothing else was under way, so that nobody else is to blame when its worker dies.
     """
 
     batch: Batch
-    future: Future[None]
-    where: frozenset[str]
     begun: int
-    lost_before: int
-    arrived: dict[str, Outcome] = field(default_factory=dict)
+    where: frozenset[str]
+    alone: bool
 
 
 class ClusterRun:
@@ -437,39 +381,27 @@ class ClusterRun:
 
     Args:
         client: connected to the scheduler.
-        inbox: receives the messages of the workers.
-        bundle: the packed study.
-        study, flyer, stop, say: as for an executor.
+        sent: the study.
+        flyer, stop, say: as for an executor.
     """
 
     def __init__(
-        self,
-        client: Client,
-        inbox: Inbox,
-        bundle: bytes,
-        study: Study,
-        flyer: Flyer,
-        stop: Callable[[], bool],
-        say: Callable[[str], None],
+        self, client: Client, sent: Sent, flyer: Flyer, stop: Callable[[], bool], say: Callable[[str], None]
     ) -> None:
-        self._client, self._inbox, self._bundle, self._stop, self._say = client, inbox, bundle, stop, say
+        self._client, self._flyer, self._stop, self._say = client, flyer, stop, say
         self._line = client.scheduler_comm
-        self._greeting = {
-            "bundle": digest_of(bundle),
-            "grid": study.grid_name,
-            "inputs": dict(study.inputs),
-            "platform": fingerprint(),
-        }
-        self._flyer = flyer_to_plain(flyer)
-        self._trials: dict[int, _Trial] = {}
+        self._run = uuid.uuid4().hex
+        self._sent = sent
+        self._trials: dict[Future[list[Outcome] | None], _Trial] = {}
         self._again: deque[tuple[Batch, int]] = deque()
-        self._joins: dict[str, Future[None]] = {}
+        self._suspect: deque[tuple[Batch, int]] = deque()
+        self._greeted: dict[str, Future[Greeting]] = {}
         self._ready: set[str] = set()
         self._barred: dict[str, str] = {}
-        self._lines_shown: set[str] = set()
+        self._said: set[str] = set()
+        self._taken = 0
         self._threads: dict[str, int] = {}
         self._counted_s = -COUNT_S
-        self._silent = 0
 
     @property
     def jobs(self) -> int:
@@ -482,11 +414,11 @@ class ClusterRun:
 
     def map(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
         """Yield the outcomes of `batches` as they arrive; the next batch is taken when a thread may soon be free."""
-        source = iter(batches)
-        is_empty = False
+        source, is_empty = iter(batches), False
         try:
             while not self._stop():
                 self._look_round()
+                self._hear()
                 while self._room() and not is_empty:
                     batch, begun = self._again.popleft() if self._again else (next(source, None), 0)
                     if batch is None:
@@ -494,220 +426,172 @@ class ClusterRun:
                     else:
                         self._hand_out(batch, begun)
                 if is_empty and not self._trials and not self._again:
-                    return
-                # finished batches first: all their events were sent before they ended
-                ended = [number for number, trial in self._trials.items() if self._has_ended(trial)]
-                yield from self._received(0.0 if ended else LOOK_UP_S)
-                for number in ended:
-                    yield from self._end(self._trials.pop(number))
+                    if not self._suspect:
+                        return
+                    if self._room():
+                        self._hand_out(*self._suspect.popleft(), alone=True)
+                ended = [future for future, trial in self._trials.items() if self._has_ended(future, trial)]
+                for future in ended:
+                    yield from self._end(future, self._trials.pop(future))
+                if not ended:
+                    time.sleep(LOOK_UP_S)
                 is_empty = is_empty and not self._again
         finally:
             with disconnecting():
-                self._client.cancel([trial.future for trial in self._trials.values()])
-        yield from self._received(0.0)
-        self._trials.clear()
-        self._again.clear()
+                self._client.cancel([*self._trials])
+            self._trials.clear()
+            self._again.clear()
+            self._suspect.clear()
 
     def _room(self) -> bool:
         return len(self._trials) < AHEAD * sum(self._threads.get(worker, 0) for worker in self._ready)
 
-    def _hand_out(self, batch: Batch, begun: int) -> None:
-        content = {
-            "bundle": self._greeting["bundle"],
-            "grid": self._greeting["grid"],
-            "flyer": self._flyer,
-            "batch": batch_to_plain(batch),
-        }
-        number, order = self._inbox.order("fly", content)
-        where = frozenset(self._ready)
-        future = self._client.submit(
-            fly_batch,
-            order,
-            key=f"scaloft-fi-{self._inbox.run}-{number}",
-            workers=sorted(where),
-            pure=False,
-        )
-        self._trials[number] = _Trial(batch, future, where, begun, self._inbox.lost)
+    def _hand_out(self, batch: Batch, begun: int, *, alone: bool = False) -> None:
+        words = {"key": self._key(), "workers": sorted(self._ready), "pure": False}
+        future = self._client.submit(fly_batch, self._sent.name, self._sent.grid, self._flyer, batch, **words)
+        self._trials[future] = _Trial(batch, begun + 1, frozenset(self._ready), alone)
 
-    def _has_ended(self, trial: _Trial) -> bool:
+    def _has_ended(self, future: Future[list[Outcome] | None], trial: _Trial) -> bool:
         """Whether a batch is done, or waits for workers that are gone."""
-        return trial.future.done() or not trial.where & self._threads.keys()
+        return future.done() or not trial.where & self._threads.keys()
 
-    def _received(self, wait_s: float) -> Iterator[Outcome]:
-        """Yield the outcomes among the received messages; wait at most `wait_s` for the first message [s, wall]."""
-        for message in self._inbox.messages(wait_s):
-            self._silent = 0
-            if message.kind == "outcome":
-                yield from self._outcome(message)
-            else:
-                self._note(message)
-        if self._inbox.strange:
-            self._say_once("warning: messages on the scheduler do not carry the key of the run; they are ignored")
+    def _key(self) -> str:
+        return f"scaloft-fi-{self._run}-{uuid.uuid4().hex}"
 
-    def _outcome(self, message: Message) -> Iterator[Outcome]:
-        trial = self._trials.get(message.number)
-        if trial is None:
-            return
-        try:
-            outcome = outcome_from_plain(trial.batch, message.content)
-        except ValueError as error:
-            self._inbox.nonsense += 1
-            self._bar(message.worker, f"the worker at {message.worker} sent what is no outcome of its batch: {error}")
-            return
-        if outcome.name not in trial.arrived:  # a batch is flown again whole when its worker is lost
-            trial.arrived[outcome.name] = outcome
-            yield outcome
-
-    def _note(self, message: Message) -> None:
-        trial, place = self._trials.get(message.number), f"the worker at {message.worker}"
-        if message.kind == "ready":
-            if message.worker not in self._barred:
-                self._ready.add(message.worker)
-        elif message.kind == "begun":
-            if trial is not None:
-                trial.begun += 1
-        elif message.kind == "refused":
-            self._bar(message.worker, f"{place} has other code or data and flies nothing: {message.content}")
-        elif message.kind == "platform":
-            self._say_once(f"warning: {place} is another platform, digests may differ: {message.content}")
-        elif message.kind == "failed":
-            self._bar(message.worker, f"{place} cannot fly the study: {message.content}")
-        else:
-            self._inbox.nonsense += 1
-            self._bar(message.worker, f"{place} sent a message of no known kind")
-
-    def _bar(self, worker: str, reason: str) -> None:
-        """Give a worker no more batches."""
-        self._ready.discard(worker)
-        self._barred.setdefault(worker, reason)
-        self._say_once(f"warning: {self._barred[worker]}")
-
-    def _end(self, trial: _Trial) -> Iterator[Outcome]:
-        """Handle the end of a batch: try the flights without an outcome again, within `ATTEMPTS`."""
-        if trial.future.cancelled():
-            raise Interrupted(GONE)
-        if not trial.future.done():
-            self._client.cancel([trial.future])
-        left = left_of(trial.batch, trial.arrived.values())
+    def _end(self, future: Future[list[Outcome] | None], trial: _Trial) -> Iterator[Outcome]:
+        """Handle the end of a batch: flights without an outcome are flown again, within `ATTEMPTS`."""
+        flown: list[Outcome] = []
+        if future.status == "finished":
+            wanted = {flight.name for flight in trial.batch.flights}
+            told = future.result(timeout=CONNECT_S)
+            if told is None:
+                self._greeted.clear()
+                self._ready.clear()
+            flown = [outcome for outcome in told or () if outcome.name in wanted]
+            yield from flown
+        left = left_of(trial.batch, flown)
         if left is None:
             return
-        # Dask also gives up batches that only waited on workers that died
-        is_unsure = trial.arrived or self._inbox.lost > trial.lost_before
-        begun = 0 if is_unsure else trial.begun
-        self._silent += 1
-        if self._silent > SILENT:
-            raise InputError("the Dask workers begin no batch; what was flown is saved, their logs tell the reason")
-        if begun < ATTEMPTS:
-            self._again.append((left, begun))
-        else:
+        error = future.exception(timeout=CONNECT_S) if future.status == "error" else None
+        if isinstance(error, InputError):  # the study cannot be flown there, nor anywhere
+            raise error
+        if not future.done():
+            self._client.cancel([future])
+        elif future.status in ("cancelled", "lost"):
+            self._note_taken()
+            self._again.append((left, trial.begun - 1))
+            return
+        is_guilty = trial.alone and future.status == "error"  # nothing else was under way
+        if trial.begun <= ATTEMPTS and not is_guilty:
+            (self._suspect if trial.alone else self._again).append((left, trial.begun))
+        elif trial.alone:
             yield from lost(left, "died with its Dask worker every time")
+        else:  # over one of them, or of another batch, workers die
+            self._suspect += [(Batch((flight,)), 0) for flight in left.flights]
 
     def _look_round(self) -> None:
         """Count the workers and their threads at intervals, greet new workers, and tell when there are none."""
         if time.monotonic() - self._counted_s < COUNT_S:
             return
-        # a new connection, even to a new scheduler at the same address, knows neither our tasks nor our topic
+        # a new connection, even to a new scheduler at the same address, knows nothing of our tasks
         if self._client.status == "closed" or self._client.scheduler_comm is not self._line:
             raise Interrupted(GONE)
         try:
-            found = self._client.nthreads().items()
-            self._threads = {worker: int(threads) for worker, threads in found if _ADDRESS.fullmatch(worker)}
+            self._threads = dict(self._client.nthreads())
         except Exception as error:
             raise Interrupted(GONE) from error
         self._counted_s = time.monotonic()
+        self._greeted = {worker: future for worker, future in self._greeted.items() if worker in self._threads}
         self._ready &= self._threads.keys()
-        for worker in self._threads.keys() - self._joins.keys():
-            self._greet(worker)
-        for worker in self._joins.keys() - self._threads.keys():
-            del self._joins[worker]
-        for worker in [worker for worker, future in self._joins.items() if future.status == "finished"]:
-            if worker not in self._ready | self._barred.keys():  # its answer was lost, or is about to arrive
-                self._greet(worker)
-        mute = {worker for worker, future in self._joins.items() if future.status == "error"}
-        for worker in sorted(mute):
-            self._say_once(
-                f"warning: the worker at {worker} did not prove that it has the key of the run and flies nothing; "
-                f"start it with {VARIABLE}=FILE and with the same scaloft-fi"
-            )
+        for worker in self._threads:
+            if worker in self._greeted and self._greeted[worker].status in ("cancelled", "lost"):
+                self._note_taken()
+                del self._greeted[worker]
+            if worker not in self._greeted:
+                words = {"key": self._key(), "workers": [worker], "pure": False, "priority": 1}
+                self._greeted[worker] = self._client.submit(greet, self._sent, **words)
         if not self._threads:
             self._say_once("waiting for workers: `dask worker` with the address of the scheduler starts some")
-        elif self._barred and self._threads.keys() <= self._barred.keys() | mute:
+        elif self._threads.keys() <= self._barred.keys():
             raise InputError(next(iter(self._barred.values())))
 
-    def _greet(self, worker: str) -> None:
-        """Ask a worker for a proof that it has the key, and send it the study."""
-        number, order = self._inbox.order("join", self._greeting, worker)
-        self._joins[worker] = self._client.submit(
-            *(join, order, self._bundle),
-            key=f"scaloft-fi-{self._inbox.run}-{number}",
-            workers=[worker],
-            pure=False,
-            priority=1,
-        )
+    def _hear(self) -> None:
+        """Hear what workers have answered."""
+        for worker, future in self._greeted.items():
+            if worker in self._ready or worker in self._barred or future.status not in ("finished", "error"):
+                continue
+            if future.status == "error":
+                self._bar(worker, "cannot take the study; start it with the same scaloft-fi")
+                continue
+            told: Greeting = future.result(timeout=CONNECT_S)
+            if told.platform:
+                place = f"the worker at {worker}"
+                self._say_once(f"warning: {place} is another platform, digests may differ: {told.platform}")
+            if told.refusal:
+                self._bar(worker, told.refusal)
+            else:
+                self._ready.add(worker)
+
+    def _note_taken(self) -> None:
+        """Note that a task was taken from the scheduler; it is handed out again.
+
+        Raises:
+            InputError: that happens again and again.
+        """
+        self._taken += 1
+        if self._taken > TAKEN:
+            raise InputError(ROBBED)
+
+    def _bar(self, worker: str, reason: str) -> None:
+        """Give a worker no batches."""
+        self._barred[worker] = f"the worker at {worker} {reason}"
+        self._say_once(f"warning: {self._barred[worker]}")
 
     def _say_once(self, line: str) -> None:
-        if line not in self._lines_shown:
-            self._lines_shown.add(line)
+        if line not in self._said:
+            self._said.add(line)
             self._say(line)
-
-
-CONNECT_S = 10.0
-"""Greatest time to wait for an answer of the scheduler [s, wall]."""
 
 
 @dataclass(frozen=True)
 class Cluster:
-    """The workers of a scheduler that have the key.
+    """The workers of a scheduler.
 
     Attributes:
         address: of the scheduler, as HOST:PORT.
-        key: key of the cluster.
-        certificates: folder of the certificates; None = Dask does not encrypt.
+        certificates: folder of the certificates.
     """
 
     address: str
-    key: bytes = field(repr=False)
-    certificates: Path | None = None
+    certificates: Path
 
     @contextmanager
     def workers(
         self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
     ) -> Iterator[Workers]:
-        """Connect to the scheduler; each worker that proves that it has the key gets the study, also if it joins later.
+        """Connect to the scheduler; each worker gets the study, also if it joins later.
 
         Raises:
             InputError: `distributed` is not installed, or the scheduler cannot be reached.
         """
         try:
             from distributed import Client
-
-            from scaloft_fi.campaign.workers.inert import inert_scheme
-
         except ImportError as error:
             how = "pip install 'scaloft-fi[cluster]'"
             raise InputError(f"--executor=dask://{self.address} needs the package distributed: {how}") from error
         for name in ("distributed", "distributed.client"):  # this package prints its own messages
             logging.getLogger(name).setLevel(logging.CRITICAL)
-        bundle, inbox = packed(study.folder), Inbox(self.key)
-        with inert_scheme(tls=self.certificates is not None, skipped=inbox.skip) as scheme:
-            try:
-                client = Client(
-                    f"{scheme}://{self.address}",
-                    timeout=CONNECT_S,
-                    set_as_default=False,
-                    name="scaloft-fi",
-                    security=security_of(self.certificates),
-                )
-            except (OSError, ValueError, TypeError, LookupError, AttributeError, AssertionError) as error:
-                reason = f"no Dask scheduler answers there within {CONNECT_S:g} s"
-                if self.certificates is not None:
-                    reason += f" with the certificates in {self.certificates}"
-                raise InputError(f"--executor=dask://{self.address} cannot be reached: {reason}") from error
-            with client:
-                try:
-                    with disconnecting():
-                        client.subscribe_topic(topic_of(self.key), inbox.receive)
-                    yield ClusterRun(client, inbox, bundle, study, flyer, stop, say)
-                finally:
-                    for line in inbox.summary():
-                        say(line)
+        try:
+            client = Client(
+                f"tls://{self.address}",
+                timeout=CONNECT_S,
+                set_as_default=False,
+                name="scaloft-fi",
+                security=security_of(self.certificates),
+            )
+        except (OSError, ValueError, TypeError, LookupError, AttributeError, AssertionError) as error:
+            reason = f"no Dask scheduler answers there within {CONNECT_S:g} s with the certificates in"
+            sentence = f"--executor=dask://{self.address} cannot be reached: {reason} {self.certificates}"
+            raise InputError(sentence) from error
+        with client, disconnecting():
+            yield ClusterRun(client, Sent.of(study), flyer, stop, say)

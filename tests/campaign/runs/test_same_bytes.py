@@ -98,7 +98,7 @@ def test_a_cluster_whose_worker_is_killed_in_flight_and_another_joins(
 ) -> None:
     address = dask.scheduler()
     killed = dask.worker(address, "--no-nanny")
-    cluster = ("--executor", f"dask://{address}", "--cluster-key", dask.key_file)
+    cluster = ("--executor", f"dask://{address}", "--cluster-security", dask.certificates)
     run = _start("run", *WORDS, "--campaign", tmp_path / "c", *cluster)
     while _saved(tmp_path / "c") < 2:
         assert run.poll() is None

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.workers import plain
-from scaloft_fi.campaign.workers.plain import packed, unpacked
+from scaloft_fi.campaign.workers import cluster
+from scaloft_fi.campaign.workers.cluster import packed, unpacked
 from scaloft_fi.errors import InputError
 
 Entry = tuple[str, bytes, bytes]
@@ -59,8 +59,8 @@ def test_what_is_packed_is_unpacked_again(tmp_path: Path) -> None:
 def test_a_bundle_that_no_study_makes_is_refused_and_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, made: Callable[[], bytes]
 ) -> None:
-    monkeypatch.setattr(plain, "MOST_FILES", 5)
-    monkeypatch.setattr(plain, "MOST_BYTES", 100_000)
+    monkeypatch.setattr(cluster, "MOST_FILES", 5)
+    monkeypatch.setattr(cluster, "MOST_BYTES", 100_000)
     (tmp_path / "in").mkdir()
     with pytest.raises(InputError, match="the bundle of the study is refused"):
         unpacked(made(), tmp_path / "in" / "study")

@@ -1,0 +1,61 @@
+"""`--executor` and the certificates that a cluster needs."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from scaloft_fi.campaign.workers.cluster import MAKE, Cluster, executor_named
+from scaloft_fi.campaign.workers.local import Local
+from scaloft_fi.errors import InputError
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A certificate, made by the command that the refusal names."""
+    folder = tmp_path_factory.mktemp("made")
+    subprocess.run(MAKE, shell=True, check=True, cwd=folder, capture_output=True)
+    return folder / "cluster"
+
+
+@pytest.fixture
+def certificates(made: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(made, tmp_path / "cluster"))
+
+
+def test_an_executor_is_local_or_the_address_of_a_scheduler(certificates: Path) -> None:
+    assert executor_named("local", 3) == Local(3)
+    assert executor_named("dask://head-node:8786", None, certificates) == Cluster("head-node:8786", certificates)
+    assert executor_named("dask://[::1]:8786/", None, certificates) == Cluster("[::1]:8786", certificates)
+    for name in ("dask", "dask://", "dask://host", "ray://host:1", "tcp://host:8786", "dask://host:port"):
+        with pytest.raises(InputError, match=r"must be 'local' or 'dask://HOST:PORT'"):
+            executor_named(name, None, certificates)
+    with pytest.raises(InputError, match="--jobs=2 is for --executor=local"):
+        executor_named("dask://host:1", 2, certificates)
+    with pytest.raises(InputError, match="--cluster-security=certs is for --executor=dask"):
+        executor_named("local", None, Path("certs"))
+
+
+@pytest.mark.parametrize("address", ["host:1", "127.0.0.1:8786", "[::1]:8786"])
+def test_a_cluster_without_a_certificate_is_refused_with_the_command_that_makes_one(address: str) -> None:
+    with pytest.raises(InputError) as caught:
+        executor_named(f"dask://{address}", None)
+    assert MAKE in str(caught.value)
+
+
+def test_files_that_do_not_fit_are_told_before_anything_is_flown(certificates: Path) -> None:
+    for name in ("cert.pem", "key.pem", "ca.pem"):
+        folder = Path(shutil.copytree(certificates, certificates.parent / name))
+        (folder / name).touch(mode=0o600)
+        (folder / name).write_text("no certificate")
+        with pytest.raises(InputError, match=r"cert\.pem, key\.pem do not fit each other: \S"):
+            executor_named("dask://host:1", None, folder)
+    (certificates / "key.pem").chmod(0o640)
+    with pytest.raises(InputError, match="mode=640 lets others read the key; `chmod 600"):
+        executor_named("dask://host:1", None, certificates)
+    (certificates / "key.pem").unlink()
+    with pytest.raises(InputError, match=r"key\.pem is missing; `.*openssl"):
+        executor_named("dask://host:1", None, certificates)
