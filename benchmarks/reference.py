@@ -28,8 +28,8 @@ from unittest.mock import patch
 
 import numpy as np
 from click.testing import CliRunner
-from coverage_against_kills.__main__ import pages as of_situations
 
+from experiments.coverage_against_kills.__main__ import pages as of_situations
 from scaloft_fi.campaign.store.archive import MANIFEST, OUTCOMES, TRACKS
 from scaloft_fi.cli import main as scaloft_fi
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, unpack_track

@@ -11,7 +11,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-SCRIPTS = [path for folder in ("benchmarks", "docs/hooks") for path in sorted((ROOT / folder).rglob("*.py"))]
+SCRIPTS = [
+    path for folder in ("benchmarks", "experiments", "docs/hooks") for path in sorted((ROOT / folder).rglob("*.py"))
+]
 USER_SCRIPT = ROOT / "tests" / "support" / "user_script.py"
 MYPY_SCRIPTS = ("--explicit-package-bases", *map(str, (*SCRIPTS, USER_SCRIPT)))
 COMMANDS = {

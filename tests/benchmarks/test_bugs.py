@@ -5,16 +5,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from bugs.bug import Bug
-from bugs.coupling import Coupling, detecting_share, mean_excess, relabelled_p, tail
-from bugs.evidence import Published, coupling, published, samples, verdict
-from bugs.page import flown
-from bugs.registry import BUGS, DROPPED, SOUGHT, declare
-from bugs.study import StackStudy
-from bugs_plan import FLIGHTS, PLAN, REFERENCE, SEEDS, names_of
-from kept_flights import Flights, read
-from published_outcomes import outcomes, rows_of
 
+from experiments.bugs.bug import Bug
+from experiments.bugs.coupling import Coupling, detecting_share, mean_excess, relabelled_p, tail
+from experiments.bugs.evidence import Published, coupling, published, samples, verdict
+from experiments.bugs.page import flown
+from experiments.bugs.registry import BUGS, DROPPED, SOUGHT, declare
+from experiments.bugs.study import StackStudy
+from experiments.bugs_plan import FLIGHTS, PLAN, REFERENCE, SEEDS, names_of
+from experiments.kept_flights import Flights, read
+from experiments.published_outcomes import outcomes, rows_of
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import fly_log
 from scaloft_fi.hazop.matrix import CellStatus
@@ -65,7 +65,7 @@ def test_each_bug_names_its_thread_and_a_credible_cell(study: Study) -> None:
     assert {bug.cell for bug in BUGS} <= credible
     for bug in BUGS:
         number = bug.thread.rsplit("/", 1)[1]
-        about = sys.modules[f"bugs.{bug.key.replace('-', '_')}"].__doc__
+        about = sys.modules[f"experiments.bugs.{bug.key.replace('-', '_')}"].__doc__
         assert bug.key.endswith(f"-{number}")
         assert number in (about or "")
 
@@ -110,7 +110,7 @@ def test_the_defect_changes_the_flight_where_it_is_on(study: Study) -> None:
 
 @pytest.mark.flight
 def test_kept_flights_are_not_flown_again(study: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    from bugs.__main__ import fly
+    from experiments.bugs.__main__ import fly
 
     declare()
     path = tmp_path / "flights.jsonl.gz"

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from builders import outcome
 from finding import found
-from found import __main__ as experiment
-from found.page import Evidence, page
 
+from experiments.found import __main__ as experiment
+from experiments.found.page import Evidence, page
 from scaloft_fi.analysis.roster import plain
 from scaloft_fi.analysis.seeking import POOL, SEEDS, Effort
 from scaloft_fi.campaign.seeking.seek import Sought

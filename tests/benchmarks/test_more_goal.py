@@ -4,15 +4,15 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-import more_goal
 import pytest
 from builders import GRID, outcome
-from kept_flights import flights_of, read, write
-from more_goal_page import flown
-from more_goal_plan import ARMS, AS_IT_IS, FLIGHTS, MUTANTS, NOT_TURNING, PLAN, STRICT, Arm, names_of
-from operating_point import LIGHT, PLAIN
-from varied import Varied
 
+import experiments.more_goal as more_goal
+from experiments.kept_flights import flights_of, read, write
+from experiments.more_goal_page import flown
+from experiments.more_goal_plan import ARMS, AS_IT_IS, FLIGHTS, MUTANTS, NOT_TURNING, PLAN, STRICT, Arm, names_of
+from experiments.operating_point import LIGHT, PLAIN
+from experiments.varied import Varied
 from scaloft_fi.analysis.stratified import Stratum, p_value
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.catalogue import realise
@@ -162,7 +162,7 @@ def test_a_flight_in_the_file_is_not_flown_again_and_an_invalid_one_is(
                 flight.subject.id, flight.situation.key, flight.seed, invalid="" if len(asked) > 8 else broken
             )
 
-    monkeypatch.setattr("kept_flights.shared", shared)
+    monkeypatch.setattr("experiments.kept_flights.shared", shared)
     path, study = tmp_path / "flights.jsonl.gz", Study.open(ROOT)
     with pytest.raises(KeyboardInterrupt):
         more_goal.fly(study, path, 1, draws=1)
@@ -177,7 +177,7 @@ def test_a_flight_in_the_file_is_not_flown_again_and_an_invalid_one_is(
 
 @pytest.mark.flight
 def test_flights_that_share_a_baseline_with_changed_numbers_have_the_digests_of_whole_flights() -> None:
-    from varied import Beside, flown, shared
+    from experiments.varied import Beside, flown, shared
 
     arm = Arm(turns_first=False, cruise_mps=1.2)
     study = Varied(ROOT, overrides=arm.overrides)

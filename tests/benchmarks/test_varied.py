@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.mark.flight
 def test_without_a_changed_number_the_flights_are_those_of_a_campaign() -> None:
-    from varied import Beside, flown
+    from experiments.varied import Beside, flown
 
     study, situation = Study.open(ROOT), "T0O0W0D0H0"
     mutant = realise(study.matrix, "REVERSE-velcmd")

@@ -5,11 +5,11 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-import wide
-from published_outcomes import outcomes, rows_of
-from wide_again import ALL
-from wide_plan import PLAN, halves
 
+import experiments.wide as wide
+from experiments.published_outcomes import outcomes, rows_of
+from experiments.wide_again import ALL
+from experiments.wide_plan import PLAN, halves
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Redraw, score
 from scaloft_fi.study import Study

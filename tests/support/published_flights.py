@@ -24,7 +24,7 @@ def rows() -> list[dict[str, object]]:
 
 @cache
 def outcomes() -> list[Outcome]:
-    sys.path.append(str(ROOT / "benchmarks"))
-    from published_outcomes import outcomes
+    sys.path.append(str(ROOT))
+    from experiments.published_outcomes import outcomes
 
     return list(outcomes(Study.open(ROOT), rows()))

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 CERTIFICATE, KEY, AUTHORITY = "cert.pem", "key.pem", "ca.pem"
 """The files of the folder: our certificate, our private key, and the authority's certificate if that is not ours."""
 MAKE = (
-    "(umask 077; mkdir cluster; openssl req -x509 -newkey rsa:3072 -nodes -days 365 -subj /CN=scaloft-fi "
+    "(umask 077; mkdir cluster; openssl req -x509 -newkey rsa:3072 -nodes -days 365 -subj /CN=cluster "
     "-keyout cluster/key.pem -out cluster/cert.pem)"
 )
 """The command that makes a certificate which all parts of a cluster share."""

@@ -4,7 +4,11 @@ from itertools import combinations, permutations, product
 
 import numpy as np
 import pytest
-from coverage_against_kills.chance import (
+from grids import FIVE, keys_of
+from hypothesis import given
+from hypothesis import strategies as st
+
+from experiments.coverage_against_kills.chance import (
     apfd,
     firsts,
     in_orders,
@@ -12,10 +16,7 @@ from coverage_against_kills.chance import (
     with_replacement,
     without_replacement,
 )
-from coverage_against_kills.trial import Trial
-from grids import FIVE, keys_of
-from hypothesis import given
-from hypothesis import strategies as st
+from experiments.coverage_against_kills.trial import Trial
 
 
 def small() -> st.SearchStrategy[np.ndarray]:

@@ -4,11 +4,11 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from coverage_against_kills.curve_picture import LOOKS, curve_picture
-from coverage_against_kills.curves import Curves, curves
-from coverage_against_kills.trial import Trial
 from grids import FIVE, keys_of
 
+from experiments.coverage_against_kills.curve_picture import LOOKS, curve_picture
+from experiments.coverage_against_kills.curves import Curves, curves
+from experiments.coverage_against_kills.trial import Trial
 from scaloft_fi.views.picture import png
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -5,17 +5,17 @@ from itertools import combinations, product
 
 import numpy as np
 import pytest
-from coverage_against_kills.chance import without_replacement
-from coverage_against_kills.curve_tables import curve_tables, curves_json
-from coverage_against_kills.curves import curves
-from coverage_against_kills.orders import relabelled
-from coverage_against_kills.prediction import correlate, predict
-from coverage_against_kills.redrawn import SeedSet
-from coverage_against_kills.trial import Trial, sub_cube
 from grids import FIVE, keys_of, space_of, spaces
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from experiments.coverage_against_kills.chance import without_replacement
+from experiments.coverage_against_kills.curve_tables import curve_tables, curves_json
+from experiments.coverage_against_kills.curves import curves
+from experiments.coverage_against_kills.orders import relabelled
+from experiments.coverage_against_kills.prediction import correlate, predict
+from experiments.coverage_against_kills.redrawn import SeedSet
+from experiments.coverage_against_kills.trial import Trial, sub_cube
 from scaloft_fi.analysis.coverage import covering_array, t_way
 from scaloft_fi.judge.space import Space
 from scaloft_fi.views.table import Format, render
@@ -225,7 +225,7 @@ def test_json_and_tables_tell_the_same() -> None:
 
 
 def test_without_the_library_the_arrays_are_named_as_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("coverage_against_kills.curves.find_spec", lambda _: None)
+    monkeypatch.setattr("experiments.coverage_against_kills.curves.find_spec", lambda _: None)
     found = curves(made(scattered()))
     assert [name for name, _ in found.missing] == ["2-way array", "3-way array", "4-way array"]
     assert "Not judged" in predict(found).answer[-1]

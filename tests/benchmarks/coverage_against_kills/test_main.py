@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 import pytest
 from builders import outcome, pool
-from coverage_against_kills import __main__ as experiment
 
+from experiments.coverage_against_kills import __main__ as experiment
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from functools import cache
 
-from coverage_against_kills.curve_picture import curve_picture
-from coverage_against_kills.curve_tables import curve_tables
-from coverage_against_kills.curves import Curves, curves
-from coverage_against_kills.prediction import predict
-from coverage_against_kills.trial import trial
 from published_flights import PUBLISHED, ROOT, outcomes
 
+from experiments.coverage_against_kills.curve_picture import curve_picture
+from experiments.coverage_against_kills.curve_tables import curve_tables
+from experiments.coverage_against_kills.curves import Curves, curves
+from experiments.coverage_against_kills.prediction import predict
+from experiments.coverage_against_kills.trial import trial
 from scaloft_fi.analysis.score import score_of
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.study import Study

@@ -5,7 +5,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-from coverage_against_kills.redrawn import MOST_SUBSETS, RESAMPLES, SeedSet, redrawn, resamples, seed_draws
+
+from experiments.coverage_against_kills.redrawn import MOST_SUBSETS, RESAMPLES, SeedSet, redrawn, resamples, seed_draws
 
 ALIVE, FIRST, SECOND, BOTH = [False, False], [True, False], [False, True], [True, True]
 

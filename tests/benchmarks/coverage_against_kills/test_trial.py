@@ -3,11 +3,11 @@ from __future__ import annotations
 from itertools import combinations
 
 from builders import GRID, ROSTER, outcome, pool, seeded
-from coverage_against_kills.curves import curves
-from coverage_against_kills.prediction import predict
-from coverage_against_kills.trial import Trial, trial
 from hypothesis import given, settings
 
+from experiments.coverage_against_kills.curves import curves
+from experiments.coverage_against_kills.prediction import predict
+from experiments.coverage_against_kills.trial import Trial, trial
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import BASELINE, Outcome

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from random_faults import __main__ as experiment
-from random_faults.draw import DECADES, GUIDEWORD, PACKAGES, TIMES, Draw, fields
-from random_faults.plan import FAULTS, LARGEST
 
+from experiments.random_faults import __main__ as experiment
+from experiments.random_faults.draw import DECADES, GUIDEWORD, PACKAGES, TIMES, Draw, fields
+from experiments.random_faults.plan import FAULTS, LARGEST
 from scaloft_fi.hazop.name import parse
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operator import ALL

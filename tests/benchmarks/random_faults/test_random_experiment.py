@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 from builders import GRID, outcome, pool
-from kept_flights import flights_of, read
-from published_kernels import KERNELS
-from published_outcomes import rows_of
-from random_faults import __main__ as experiment
-from random_faults.arm import Arm, kills_of, useful
-from random_faults.compare import Answer, Counts, answer, p_of_kill_sets, permuted, redrawn
-from random_faults.page import UNFINISHED, flown
-from random_faults.plan import FAULTS, FLIGHTS, KNOWN, LEAST, MOST, PLAN, POOL, SEEDS, fisher, names_of
 from scipy.stats import fisher_exact
 
+from experiments.kept_flights import flights_of, read
+from experiments.published_kernels import KERNELS
+from experiments.published_outcomes import rows_of
+from experiments.random_faults import __main__ as experiment
+from experiments.random_faults.arm import Arm, kills_of, useful
+from experiments.random_faults.compare import Answer, Counts, answer, p_of_kill_sets, permuted, redrawn
+from experiments.random_faults.page import UNFINISHED, flown
+from experiments.random_faults.plan import FAULTS, FLIGHTS, KNOWN, LEAST, MOST, PLAN, POOL, SEEDS, fisher, names_of
 from scaloft_fi.analysis.pool import State
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.store.origin import fingerprint
@@ -229,7 +229,7 @@ def test_a_flight_in_the_file_is_not_flown_again_and_an_invalid_one_is(
             made = outcome(flight.subject.id, flight.situation.key, flight.seed, digest="x")
             yield replace(made, invalid="it hung" if number == 1 and len(asked) < 5 else "")
 
-    monkeypatch.setattr("kept_flights.shared", shared)
+    monkeypatch.setattr("experiments.kept_flights.shared", shared)
     path, faults = tmp_path / "flights.jsonl.gz", experiment.read_faults()[:7]
     with pytest.raises(KeyboardInterrupt):
         experiment.fly(study, faults, path, 1, draws=1)

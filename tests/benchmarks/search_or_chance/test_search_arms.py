@@ -9,9 +9,9 @@ from pathlib import Path
 from statistics import mean
 
 import pytest
-from search_or_chance.pairs import array
-from search_or_chance.proposers import ARMS, SEARCH, with_ends
 
+from experiments.search_or_chance.pairs import array
+from experiments.search_or_chance.proposers import ARMS, SEARCH, with_ends
 from scaloft_fi.analysis.seeking import brief
 from scaloft_fi.campaign.seeking.proposals import Parameters, Proposal, Proposer, at_shares, placed
 from scaloft_fi.sim.grids import load_grid

@@ -10,21 +10,31 @@ from pathlib import Path
 from shutil import copytree
 
 import pytest
-import wide
 from builders import outcome
 from finding import Ruled, fast
-from kept_flights import read
-from published_outcomes import rows_of
-from search_or_chance import __main__ as experiment
-from search_or_chance import pairs
-from search_or_chance.compare import Answer, answer, beside_each, exact_p, holm, power, redrawn, totals
-from search_or_chance.page import UNFINISHED, Evidence, flown
-from search_or_chance.plan import AT_RISK, BUDGET, MUTANTS, OPEN, PLAN, POWER, SURVIVORS, WIDE, seed_of
-from search_or_chance.proposers import ARMS, SEARCH
-from search_or_chance.sample import FEWEST, FILE, MOST, Block, at_risk, blocks_of, read_blocks, survivors, text_of
-from search_or_chance.searches import Search, Sought, read_searches, write_searches
-from wide_plan import halves
 
+import experiments.wide as wide
+from experiments.kept_flights import read
+from experiments.published_outcomes import rows_of
+from experiments.search_or_chance import __main__ as experiment
+from experiments.search_or_chance import pairs
+from experiments.search_or_chance.compare import Answer, answer, beside_each, exact_p, holm, power, redrawn, totals
+from experiments.search_or_chance.page import UNFINISHED, Evidence, flown
+from experiments.search_or_chance.plan import AT_RISK, BUDGET, MUTANTS, OPEN, PLAN, POWER, SURVIVORS, WIDE, seed_of
+from experiments.search_or_chance.proposers import ARMS, SEARCH
+from experiments.search_or_chance.sample import (
+    FEWEST,
+    FILE,
+    MOST,
+    Block,
+    at_risk,
+    blocks_of,
+    read_blocks,
+    survivors,
+    text_of,
+)
+from experiments.search_or_chance.searches import Search, Sought, read_searches, write_searches
+from experiments.wide_plan import halves
 from scaloft_fi.campaign.seeking.finds import SEEN_ON
 from scaloft_fi.campaign.seeking.proposals import OPENING
 from scaloft_fi.campaign.seeking.seek import CHUNK, GENERATION

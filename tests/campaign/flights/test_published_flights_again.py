@@ -24,15 +24,15 @@ FLAGS = "flags : fpu avx2 avx512f avx512cd avx512bw avx512dq avx512vl"
 def reflown(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
     monkeypatch.setenv("OPENBLAS_CORETYPE", "")
-    monkeypatch.syspath_prepend(ROOT / "benchmarks")
-    import reflown
+    monkeypatch.syspath_prepend(ROOT)
+    import experiments.reflown as reflown
 
     return reflown
 
 
 @pytest.fixture
 def published_kernels(reflown: ModuleType) -> ModuleType:
-    return sys.modules["published_kernels"]
+    return sys.modules["experiments.published_kernels"]
 
 
 def test_the_sample_has_every_mutant_and_control_placebo_and_every_situation(reflown: ModuleType) -> None:
@@ -85,7 +85,7 @@ def test_kernels_are_asked_for_only_where_they_can_run(
 @pytest.mark.flight
 @pytest.mark.parametrize(("grid", "number"), FLOWN.items())
 def test_published_flights_flown_again_are_the_published_ones(grid: str, number: int) -> None:
-    words = [sys.executable, "benchmarks/reflown.py", "--grid", grid, "--sample", str(number), "--jobs", "1"]
+    words = [sys.executable, "experiments/reflown.py", "--grid", grid, "--sample", str(number), "--jobs", "1"]
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.endswith(f"{number} flights flown again, 0 differ\n")

@@ -1,1 +1,0 @@
-"""Does search beat chance?  `python benchmarks/search_or_chance` makes the page."""
