@@ -33,7 +33,7 @@ from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.flights.fly import Worker, left_of, lost
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import alone, plan, together
-from scaloft_fi.campaign.pool import Pool
+from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.catalogue import defaults, realise
 from scaloft_fi.mutants.mutant import PLACEBO
@@ -85,7 +85,7 @@ class TickCounter:
 def flown(study: Study, batches: Sequence[Batch], jobs: int) -> tuple[dict[str, Outcome], float, float]:
     """The outcomes of `batches` by name, and the wall time and the processor time they took [s]."""
     begin_s, begin_cpu_s = time.perf_counter(), cpu_s()
-    with Pool(Worker(study, Physics()), jobs, left=left_of, lost=lost) as pool:
+    with ProcessPool(Worker(study, Physics()), jobs, left=left_of, lost=lost) as pool:
         outcomes = {outcome.name: outcome for outcome in pool.map(batches)}
     return outcomes, time.perf_counter() - begin_s, cpu_s() - begin_cpu_s
 
@@ -124,7 +124,7 @@ def peak_rss(study: Study) -> dict[str, dict[str, float]]:
             if count in RSS_FLIGHTS:
                 report((count, peak_mib(resource.RUSAGE_SELF), peak_mib(resource.RUSAGE_CHILDREN)))
 
-    pool: Pool[Sequence[Batch], tuple[int, float, float]] = Pool(
+    pool: ProcessPool[Sequence[Batch], tuple[int, float, float]] = ProcessPool(
         work, 1, left=lambda _task, _results: None, lost=lambda _task, _how: [], patience_s=86400.0
     )
     with pool:

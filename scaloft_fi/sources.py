@@ -86,7 +86,7 @@ _CACHE = SourceCache(Path(__file__).read_bytes())
 
 
 @dataclass(frozen=True)
-class Source:
+class SourceFile:
     """A source file.
 
     Attributes:
@@ -100,13 +100,13 @@ class Source:
     imports: tuple[str, ...]
 
 
-def digest_of(sources: Mapping[str, Source]) -> str:
+def digest_of(sources: Mapping[str, SourceFile]) -> str:
     """A hash of the code of the sources."""
     meanings = {name: source.meaning for name, source in sources.items()}
     return hashlib.sha256(json.dumps(meanings, sort_keys=True).encode()).hexdigest()
 
 
-def closure(entries: Iterable[str], beside: Collection[str] = ()) -> Mapping[str, Source]:
+def closure(entries: Iterable[str], beside: Collection[str] = ()) -> Mapping[str, SourceFile]:
     """The entries and the modules of this package that they import, at the top of a file or inside a function.
 
     An entry in another package includes every module of that package, because code may import any of them by name.
@@ -126,7 +126,7 @@ def closure(entries: Iterable[str], beside: Collection[str] = ()) -> Mapping[str
     files = _Files()
     waiting = dict(pair for entry in entries for pair in _entry(entry, files) if pair[0] not in beside)
     seen = {*waiting, *beside}
-    sources: dict[str, Source] = {}
+    sources: dict[str, SourceFile] = {}
     while waiting:
         name, path = waiting.popitem()
         sources[name] = source = read(path)
@@ -203,10 +203,10 @@ def _absolute(name: str, package: str) -> str:
     return ".".join((*above, rest))
 
 
-def read(path: Path) -> Source:
+def read(path: Path) -> SourceFile:
     """Read a source file; equal bytes are parsed once."""
     content = path.read_bytes()
-    return Source(path, *_meaning(content, path))
+    return SourceFile(path, *_meaning(content, path))
 
 
 @lru_cache(maxsize=4096)

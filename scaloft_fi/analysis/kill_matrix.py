@@ -175,7 +175,7 @@ NOT_FLOWN = "not_flown"
 
 
 @dataclass(frozen=True)
-class Entry:
+class KillEntry:
     """A mutant in a situation.
 
     Attributes:
@@ -225,7 +225,7 @@ class KillRow:
     status: Status
     verdict: Verdict
     kill_rate: Ratio
-    entries: tuple[Entry, ...]
+    entries: tuple[KillEntry, ...]
     firmness: Firmness | None = None
 
     @property
@@ -334,10 +334,10 @@ def _row(mutant: MutantScore, kind: str, roster: Roster, space: Space) -> KillRo
     )
 
 
-def _entry(key: str, result: Result | None) -> Entry:
+def _entry(key: str, result: Result | None) -> KillEntry:
     if result is None:
-        return Entry(key)
-    return Entry(
+        return KillEntry(key)
+    return KillEntry(
         situation=key,
         state=result.status.value,
         kills=result.kills,

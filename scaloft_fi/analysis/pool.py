@@ -152,7 +152,7 @@ class Pool:
 
 
 @dataclass(frozen=True)
-class Finding:
+class SituationBaseline:
     """A situation's baseline over the seeds.
 
     Attributes:
@@ -174,7 +174,7 @@ class Finding:
     red: int
 
 
-def findings(outcomes: Iterable[Outcome], space: Space) -> tuple[Finding, ...]:
+def findings(outcomes: Iterable[Outcome], space: Space) -> tuple[SituationBaseline, ...]:
     """One finding per situation with a baseline that counts, in the grid's order."""
     flown: dict[str, list[Outcome]] = {}
     for outcome in outcomes:
@@ -183,13 +183,13 @@ def findings(outcomes: Iterable[Outcome], space: Space) -> tuple[Finding, ...]:
     return tuple(_finding(key, flown[key]) for key in sorted(flown, key=space.rank))
 
 
-def _finding(situation: str, baselines: list[Outcome]) -> Finding:
+def _finding(situation: str, baselines: list[Outcome]) -> SituationBaseline:
     shown: dict[str, set[Compliance]] = {}
     for outcome in baselines:
         for reading in outcome.readings:
             shown.setdefault(reading.requirement, set()).add(reading.compliance)
     firsts = [(v, outcome.seed) for outcome in baselines if (v := outcome.first_violation)]
-    return Finding(
+    return SituationBaseline(
         situation=situation,
         flown=len(baselines),
         violated=tuple(name for name, own in shown.items() if Compliance.VIOLATED in own),

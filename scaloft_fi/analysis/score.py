@@ -34,7 +34,7 @@ EARLY_S = 5.0
 """So is one that a kill shows within this time of take-off [s]."""
 
 
-class Moment(NamedTuple):
+class FirstViolation(NamedTuple):
     """A violation: of which requirement, when [s from take-off], where [m, world], what was struck."""
 
     requirement: str
@@ -59,7 +59,7 @@ class Kill:
     requirement: str
     violated: int
     flights: int
-    first: Moment
+    first: FirstViolation
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ class MutantScore:
     results: tuple[Result, ...]
     kills: tuple[Kill, ...]
     operability_kills: tuple[Kill, ...]
-    first: Moment | None
+    first: FirstViolation | None
     statuses: tuple[tuple[Status, int], ...]
     firmness: Firmness | None = None
     severity: SeverityClass | None = None
@@ -295,11 +295,11 @@ def _kill(result: Result, requirement: str, flights: Sequence[Ruled]) -> Kill:
     return Kill(result.situation, requirement, violated, result.flown, _first(result, requirement, flights))
 
 
-def _first(result: Result, requirement: str, flights: Sequence[Ruled]) -> Moment:
+def _first(result: Result, requirement: str, flights: Sequence[Ruled]) -> FirstViolation:
     """The earliest violation of a requirement by flights that are known to violate it."""
     return min(
         (
-            Moment(requirement, v.t_s, result.situation, one.seed, (v.x, v.y, v.z), v.struck)
+            FirstViolation(requirement, v.t_s, result.situation, one.seed, (v.x, v.y, v.z), v.struck)
             for one in flights
             for v in one.violations
             if v.requirement == requirement

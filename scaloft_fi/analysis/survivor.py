@@ -361,7 +361,7 @@ def _stronger(fault: Fault, rung: float | str | None) -> list[float]:
 
 
 @dataclass(frozen=True)
-class Campaign:
+class CampaignFacts:
     """The flights and scores, by mutant, and what the baselines and the other faults of a seam show."""
 
     space: Space
@@ -382,7 +382,7 @@ class Campaign:
         backgrounds: Mapping[str, Background],
         units: Mapping[str, str],
         name: str,
-    ) -> Campaign:
+    ) -> CampaignFacts:
         """From outcomes, with or without trajectories, and their score; invalid flights say nothing."""
         flights: dict[str, list[JudgedFlight]] = {row.id: [] for row in matrix.rows}
         for flight in flights_of(outcomes):
@@ -422,7 +422,7 @@ class Campaign:
 class Case:
     """One survivor and its flights."""
 
-    campaign: Campaign
+    campaign: CampaignFacts
     row: KillRow
     background: Background
 

@@ -48,7 +48,7 @@ class _Worker(Generic[TaskT, ResultT]):
         self.started.process.join()
 
 
-class Pool(Generic[TaskT, ResultT]):
+class ProcessPool(Generic[TaskT, ResultT]):
     """`jobs` processes that turn tasks into results; a context manager, at whose end the processes end.
 
     Args:
@@ -79,7 +79,7 @@ class Pool(Generic[TaskT, ResultT]):
         self._stop, self._patient, self._patience_s, self._start = stop, patient, patience_s, start
         self._workers: list[_Worker[TaskT, ResultT]] = []
 
-    def __enter__(self) -> Pool[TaskT, ResultT]:
+    def __enter__(self) -> ProcessPool[TaskT, ResultT]:
         return self
 
     def __exit__(

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from scaloft_fi.campaign.runs.gates import RunOptions
     from scaloft_fi.campaign.workers.local import Executor
     from scaloft_fi.study import Study
-    from scaloft_fi.verbs.score import ScoredCampaign
+    from scaloft_fi.verbs.score import ScoredFlights
     from scaloft_fi.verbs.worksheet import Worksheet
     from scaloft_fi.views.output import Answer
 
@@ -111,7 +111,7 @@ class CampaignScore:
         scored: the campaign with its score.
     """
 
-    def __init__(self, scored: ScoredCampaign) -> None:
+    def __init__(self, scored: ScoredFlights) -> None:
         self._scored = scored
 
     @property

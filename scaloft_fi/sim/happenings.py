@@ -243,7 +243,7 @@ class HappeningKind:
 HAPPENINGS = Registry[HappeningKind]("kind of happening")
 
 
-class Read(NamedTuple):
+class Occurrence(NamedTuple):
     """A happening with its kind and its entry in `world.yaml`."""
 
     happening: Happening
@@ -268,7 +268,7 @@ class Occasion:
     lasts_s: Annotated[MoreThanZero, Examples(5.0)] = math.inf
 
 
-def read_happenings(item: Item) -> tuple[Read, ...]:
+def read_happenings(item: Item) -> tuple[Occurrence, ...]:
     """Read the active happenings of a world; `misfits` holds them against the world.
 
     Raises:
@@ -282,7 +282,7 @@ def read_happenings(item: Item) -> tuple[Read, ...]:
     return tuple(one for one in found if one is not None)
 
 
-def read_happening(name: str, item: Item) -> Read | None:
+def read_happening(name: str, item: Item) -> Occurrence | None:
     """Read one happening; None for one that is not active.
 
     Raises:
@@ -298,7 +298,7 @@ def read_happening(name: str, item: Item) -> Read | None:
     assert occasion is not None
     assert effect is not None
     happening = Happening(name, kind.signals, occasion.start, occasion.lasts_s, effect, item.place)
-    return Read(happening, kind, item) if occasion.active else None
+    return Occurrence(happening, kind, item) if occasion.active else None
 
 
 def happenings_schema(names: Names) -> Schema:
@@ -314,7 +314,7 @@ def happenings_schema(names: Names) -> Schema:
     return {"type": "object", "additionalProperties": each}
 
 
-def misfits(world: Any, found: Iterable[Read]) -> Iterator[InputError]:
+def misfits(world: Any, found: Iterable[Occurrence]) -> Iterator[InputError]:
     """An error for each happening that cannot come, that this world cannot have, or that moves a body as another does.
 
     Args:

@@ -41,7 +41,7 @@ KINDS = {
 
 
 @dataclass(frozen=True)
-class Source:
+class NumberSource:
     """The source of the numbers at a path.
 
     Attributes:
@@ -72,7 +72,7 @@ class SimConfig:
     sensors: SensorsConfig
     grid: Grid
     stack: StackChoice
-    sources: Mapping[str, Source]
+    sources: Mapping[str, NumberSource]
     numbers: Mapping[str, float]
     _scenarios: dict[str, Scenario] = field(default_factory=dict, repr=False)
     _drawn: dict[str, Scenario] = field(default_factory=dict, repr=False)
@@ -134,7 +134,7 @@ class SimConfig:
             return True
         return False
 
-    def source_of(self, path: str) -> Source | None:
+    def source_of(self, path: str) -> NumberSource | None:
         """The source of the number at `path`, or of its nearest parent with a source."""
         parts = path.split(".")
         for length in range(len(parts), 0, -1):
@@ -218,7 +218,7 @@ def _numbers(documents: Mapping[str, Item]) -> dict[str, float]:
     }
 
 
-def _sources_of(folder: Path, documents: Mapping[str, Item]) -> dict[str, Source]:
+def _sources_of(folder: Path, documents: Mapping[str, Item]) -> dict[str, NumberSource]:
     """The sources in the study's `sources.yaml`; those of `situations.yaml` only where its grid is read."""
     path = folder / "sources.yaml"
     found = _sources(load_document(path), documents) if is_there(path) else {}
@@ -226,24 +226,24 @@ def _sources_of(folder: Path, documents: Mapping[str, Item]) -> dict[str, Source
     return {name: source for name, source in found.items() if own or not name.startswith("situations.")}
 
 
-def _own_sources(grid: Grid, documents: Mapping[str, Item]) -> dict[str, Source]:
+def _own_sources(grid: Grid, documents: Mapping[str, Item]) -> dict[str, NumberSource]:
     """The sources in the file of a further grid."""
     item = grid.item.get("sources") if grid.item and grid.further else None
     return _sources(item, documents) if item else {}
 
 
-def _sources(item: Item, documents: Mapping[str, Item]) -> dict[str, Source]:
+def _sources(item: Item, documents: Mapping[str, Item]) -> dict[str, NumberSource]:
     """Read the sources.
 
     Raises:
         InputError: a kind is unknown, or a path does not begin with the name of a document.
     """
-    faults, sources = Faults(), dict[str, Source]()
+    faults, sources = Faults(), dict[str, NumberSource]()
     for path, entry in item.mapping().items():
         name = path.split(".")[0]
         if name not in documents:
             faults.add(InputError(f"{entry.place}: no document for {path!r}{did_you_mean(name, documents)}"))
         with faults.collecting():
-            sources[path] = read(Source, entry)
+            sources[path] = read(NumberSource, entry)
     faults.end()
     return sources

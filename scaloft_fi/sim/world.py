@@ -34,7 +34,7 @@ from scaloft_fi.marks import (
 from scaloft_fi.model import read, schema_of, value_of
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim import mesh
-from scaloft_fi.sim.happenings import Happening, Read, Surroundings, happenings_schema, misfits, read_happenings
+from scaloft_fi.sim.happenings import Happening, Occurrence, Surroundings, happenings_schema, misfits, read_happenings
 from scaloft_fi.sim.log import SIGNALS, truth_signals
 from scaloft_fi.sim.mesh import FARTHEST_M, Mesh, Scene
 from scaloft_fi.sim.mine import Metres, Mine, Rock, flaws_of, read_mine
@@ -354,7 +354,7 @@ class WorldModel:
     mission: MissionPlan
     light: Annotated[Share, Examples(0.9, 0.003)]
     signals: tuple[Annotated[str, Choices(_optional_signals, named="signals")], ...] = ()
-    happenings: Annotated[tuple[Read, ...], Reads(read_happenings, happenings_schema)] = ()
+    happenings: Annotated[tuple[Occurrence, ...], Reads(read_happenings, happenings_schema)] = ()
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
         """Refuse a home among the waypoints, unknown places of the route, and signals that are recorded anyway."""
@@ -402,7 +402,7 @@ def read_world(item: Item, mine: Mine | None = None) -> World:
     return world
 
 
-def assembled(item: Item, mine: Mine | None = None) -> tuple[World, tuple[Read, ...]]:
+def assembled(item: Item, mine: Mine | None = None) -> tuple[World, tuple[Occurrence, ...]]:
     """Read a world and its active happenings, without a check that they fit together.
 
     Raises:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from scaloft_fi.analysis.coverage import Coverage
 from scaloft_fi.analysis.detection import Firmness, Noise, Verdict
-from scaloft_fi.analysis.pool import Finding, Pool, State, Tally, findings, tallies
+from scaloft_fi.analysis.pool import Pool, SituationBaseline, State, Tally, findings, tallies
 from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import EARLY_S, By, MutantScore, Score, groups
 from scaloft_fi.analysis.survivor import Accepted, Background
@@ -159,7 +159,7 @@ def _stages(name: str, members: Sequence[MutantScore]) -> tuple[str | int, ...]:
     return (name, *(counts[status] for status in Status), counts.total())
 
 
-def baseline_table(findings: Sequence[Finding]) -> Table:
+def baseline_table(findings: Sequence[SituationBaseline]) -> Table:
     """The situations where the unmutated drone violates a requirement, or leaves one untested."""
     rows = tuple(
         (
@@ -184,7 +184,7 @@ def baseline_table(findings: Sequence[Finding]) -> Table:
     return Table("Findings about the unmutated drone", headers, rows, notes)
 
 
-def _first(finding: Finding) -> str:
+def _first(finding: SituationBaseline) -> str:
     if finding.first is None:
         return ""
     violation, seed = finding.first

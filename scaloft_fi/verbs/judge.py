@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from scaloft_fi.campaign.flights.command import Finding, JudgedRecord, judged_record, known_of, mapping_of
+from scaloft_fi.campaign.flights.command import JudgedRecord, JudgedRequirement, judged_record, known_of, mapping_of
 from scaloft_fi.judge.requirement import Compliance, measured_rho
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
@@ -69,7 +69,7 @@ def judged_table(records: Sequence[JudgedRecord]) -> Table:
     return Table("Requirements on records", HEADERS, rows, (*notes, counted))
 
 
-def _cells(finding: Finding) -> tuple[TableCell, ...]:
+def _cells(finding: JudgedRequirement) -> tuple[TableCell, ...]:
     reading, rho = finding.reading, measured_rho(finding.reading)
     place = (None, None, None) if finding.place is None else tuple(round(value, 3) for value in finding.place)
     robustness = None if rho is None else round(rho, 6)

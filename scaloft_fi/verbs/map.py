@@ -15,7 +15,7 @@ from scaloft_fi.verbs.options import answer, check_writable, format_option, grid
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, listing, number, optional, record, text, texts
 from scaloft_fi.views.picture import png, scene_of
-from scaloft_fi.views.plan import Happens, Plan, draw_plan
+from scaloft_fi.views.plan import FloorPlan, Happens, draw_plan
 from scaloft_fi.views.table import Table
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ MAP = Output(
 """The form of `map --format json`."""
 
 
-def plan_of(study: Study, situation: Situation) -> Plan:
+def plan_of(study: Study, situation: Situation) -> FloorPlan:
     """The plan of a situation.
 
     Raises:
@@ -88,7 +88,7 @@ def plan_of(study: Study, situation: Situation) -> Plan:
         f"altitude {mission.altitude_m:g} m, {speeds}, light {world.light:g}",
         f"nominal flight {scenario.nominal_s:.0f} s, time limit {scenario.t_max_s:.0f} s",
     )
-    return Plan(scene_of(world), places, happenings, facts)
+    return FloorPlan(scene_of(world), places, happenings, facts)
 
 
 def _happens(one: Happening) -> Happens:

@@ -31,7 +31,7 @@ from scaloft_fi.sim.found import Finds
 from scaloft_fi.sim.grid import FurtherGridModel, GridModel
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.load import DOCUMENTS as PREFIXES
-from scaloft_fi.sim.load import Source
+from scaloft_fi.sim.load import NumberSource
 from scaloft_fi.sim.log import SIGNALS
 from scaloft_fi.sim.patch import PARTS
 from scaloft_fi.sim.sensors.sensor import SENSORS
@@ -152,7 +152,7 @@ def _sensors(names: Names) -> Schema:
 
 
 SOURCES = Annotated[
-    Mapping[str, Source],
+    Mapping[str, NumberSource],
     Pattern(rf"(?:{'|'.join(PREFIXES)})(?:\..+)?", ""),
     About("The source of each number of `sim/` by dotted path, its document first; a path covers all below it."),
 ]

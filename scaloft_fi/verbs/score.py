@@ -120,7 +120,7 @@ def _table(title: str, header: str, parts: Sequence[Unflown]) -> Table:
 
 
 @dataclass(frozen=True)
-class ScoredCampaign:
+class ScoredFlights:
     """A campaign with its score.
 
     Attributes:
@@ -233,7 +233,7 @@ class ScoredCampaign:
 
 def scored_campaign(
     study: Study, campaign: str, baseline_from: str | None = None, today: date | None = None
-) -> ScoredCampaign:
+) -> ScoredFlights:
     """Score the flights that a campaign holds.
 
     Args:
@@ -254,7 +254,7 @@ def scored_campaign(
         listed = study.space.holding(flown).situations
         others = borrowed(study, baseline_from, [key for key, _ in listed if key in flown])
     score = score_of(rulings, study.roster, study.space, spending, others)
-    return ScoredCampaign(study, campaign, rulings, score, noise, warning, stale, _accepted(study, score, today))
+    return ScoredFlights(study, campaign, rulings, score, noise, warning, stale, _accepted(study, score, today))
 
 
 def detected_so_far(study: Study, outcomes: Iterable[Outcome], spending: Spending) -> list[str]:
@@ -277,7 +277,7 @@ def detected_so_far(study: Study, outcomes: Iterable[Outcome], spending: Spendin
     return wrapped(text, width() - 1, "", "  ").replace("`", "").split("\n")
 
 
-def scored_run(flown: FlownRun, campaign: str) -> ScoredCampaign:
+def scored_run(flown: FlownRun, campaign: str) -> ScoredFlights:
     """Score the flights of a run; `campaign` is the name of its campaign."""
     planned, report = flown.planned, flown.report
     study = planned.study
@@ -287,7 +287,7 @@ def scored_run(flown: FlownRun, campaign: str) -> ScoredCampaign:
     with snapshot(study, campaign) as now:
         stale = now.stale
     accepted, looks = _accepted(study, score, None), tuple(flown.looks)
-    return ScoredCampaign(study, campaign, flown.rulings, score, noise, report.mixture, stale, accepted, looks, left)
+    return ScoredFlights(study, campaign, flown.rulings, score, noise, report.mixture, stale, accepted, looks, left)
 
 
 def _accepted(study: Study, score: Score, today: date | None) -> tuple[Accepted, ...]:
@@ -393,7 +393,7 @@ class Bars(NamedTuple):
 
 
 def report(
-    scored: ScoredCampaign,
+    scored: ScoredFlights,
     output: Output,
     *,
     grouping: str | None,

@@ -10,7 +10,7 @@ from scaloft_fi.analysis.coverage import Coverage
 from scaloft_fi.analysis.detection import Detection, Firmness, Noise, Verdict
 from scaloft_fi.analysis.pool import State
 from scaloft_fi.analysis.roster import plain
-from scaloft_fi.analysis.score import By, Group, Kill, Moment, MutantScore, Score
+from scaloft_fi.analysis.score import By, FirstViolation, Group, Kill, MutantScore, Score
 from scaloft_fi.analysis.survivor import Accepted, score_without
 from scaloft_fi.hazop.matrix import class_of
 from scaloft_fi.judge.requirement import Kind
@@ -362,7 +362,7 @@ def _kill(kill: Kill) -> dict[str, Any]:
     }
 
 
-def _moment(moment: Moment | None) -> dict[str, Any] | None:
+def _moment(moment: FirstViolation | None) -> dict[str, Any] | None:
     if moment is None:
         return None
     return moment._asdict() | {"position": list(moment.position)}

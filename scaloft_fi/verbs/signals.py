@@ -307,10 +307,10 @@ def _recorded(study: Study) -> Mapping[str, str] | None:
     path = study.folder / "sim" / "record.yaml"
     if study.command is None or not is_there(path):
         return None
-    from scaloft_fi.outside.records.record_map import Entry, load_record_map
+    from scaloft_fi.outside.records.record_map import MappedSignal, load_record_map
     from scaloft_fi.outside.records.recorded import DERIVED
 
-    def place(entry: Entry) -> str:
+    def place(entry: MappedSignal) -> str:
         if entry.source is None:
             return f"always {entry.constant:g}"
         source = entry.source

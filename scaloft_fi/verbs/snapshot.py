@@ -21,7 +21,7 @@ from scaloft_fi.campaign.store.archive import Archive, campaign_folder
 from scaloft_fi.campaign.store.flown_grid import opened
 from scaloft_fi.campaign.store.held import Held, Now, held_in, latest_in, nothing_to_show, stale_in, with_tracks
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
-from scaloft_fi.campaign.store.store import Flown, Store
+from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import Rulings, rulings_of
@@ -45,7 +45,7 @@ def stale_of(study: Study, store: Store, now: Now, name: str) -> Stale:
     return Stale(found.why, _again(study, store, name, found.flown) if found.flown else "")
 
 
-def _again(study: Study, store: Store, name: str, stale: Sequence[Flown]) -> str:
+def _again(study: Study, store: Store, name: str, stale: Sequence[FlownFlight]) -> str:
     """The `run` that flies these flights; of what it asks for besides, the campaign holds the flights that count."""
     held = store.flights()
     known = {flight.mutant for flight in held}
@@ -63,7 +63,7 @@ def _again(study: Study, store: Store, name: str, stale: Sequence[Flown]) -> str
     return " ".join(words)
 
 
-def _mutants(flights: Sequence[Flown], roster: Roster) -> list[str]:
+def _mutants(flights: Sequence[FlownFlight], roster: Roster) -> list[str]:
     """The mutants among `flights`, in the canonical order; a control that was flown once comes with every run."""
     flown = Counter(flight.mutant for flight in flights)
     canaries = {id_ for id_, number in flown.items() if number == 1 and cell_of(id_) in roster.controls}

@@ -16,7 +16,7 @@ from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.kill_matrix import KillMatrix, Loss
 from scaloft_fi.analysis.pool import LEAST, State
 from scaloft_fi.analysis.score import Score
-from scaloft_fi.analysis.survivor import Background, Campaign, Case
+from scaloft_fi.analysis.survivor import Background, CampaignFacts, Case
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
@@ -261,7 +261,7 @@ def survivors(
         name: of the campaign.
         finds: of the study.
     """
-    campaign = Campaign.of(outcomes, scored, matrix, backgrounds, units or {}, name)
+    campaign = CampaignFacts.of(outcomes, scored, matrix, backgrounds, units or {}, name)
     cases = [Case(campaign, row, backgrounds[row.id]) for row in matrix.mutants if row.verdict is not Verdict.DETECTED]
     cases.sort(key=lambda case: list(Stage).index(_STAGE[case.row.status]))
     ordered = worst_first(cases, lambda case: case.score.severity)

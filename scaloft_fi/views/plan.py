@@ -42,7 +42,7 @@ class Happens:
 
 
 @dataclass(frozen=True)
-class Plan:
+class FloorPlan:
     """A situation from above.
 
     Attributes:
@@ -58,7 +58,7 @@ class Plan:
     facts: tuple[str, ...]
 
 
-def draw_plan(plan: Plan, *, title: str, subtitle: str) -> str:
+def draw_plan(plan: FloorPlan, *, title: str, subtitle: str) -> str:
     """The plan as the text of an SVG file."""
     scene = plan.scene
     x0, x1, y0, y1 = extent(scene, (happens.near for happens in plan.happenings if happens.near))
@@ -120,7 +120,7 @@ def _happens(frame: Frame, number: int, happens: Happens) -> list[str]:
     ]
 
 
-def _names(frame: Frame, plan: Plan) -> Iterator[str]:
+def _names(frame: Frame, plan: FloorPlan) -> Iterator[str]:
     """The names of bodies and waypoints, each where no other stands."""
     wanted = [
         (body.name, (max(x for x, _ in body.outline), sum(y for _, y in body.outline) / len(body.outline)))

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.pool import Pool
+from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.campaign.processes import ATTEMPTS, cores, started_clean
 
 
@@ -66,7 +66,7 @@ def _map(
     work: Callable[[Any, Callable[[Any], None]], None], tasks: Iterable[Any], jobs: int = 1, **options: Any
 ) -> Any:
     """What comes home of `tasks`."""
-    with Pool(work, jobs, left=lambda task, _home: task, lost=lambda _task, how: [how], **options) as pool:
+    with ProcessPool(work, jobs, left=lambda task, _home: task, lost=lambda _task, how: [how], **options) as pool:
         return list(pool.map(tasks))
 
 
@@ -86,7 +86,7 @@ def test_a_task_whose_worker_dies_once_is_tried_again(tmp_path: Path) -> None:
 
 
 def test_what_is_home_when_a_worker_dies_is_not_done_again() -> None:
-    pool: Pool[str, str] = Pool(
+    pool: ProcessPool[str, str] = ProcessPool(
         _letters, 1, left=lambda word, home: word[len(home) :] or None, lost=lambda word, how: [how, *word[1:]]
     )
     with pool:
@@ -100,7 +100,7 @@ def test_a_worker_that_hangs_is_lost_and_no_other_task() -> None:
 
 def _stopped_after(most: int, work: Any, tasks: Iterable[Any], jobs: int = 1) -> list[Any]:
     home: list[Any] = []
-    pool: Pool[Any, Any] = Pool(
+    pool: ProcessPool[Any, Any] = ProcessPool(
         work, jobs, left=lambda task, _home: task, lost=lambda _task, how: [how], stop=lambda: len(home) >= most
     )
     with pool:
@@ -128,13 +128,13 @@ def test_no_worker_outlives_the_pool() -> None:
 
 
 def test_a_pool_keeps_its_workers_from_one_map_to_the_next() -> None:
-    with Pool(_process, 1, left=lambda task, _home: task, lost=lambda _task, how: [how]) as pool:
+    with ProcessPool(_process, 1, left=lambda task, _home: task, lost=lambda _task, how: [how]) as pool:
         first, second = list(pool.map([0])), list(pool.map([0]))
     assert first == second != [os.getpid()]
 
 
 def test_a_worker_that_died_between_two_maps_is_replaced() -> None:
-    with Pool(_process, 1, left=lambda task, _home: task, lost=lambda _task, how: [how]) as pool:
+    with ProcessPool(_process, 1, left=lambda task, _home: task, lost=lambda _task, how: [how]) as pool:
         (first,) = pool.map([0])
         os.kill(first, signal.SIGKILL)
         (second,) = pool.map([0])

@@ -15,7 +15,7 @@ from scaloft_fi.cli import main
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.map import MAP, map_values, plan_of
 from scaloft_fi.views.picture import MapScene
-from scaloft_fi.views.plan import Happens, Plan, draw_plan
+from scaloft_fi.views.plan import FloorPlan, Happens, draw_plan
 
 ROOT = Path(__file__).parents[2]
 SVG = "{http://www.w3.org/2000/svg}"
@@ -57,7 +57,7 @@ def test_a_large_mine_fits_the_picture_and_has_a_longer_scale() -> None:
     ring = ((0.0, 0.0), (180.0, 0.0), (180.0, 90.0), (0.0, 90.0))
     walls = tuple(zip(ring, (*ring[1:], ring[0]), strict=True))
     scene = MapScene((ring,), walls, (), ((170.0, 80.0), (10.0, 10.0)), (10.0, 10.0))
-    plan = Plan(scene, (("far", (170.0, 80.0)),), (Happens("gust: at 3 s"),), ())
+    plan = FloorPlan(scene, (("far", (170.0, 80.0)),), (Happens("gust: at 3 s"),), ())
     svg = draw_plan(plan, title="large", subtitle="<b>")
     wide, high = (float(size) for size in re.findall(r'(?:width|height)="(\d+)"', svg)[:2])
     assert wide <= 1300

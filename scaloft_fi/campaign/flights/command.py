@@ -210,7 +210,7 @@ def _unmet(study: Study, mapping: RecordMap, known: Known) -> Iterator[str]:
 
 
 @dataclass(frozen=True)
-class Finding:
+class JudgedRequirement:
     """What a requirement says of a record.
 
     Attributes:
@@ -228,7 +228,7 @@ class JudgedRecord:
 
     path: Path
     log: FlightLog
-    findings: tuple[Finding, ...]
+    findings: tuple[JudgedRequirement, ...]
 
 
 def mapping_of(study: Study, path: Path | None = None) -> RecordMap:
@@ -277,9 +277,9 @@ def judged_record(study: Study, path: Path, mapping: RecordMap, known: Known) ->
     return JudgedRecord(path, log, tuple(_finding(requirement, log) for requirement in study.requirements))
 
 
-def _finding(requirement: Requirement, log: FlightLog) -> Finding:
+def _finding(requirement: Requirement, log: FlightLog) -> JudgedRequirement:
     judgement = judge_signals(requirement, log.signals, cut_short=log.ending.cut_short)
     if judgement.sample is None:
-        return Finding(judgement.reading, None)
+        return JudgedRequirement(judgement.reading, None)
     x_m, y_m, z_m = (float(log.signals[name][judgement.sample]) for name in ("x_m", "y_m", "z_m"))
-    return Finding(judgement.reading, (x_m, y_m, z_m))
+    return JudgedRequirement(judgement.reading, (x_m, y_m, z_m))

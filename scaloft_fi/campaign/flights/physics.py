@@ -13,7 +13,7 @@ from threading import Timer
 from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.flights.fly import Worker, fly_log, judged, left_of, lost, wire_of
 from scaloft_fi.campaign.flights.share import fly_shared
-from scaloft_fi.campaign.pool import Pool
+from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.campaign.processes import PATIENCE_S
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
@@ -62,14 +62,14 @@ class Physics:
         """Fly and judge one flight from take-off; with a stack that does not fork, in a process of its own."""
         if study.stack.forks:
             return judged(study, flight, fly_log(study, flight))
-        with Pool(_Apart(study), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
+        with ProcessPool(_Apart(study), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
             (outcome,) = apart.map([Batch((flight,))])
         return outcome
 
     def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
         """Fly the baseline once, and each mutant from the moment at which it leaves the baseline."""
         # in a process of its own, so that a crash loses one flight only
-        with Pool(Worker(study, self), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
+        with ProcessPool(Worker(study, self), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
             fly_shared(study, batch, report, lambda flight: apart.map([Batch((flight,))]))
 
 

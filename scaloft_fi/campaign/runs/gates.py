@@ -18,7 +18,7 @@ from scaloft_fi.campaign.plan import alone
 from scaloft_fi.campaign.store.held import counting_flights, flight_named
 from scaloft_fi.campaign.store.origin import differences, fingerprint
 from scaloft_fi.campaign.store.platforms import BITS, FACTS, Platform, Platforms, claim, remember
-from scaloft_fi.campaign.store.store import Flown, Store
+from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.campaign.workers.local import Executor, Workers
 from scaloft_fi.errors import GateError
 from scaloft_fi.hazop.name import cell_of
@@ -369,7 +369,7 @@ def prove_platform(
             )
 
 
-def sample_of(stored: Sequence[Flown], name: str) -> list[Flown]:
+def sample_of(stored: Sequence[FlownFlight], name: str) -> list[FlownFlight]:
     """A few baselines and mutants that were flown beside them, drawn by a hash of their keys and of `name`.
 
     The status of a mutant can be compared only where its baseline is flown again too.
@@ -385,7 +385,7 @@ def sample_of(stored: Sequence[Flown], name: str) -> list[Flown]:
 
 
 def _again(
-    study: Study, store: Store, workers: Workers, sample: Sequence[Flown], stopped: Callable[[], bool]
+    study: Study, store: Store, workers: Workers, sample: Sequence[FlownFlight], stopped: Callable[[], bool]
 ) -> Agreement:
     """Fly the sample again and compare it with the store.
 
@@ -402,7 +402,7 @@ def _again(
     return agreement(first, again)
 
 
-def _outgrow(store: Store, stored: Sequence[Flown], ours: Platform) -> None:
+def _outgrow(store: Store, stored: Sequence[FlownFlight], ours: Platform) -> None:
     """Make stored flights stale, and every other flight of their situations and seeds."""
     claim(store, map(_pair, stored), ours)
 
@@ -417,5 +417,5 @@ def _stale(compared: Agreement, stored: int) -> str:
     )
 
 
-def _pair(flight: Flown) -> tuple[str, int]:
+def _pair(flight: FlownFlight) -> tuple[str, int]:
     return flight.situation, flight.seed

@@ -38,8 +38,8 @@ from scaloft_fi.campaign.plan import Plan, canary, parse_mutants, plan, plan_dra
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import (
-    Campaign,
     Report,
+    Run,
     borrowed,
     finish,
     fly_pool,
@@ -462,7 +462,7 @@ class _Rounds:
         flights: flights of all looks, with their baselines and the pool.
     """
 
-    def __init__(self, campaign: Campaign, first: Plan, others: Sequence[Outcome]) -> None:
+    def __init__(self, campaign: Run, first: Plan, others: Sequence[Outcome]) -> None:
         self._campaign, self._first, self._others = campaign, first, others
         self.flights: list[Flight] = []
 

@@ -313,7 +313,7 @@ Arrange = Callable[[Sequence[Flight]], Iterable[Batch]]
 """Arranges flights in batches, in the order in which the workers get them."""
 
 
-class Campaign:
+class Run:
     """Flies the flights that the store lacks.
 
     Args:
@@ -523,7 +523,7 @@ def opened(
     progress: Progress,
     flyer: Flyer | None,
     first: Sequence[Flight],
-) -> Iterator[Campaign]:
+) -> Iterator[Run]:
     """Open the campaign in `folder`; a missing folder is created.
 
     Args:
@@ -551,7 +551,7 @@ def opened(
             prove_platform(
                 study, store, workers, say=progress.line, stopped=stopped, same_platform=options.same_platform
             )
-            yield Campaign(study, folder, store, workers, progress, options, stopped)
+            yield Run(study, folder, store, workers, progress, options, stopped)
             store.confirm()
 
 
@@ -623,7 +623,7 @@ def run(
     return report
 
 
-def _fly(planned: Plan, campaign: Campaign, budget: Budget) -> Report:
+def _fly(planned: Plan, campaign: Run, budget: Budget) -> Report:
     """Fly until the plan is complete, the budget is used up or the user stops the run."""
     flights = planned.known
     remember_seeds(campaign.store, (flight.subject.id for flight in planned.mutants), planned.seeds)
@@ -650,7 +650,7 @@ def _fly(planned: Plan, campaign: Campaign, budget: Budget) -> Report:
     return finish(campaign, planned, (*flights, *pool), left)
 
 
-def finish(campaign: Campaign, planned: Plan, flights: Sequence[Flight], left: tuple[Flight, ...] = ()) -> Report:
+def finish(campaign: Run, planned: Plan, flights: Sequence[Flight], left: tuple[Flight, ...] = ()) -> Report:
     """Fly the canary, unless flights are `left`, repeat a baseline and write the mission log; what a run ends with."""
     canary = canary_flight(planned, campaign.outcomes(planned.baselines)) if not left else None
     if canary is not None:
@@ -664,7 +664,7 @@ def finish(campaign: Campaign, planned: Plan, flights: Sequence[Flight], left: t
     return Report(outcomes, campaign.flown, left, spending_of(campaign.study, campaign.store), mixture)
 
 
-def fly_pool(planned: Plan, campaign: Campaign, budget: Budget | None = None) -> tuple[Flight, ...]:
+def fly_pool(planned: Plan, campaign: Run, budget: Budget | None = None) -> tuple[Flight, ...]:
     """Fly the baseline pool in the situations in which a mutant of the plan infects; returns its flights."""
     situations = planned.infected(campaign.outcomes(planned.mutants))
     pool = tuple(flight for situation in situations for flight in planned.pool(situation, LEAST))

@@ -20,7 +20,7 @@ from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.runs.run import Campaign, opened, write_log
+from scaloft_fi.campaign.runs.run import Run, opened, write_log
 from scaloft_fi.campaign.seeking.finds import (
     SEEN_ON,
     Allowance,
@@ -131,7 +131,7 @@ class _Search:
 
     def __init__(
         self,
-        campaign: Campaign,
+        campaign: Run,
         proposals: Mapping[str, Proposals],
         recalls: Recalls,
         seed: int,

@@ -40,10 +40,10 @@ from scaloft_fi.analysis.seeking import (
 )
 from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.flights.fly import Flyer
-from scaloft_fi.campaign.pool import Pool
+from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.runs.run import Budget, Campaign, budget_s, opened, write_log
+from scaloft_fi.campaign.runs.run import Budget, Run, budget_s, opened, write_log
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import EmptyError, Store
@@ -235,7 +235,7 @@ class SearchFlights:
         anyhow: as the argument.
     """
 
-    def __init__(self, campaign: Campaign, allowance: Allowance, *, anyhow: bool = False) -> None:
+    def __init__(self, campaign: Run, allowance: Allowance, *, anyhow: bool = False) -> None:
         self._campaign, self._allowance, self.anyhow = campaign, allowance, anyhow
         self._candidates = Candidates(campaign.store)
         self._budget = Budget(allowance.seconds)
@@ -563,7 +563,7 @@ class Recalls:
         count: number of flights that were flown again.
     """
 
-    def __init__(self, campaign: Campaign, recall: Recall) -> None:
+    def __init__(self, campaign: Run, recall: Recall) -> None:
         self._campaign, self._work = campaign, _Recalling(campaign.study, recall)
         self._told: dict[str, Told] = {}
         self.count = 0
@@ -585,7 +585,7 @@ class Recalls:
             return
         self._campaign.prepare()
         jobs, stop = min(self._campaign.options.jobs, len(new)), self._campaign.stopped
-        with Pool(self._work, jobs, left=lambda task, _: task, lost=_lost, stop=stop, patient=False) as pool:
+        with ProcessPool(self._work, jobs, left=lambda task, _: task, lost=_lost, stop=stop, patient=False) as pool:
             self._told |= dict(pool.map(new))
         self.count += len(new)
 

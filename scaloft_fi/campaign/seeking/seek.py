@@ -30,7 +30,7 @@ from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.runs.run import Campaign, opened, write_log
+from scaloft_fi.campaign.runs.run import Run, opened, write_log
 from scaloft_fi.campaign.seeking.finds import NAMED, SEEN_ON, Allowance, SearchFlights, SpentError, Unnamed, words_of
 from scaloft_fi.campaign.seeking.proposals import Flyable, MakeProposer, Opening, Proposal, Proposals, Proposer, opening
 from scaloft_fi.campaign.store.held import current_in
@@ -322,7 +322,7 @@ class _Search:
 
     def __init__(
         self,
-        campaign: Campaign,
+        campaign: Run,
         study: Study,
         quests: Sequence[Quest],
         seed: int,

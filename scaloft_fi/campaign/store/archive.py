@@ -41,7 +41,7 @@ from scaloft_fi.campaign.store.record import (
     texts,
     wholes,
 )
-from scaloft_fi.campaign.store.store import NOTE, Flown, Stands, Store
+from scaloft_fi.campaign.store.store import NOTE, FlownFlight, Stands, Store
 from scaloft_fi.document import FILE_BYTES, is_file, is_folder, opened, read_bytes
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import FOLDERS
@@ -527,14 +527,14 @@ class Archive(Store):
         return hashlib.sha256(self._text).hexdigest()
 
     @cached_property
-    def _flown(self) -> Mapping[str, tuple[Flown, Outcome]]:
+    def _flown(self) -> Mapping[str, tuple[FlownFlight, Outcome]]:
         """The flights by key, ordered by mutant, situation, seed."""
         path, keys, said = self.place / OUTCOMES, _KeysNow(self.study), self.manifest
         listed = read_outcomes(path, self._content(OUTCOMES), tuple(said.requirements.items()), said.axes)
         flown = {(one.mutant, one.situation, one.seed): one for one in listed}
         if len(flown) < len(listed):
             raise InputError(f"{path}: a flight occurs twice")
-        return {(key := keys(flown[name])): (Flown(key, *name, None), flown[name]) for name in sorted(flown)}
+        return {(key := keys(flown[name])): (FlownFlight(key, *name, None), flown[name]) for name in sorted(flown)}
 
     @cached_property
     def _trajectories(self) -> Trajectories | None:
@@ -567,7 +567,7 @@ class Archive(Store):
         """The `keys` with a valid outcome."""
         return {flight.key for flight, outcome in self._flown.values() if not outcome.invalid}.intersection(keys)
 
-    def flights(self, *, one_each: bool = False) -> list[Flown]:
+    def flights(self, *, one_each: bool = False) -> list[FlownFlight]:
         """The flights, ordered by mutant, situation, seed."""
         return [flight for flight, _ in self._flown.values()]
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.record import Planned
-from scaloft_fi.campaign.store.store import Flown, Store
+from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, TRACK_EVERY, Outcome, track_values
 from scaloft_fi.mutants.catalogue import realise
@@ -126,7 +126,7 @@ class StaleFlights:
     """
 
     why: Mapping[str, int] = field(default_factory=dict)
-    flown: tuple[Flown, ...] = ()
+    flown: tuple[FlownFlight, ...] = ()
 
 
 def held_in(study: Study, store: Store, folder: Path) -> Held:
@@ -165,7 +165,7 @@ def current_in(study: Study, store: Store) -> tuple[Outcome, ...]:
         return store.standing(Now(study, store).stands)
 
 
-def counting_flights(study: Study, store: Store) -> list[Flown]:
+def counting_flights(study: Study, store: Store) -> list[FlownFlight]:
     """The flights of an open store with a current, valid outcome, ordered by key."""
     with store.snapshot():
         now = Now(study, store)
@@ -223,7 +223,7 @@ class Now:
             self._origins[name] = self._origin(*name)
         return self._origins[name]
 
-    def stands(self, flight: Flown) -> bool:
+    def stands(self, flight: FlownFlight) -> bool:
         """Whether an outcome is current."""
         key, mutant, situation, seed, number = flight
         if number is None:
@@ -235,18 +235,18 @@ class Now:
             known = self._stand[what] = self.origin(mutant, situation) == self._then.get(number)
         return known
 
-    def stale(self, flights: Sequence[Flown]) -> list[Flown]:
+    def stale(self, flights: Sequence[FlownFlight]) -> list[FlownFlight]:
         """The stale outcomes among `flights`."""
         return [flight for flight in flights if not self.stands(flight)]
 
-    def lost(self, flights: Sequence[Flown]) -> list[Flown]:
+    def lost(self, flights: Sequence[FlownFlight]) -> list[FlownFlight]:
         """The stale outcomes among `flights` of flights without a current one."""
         stale = self.stale(flights)
         names = {flight[1:4] for flight in stale}
         again = {flight[1:4] for flight in flights if flight[1:4] in names and self.stands(flight)} if stale else ()
         return [flight for flight in stale if flight[1:4] not in again]
 
-    def why(self, flight: Flown) -> str:
+    def why(self, flight: FlownFlight) -> str:
         """Why an outcome is stale."""
         now = self.origin(flight.mutant, flight.situation)
         if isinstance(now, str):

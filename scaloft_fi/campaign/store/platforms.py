@@ -15,13 +15,13 @@ from typing import TypeVar
 
 from scaloft_fi.campaign.store.origin import Origin, differences, fingerprint
 from scaloft_fi.campaign.store.record import Planned
-from scaloft_fi.campaign.store.store import NOTE, Flown, Store
+from scaloft_fi.campaign.store.store import NOTE, FlownFlight, Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 
 Pair = tuple[str, int]
 """Key of a situation, and a seed."""
-F = TypeVar("F", Flown, Outcome)
+F = TypeVar("F", FlownFlight, Outcome)
 Platform = Mapping[str, str]
 """The fingerprint of a platform; empty for the platform of a store without flights."""
 BITS, FACTS = "sample agrees", "sample agrees in facts"

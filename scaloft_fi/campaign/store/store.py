@@ -345,7 +345,7 @@ def told_when_slow(path: Path, say: Callable[[str], None] | None) -> Iterator[No
         timer.join()
 
 
-class Flown(NamedTuple):
+class FlownFlight(NamedTuple):
     """A flight with an outcome.
 
     Attributes:
@@ -361,7 +361,7 @@ class Flown(NamedTuple):
     origin: int | None
 
 
-Stands = Callable[[Flown], bool]
+Stands = Callable[[FlownFlight], bool]
 """Whether a flight is current.
 
 Called once for each mutant, situation and origin, and for each flight without an origin.
@@ -369,7 +369,7 @@ Called once for each mutant, situation and origin, and for each flight without a
 Keep = Callable[[Record], bool]
 _COLUMNS = (*COLUMNS, "key", "origin")
 _KEY, _ORIGIN = _COLUMNS.index("key"), _COLUMNS.index("origin")
-_flown = itemgetter(*map(_COLUMNS.index, Flown._fields))
+_flown = itemgetter(*map(_COLUMNS.index, FlownFlight._fields))
 _place = itemgetter(*map(_COLUMNS.index, ("mutant", "situation", "origin")))
 
 
@@ -386,7 +386,7 @@ def standing(stands: Stands) -> Keep:
         place = _place(row)
         answer = answers.get(place)
         if answer is None:
-            flight = Flown(*_flown(row))
+            flight = FlownFlight(*_flown(row))
             if tuple(map(type, flight[1:3])) != (str, str) or type(flight.key) is not str:
                 check_rows("outcomes", [flight], FLIGHT)
             answer = stands(flight)
@@ -397,24 +397,24 @@ def standing(stands: Stands) -> Keep:
     return keep
 
 
-_ALL = f"SELECT {', '.join(Flown._fields)} FROM outcomes ORDER BY mutant, situation, seed, key"
+_ALL = f"SELECT {', '.join(FlownFlight._fields)} FROM outcomes ORDER BY mutant, situation, seed, key"
 _ONE_EACH = (
     "SELECT min(key), mutant, situation, min(seed), origin FROM outcomes"
     " GROUP BY mutant, situation, origin ORDER BY mutant, situation, origin"
 )
 
 
-def flown(connection: sqlite3.Connection, *, one_each: bool = False) -> list[Flown]:
+def flown(connection: sqlite3.Connection, *, one_each: bool = False) -> list[FlownFlight]:
     """The flights with an outcome, ordered by mutant, situation, seed, key; or one for each mutant, situation, origin.
 
     Raises:
         BadCellError: a cell has a value that no flight has.
         TooLargeError: there are more rows than `most_flights`.
     """
-    found: list[Flown] = []
+    found: list[FlownFlight] = []
     for rows in chunks(connection, "outcomes", _ONE_EACH if one_each else _ALL):
         check_rows("outcomes", rows, FLIGHT)
-        found += map(Flown._make, rows)
+        found += map(FlownFlight._make, rows)
     return found
 
 
@@ -665,7 +665,7 @@ class Store:
             invalid = self._connection.execute("SELECT key FROM outcomes WHERE invalid != ''")
             return stored.intersection(keys).difference(key for (key,) in invalid)
 
-    def flights(self, *, one_each: bool = False) -> list[Flown]:
+    def flights(self, *, one_each: bool = False) -> list[FlownFlight]:
         """The flights with an outcome, ordered by mutant, situation, seed; a fast query, answered by an index.
 
         Args:

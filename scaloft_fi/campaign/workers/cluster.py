@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.flight import Batch
 from scaloft_fi.campaign.flights.fly import Flyer, left_of, lost
-from scaloft_fi.campaign.pool import Pool
+from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.campaign.processes import ATTEMPTS, cores, started_clean
 from scaloft_fi.campaign.store.origin import differences, fingerprint
 from scaloft_fi.campaign.workers.local import Executor, Interrupted, LateWorker, Local, Workers
@@ -296,17 +296,17 @@ class _Slot:
 
     work: LateWorker
     stop: Callable[[], bool] = lambda: False
-    pool: Pool[Batch, Outcome] = field(init=False)
+    pool: ProcessPool[Batch, Outcome] = field(init=False)
     expiry: threading.Timer | None = None
 
     def __post_init__(self) -> None:
-        self.pool = Pool(
+        self.pool = ProcessPool(
             self.work, 1, left=left_of, lost=lost, stop=lambda: self.stop(), patient=False, start=started_clean
         )
 
 
 @contextmanager
-def _slot(study: Study, flyer: Flyer, stop: Callable[[], bool]) -> Iterator[Pool[Batch, Outcome]]:
+def _slot(study: Study, flyer: Flyer, stop: Callable[[], bool]) -> Iterator[ProcessPool[Batch, Outcome]]:
     """The pool of an idle slot, else of a new slot; the slot is kept for the next batch, or closed after an error."""
     slots = _idle[study.folder, study.grid_name, flyer]
     with _lock:

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 from scaloft_fi.campaign.flight import Batch
 from scaloft_fi.campaign.flights.fly import Flyer, Worker, left_of, lost
-from scaloft_fi.campaign.pool import WORKER_PATIENCE_S, Pool
+from scaloft_fi.campaign.pool import WORKER_PATIENCE_S, ProcessPool
 from scaloft_fi.campaign.processes import ATTEMPTS, HANGUP, started_clean
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.judge.outcome import Outcome
@@ -172,7 +172,7 @@ class Clean:
     ) -> Iterator[Workers]:
         """Start a pool; each process reads the study and is prepared at its first task."""
         work = LateWorker(study.folder, study.grid_name, flyer, study.inputs)
-        with Pool(
+        with ProcessPool(
             work, self.jobs, left=left_of, lost=lost, stop=stop, patience_s=patience_s(study), start=started_clean
         ) as pool:
             # an empty batch prepares the first process, which compiles the kernels for all of them
@@ -190,7 +190,7 @@ class Local:
         self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
     ) -> Iterator[Workers]:
         """Start a pool; each process is forked at its first task and inherits the prepared state."""
-        with Pool(
+        with ProcessPool(
             Worker(study, flyer), self.jobs, left=left_of, lost=lost, stop=stop, patience_s=patience_s(study)
         ) as pool:
             yield LocalWorkers(pool, lambda: flyer.prepare(study, say))
@@ -211,7 +211,7 @@ class LocalWorkers:
         prepare: prepares its processes.
     """
 
-    def __init__(self, pool: Pool[Batch, Outcome], prepare: Callable[[], object]) -> None:
+    def __init__(self, pool: ProcessPool[Batch, Outcome], prepare: Callable[[], object]) -> None:
         self.jobs = pool.jobs
         self._pool, self._prepare = pool, prepare
         self._is_ready = False

@@ -22,7 +22,7 @@ from scaloft_fi.outside.records.record_map import (
     MOST_MESSAGES,
     RecordKind,
     Series,
-    Source,
+    SignalSource,
     Timing,
     damaged,
     lacks,
@@ -45,7 +45,7 @@ class Message:
     content: Any
 
 
-def topics_of(path: Path, sources: Iterable[Source], timing: Timing, there: Iterable[str]) -> tuple[str, ...]:
+def topics_of(path: Path, sources: Iterable[SignalSource], timing: Timing, there: Iterable[str]) -> tuple[str, ...]:
     """The topics that sources and timing need.
 
     Raises:
@@ -58,19 +58,19 @@ def topics_of(path: Path, sources: Iterable[Source], timing: Timing, there: Iter
         if source.topic not in known:
             raise lacks(path, source, "topic", source.topic, known)
     if timing.clock and timing.clock not in known:
-        raise lacks(path, Source("time"), "topic", timing.clock, known)
+        raise lacks(path, SignalSource("time"), "topic", timing.clock, known)
     return tuple(dict.fromkeys([*(source.topic for source in sources), *filter(None, [timing.clock])]))
 
 
 def collect(
-    path: Path, messages: Iterable[Message], sources: Sequence[Source], timing: Timing
-) -> Mapping[Source, Series]:
+    path: Path, messages: Iterable[Message], sources: Sequence[SignalSource], timing: Timing
+) -> Mapping[SignalSource, Series]:
     """The series of each source.
 
     Raises:
         InputError: there are too many messages, a message lacks a field, or a value is no finite number.
     """
-    by_topic: dict[str, list[tuple[Source, tuple[str | int, ...]]]] = {}
+    by_topic: dict[str, list[tuple[SignalSource, tuple[str | int, ...]]]] = {}
     for source in sources:
         way = steps(source.field)
         if way is None:
@@ -78,7 +78,7 @@ def collect(
                 f"{path}: signal {source.signal!r}: field {source.field!r} must be like pose.position.x or q[0]"
             )
         by_topic.setdefault(source.topic, []).append((source, way))
-    found: dict[Source, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
+    found: dict[SignalSource, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
     ticks: tuple[list[float], list[float]] = ([], [])
     for count, message in enumerate(messages):
         if count >= MOST_MESSAGES:
@@ -114,7 +114,7 @@ def _series(
     return Series(times_s[order], numbers[order])
 
 
-def _value(path: Path, source: Source, content: Any, way: Sequence[str | int]) -> Any:
+def _value(path: Path, source: SignalSource, content: Any, way: Sequence[str | int]) -> Any:
     value = content
     for step in way:
         try:
@@ -146,7 +146,7 @@ def _seconds(path: Path, place: str, stamp: Any) -> float:
     nano = next((parts[n] for n in ("nanosec", "nsec", "nsecs") if n in parts), getattr(stamp, "nanosec", 0))
     if second is None:
         raise InputError(f"{path}: {place}: the message has no stamp; take the time at which messages were received")
-    told = Source("time")
+    told = SignalSource("time")
     return number(path, told, place, second) + number(path, told, place, nano) * 1e-9
 
 
@@ -170,7 +170,7 @@ TABLE_BYTES = 256 << 20
 """Largest table."""
 
 
-def read_table(path: Path, sources: Sequence[Source], timing: Timing) -> Mapping[Source, Series]:
+def read_table(path: Path, sources: Sequence[SignalSource], timing: Timing) -> Mapping[SignalSource, Series]:
     """Read the columns of a table; an empty cell says nothing new.
 
     Raises:
@@ -190,8 +190,8 @@ def read_table(path: Path, sources: Sequence[Source], timing: Timing) -> Mapping
         if source.column not in head:
             raise lacks(path, source, "column", source.column, head)
     clock, places = head.index(timing.column), {source: head.index(source.column) for source in sources}
-    found: dict[Source, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
-    told, last_s = Source("time", column=timing.column), -math.inf
+    found: dict[SignalSource, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
+    told, last_s = SignalSource("time", column=timing.column), -math.inf
     for line, row in rows:
         if len(row) != len(head):
             raise InputError(f"{path}:{line}: {len(row)} cells must be {len(head)}, as in the first line")
@@ -245,7 +245,7 @@ def _opened(path: Path) -> tuple[list[str], Iterator[tuple[int, list[str]]]]:
     return head, rows()
 
 
-def _parsed(path: Path, source: Source, line: int, cell: str) -> float:
+def _parsed(path: Path, source: SignalSource, line: int, cell: str) -> float:
     try:
         value = float(cell)
     except ValueError:
@@ -264,7 +264,7 @@ TIME = "timestamp"
 """Field with the time of a message [us]."""
 
 
-def read_ulog(path: Path, sources: Sequence[Source], timing: Timing) -> Mapping[Source, Series]:
+def read_ulog(path: Path, sources: Sequence[SignalSource], timing: Timing) -> Mapping[SignalSource, Series]:
     """Read the fields of messages; their times are their own, so `timing` has no clock.
 
     Raises:
@@ -286,7 +286,7 @@ def names_in_ulog(path: Path) -> Sequence[str]:
     return [f"{topic}: {field}" for topic, data in _sets(path, None).items() for field in data if field != TIME]
 
 
-def _series_of_fields(path: Path, source: Source, data: Mapping[str, Any]) -> Series:
+def _series_of_fields(path: Path, source: SignalSource, data: Mapping[str, Any]) -> Series:
     if source.field not in data:
         raise lacks(path, source, f"field of {source.topic!r}", source.field, data)
     times_s, values = np.asarray(data[TIME]) * 1e-6, np.asarray(data[source.field], dtype=np.float64)
@@ -326,7 +326,7 @@ CHUNK_BYTES = 256 << 20
 ENCODINGS = ("json", "cdr", "ros1")
 
 
-def read_mcap(path: Path, sources: Sequence[Source], timing: Timing) -> Mapping[Source, Series]:
+def read_mcap(path: Path, sources: Sequence[SignalSource], timing: Timing) -> Mapping[SignalSource, Series]:
     """Read the fields of messages.
 
     Raises:
@@ -429,7 +429,7 @@ MOST_FILES = 1_000
 """Most files of a record that is a folder."""
 
 
-def read_rosbag(path: Path, sources: Sequence[Source], timing: Timing) -> Mapping[Source, Series]:
+def read_rosbag(path: Path, sources: Sequence[SignalSource], timing: Timing) -> Mapping[SignalSource, Series]:
     """Read the fields of messages.
 
     Raises:

@@ -22,7 +22,7 @@ MOST_MESSAGES = 5_000_000
 
 
 @dataclass(frozen=True)
-class Source:
+class SignalSource:
     """Where a signal stands.
 
     Attributes:
@@ -62,7 +62,7 @@ class Series:
     values: Array
 
 
-def lacks(path: Path, source: Source, noun: str, name: str, there: Iterable[str]) -> InputError:
+def lacks(path: Path, source: SignalSource, noun: str, name: str, there: Iterable[str]) -> InputError:
     """The error for a record without the `noun` (a column, topic or field) of a signal."""
     hint = did_you_mean(name, there)
     return InputError(
@@ -70,7 +70,7 @@ def lacks(path: Path, source: Source, noun: str, name: str, there: Iterable[str]
     )
 
 
-def number(path: Path, source: Source, place: str, value: Any) -> float:
+def number(path: Path, source: SignalSource, place: str, value: Any) -> float:
     """A value of a record as a number.
 
     Raises:
@@ -121,10 +121,10 @@ FOLDER = "folder"
 """The kind of a record that is a folder: rosbag2."""
 
 
-class Read(Protocol):
+class RecordReader(Protocol):
     """Reads a record."""
 
-    def __call__(self, path: Path, sources: Sequence[Source], timing: Timing) -> Mapping[Source, Series]:
+    def __call__(self, path: Path, sources: Sequence[SignalSource], timing: Timing) -> Mapping[SignalSource, Series]:
         """The series of each source.
 
         Raises:
@@ -149,7 +149,7 @@ class Names(Protocol):
 class RecordKind:
     """How records of a kind are read.  Their libraries are imported by these functions."""
 
-    read: Read
+    read: RecordReader
     names: Names
 
 
@@ -207,7 +207,7 @@ class Keep(StrEnum):
 
 
 @dataclass(frozen=True)
-class Entry:
+class MappedSignal:
     """Where a signal comes from.
 
     Attributes:
@@ -218,7 +218,7 @@ class Entry:
         keep: which value stands for the messages since the last sample.
     """
 
-    source: Source | None
+    source: SignalSource | None
     factor: float = 1.0
     offset: float = 0.0
     constant: float = 0.0
@@ -227,10 +227,10 @@ class Entry:
 
 
 @dataclass(frozen=True)
-class Moment:
+class Threshold:
     """The first message whose value is at least `least`."""
 
-    entry: Entry
+    entry: MappedSignal
     least: float
 
 
@@ -249,17 +249,17 @@ class RecordMap:
 
     name: str
     timing: Timing
-    signals: Mapping[str, Entry] = field(default_factory=dict)
-    start: Moment | None = None
-    end: Moment | None = None
-    altered: Entry | None = None
-    carried: Entry | None = None
+    signals: Mapping[str, MappedSignal] = field(default_factory=dict)
+    start: Threshold | None = None
+    end: Threshold | None = None
+    altered: MappedSignal | None = None
+    carried: MappedSignal | None = None
     loose: bool = False
 
     def within(self, there: Collection[str]) -> RecordMap:
         """The mapping without the signals that are not there, among the columns, or fields after their topics."""
 
-        def stands(source: Source | None) -> bool:
+        def stands(source: SignalSource | None) -> bool:
             return source is None or source.column in there or f"{source.topic}: {source.field}" in there
 
         return replace(self, signals={name: entry for name, entry in self.signals.items() if stands(entry.source)})
@@ -267,7 +267,7 @@ class RecordMap:
 
 def own_map(signals: Sequence[str]) -> RecordMap:
     """The mapping of the records that `replay --output` writes: every signal by its own name."""
-    entries = {name: Entry(Source(name, column=name, topic=OWN_TOPIC, field=name)) for name in signals}
+    entries = {name: MappedSignal(SignalSource(name, column=name, topic=OWN_TOPIC, field=name)) for name in signals}
     return RecordMap("the mapping of our own records", Timing(column=OWN_TIME), entries, loose=True)
 
 
@@ -281,9 +281,9 @@ class Column:
 
     column: Annotated[str, Examples("east")]
 
-    def source(self, signal: str) -> Source:
+    def source(self, signal: str) -> SignalSource:
         """Where a signal stands."""
-        return Source(signal, column=self.column)
+        return SignalSource(signal, column=self.column)
 
 
 @dataclass(frozen=True)
@@ -298,9 +298,9 @@ class Message:
     topic: Annotated[str, Examples("/odom")]
     field: Annotated[str, Examples("pose.pose.position.x", "q[0]")]
 
-    def source(self, signal: str) -> Source:
+    def source(self, signal: str) -> SignalSource:
         """Where a signal stands."""
-        return Source(signal, topic=self.topic, field=self.field)
+        return SignalSource(signal, topic=self.topic, field=self.field)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -406,22 +406,22 @@ class TimeOfClock:
     clock: Annotated[str, Examples("/clock")]
 
 
-def _entry(signal: str, stands: Column | Message | Constant) -> Entry:
+def _entry(signal: str, stands: Column | Message | Constant) -> MappedSignal:
     """Where a signal comes from."""
     if isinstance(stands, Constant):
-        return Entry(None, constant=float(stands.constant))
+        return MappedSignal(None, constant=float(stands.constant))
     if not isinstance(stands, _Converted):
-        return Entry(stands.source(signal))
+        return MappedSignal(stands.source(signal))
     factor, offset = UNITS[stands.unit] if stands.unit else (stands.factor, stands.offset)
     unknown = None if stands.unknown is None else float(stands.unknown)
-    return Entry(stands.source(signal), factor, offset, unknown=unknown, keep=stands.keep)
+    return MappedSignal(stands.source(signal), factor, offset, unknown=unknown, keep=stands.keep)
 
 
-def _moment(name: str, stands: FromColumn | FromMessage | None) -> Moment | None:
-    return Moment(_entry(name, stands), stands.least) if stands else None
+def _moment(name: str, stands: FromColumn | FromMessage | None) -> Threshold | None:
+    return Threshold(_entry(name, stands), stands.least) if stands else None
 
 
-def _count(name: str, stands: Column | Message | None) -> Entry | None:
+def _count(name: str, stands: Column | Message | None) -> MappedSignal | None:
     return replace(_entry(name, stands), unknown=0.0) if stands else None
 
 

@@ -15,7 +15,16 @@ from types import MappingProxyType
 import numpy as np
 
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.outside.records.record_map import Entry, Keep, Moment, RecordKind, RecordMap, Series, Source, kind_of
+from scaloft_fi.outside.records.record_map import (
+    Keep,
+    MappedSignal,
+    RecordKind,
+    RecordMap,
+    Series,
+    SignalSource,
+    Threshold,
+    kind_of,
+)
 from scaloft_fi.sim.log import NEVER_S, SAMPLE_HZ, Count, Ending, FlightLog, clearance_name
 from scaloft_fi.stack.messages import Array, Point
 
@@ -141,7 +150,7 @@ def instants(path: Path, start_s: float, end_s: float) -> Array:
     return np.arange(max(count, 2)) / SAMPLE_HZ
 
 
-def sampled(path: Path, name: str, entry: Entry, series: Series | None, start_s: float, at_s: Array) -> Array:
+def sampled(path: Path, name: str, entry: MappedSignal, series: Series | None, start_s: float, at_s: Array) -> Array:
     """A signal at the times `at_s` (T,) since `start_s` [s].
 
     Raises:
@@ -168,7 +177,7 @@ def sampled(path: Path, name: str, entry: Entry, series: Series | None, start_s:
     return held
 
 
-def moment_s(path: Path, name: str, moment: Moment, series: Series) -> float:
+def moment_s(path: Path, name: str, moment: Threshold, series: Series) -> float:
     """When a moment comes [s].
 
     Raises:
@@ -278,18 +287,20 @@ def _direct(
     return [name for name in names if name != "elapsed_s"]
 
 
-def _read(path: Path, kind: RecordKind, mapping: RecordMap, entries: Mapping[str, Entry]) -> Mapping[Source, Series]:
+def _read(
+    path: Path, kind: RecordKind, mapping: RecordMap, entries: Mapping[str, MappedSignal]
+) -> Mapping[SignalSource, Series]:
     moments = [moment.entry for moment in (mapping.start, mapping.end) if moment]
     counts = [entry for entry in (mapping.altered, mapping.carried) if entry]
     sources = [entry.source for entry in (*entries.values(), *moments, *counts) if entry.source is not None]
     return kind.read(path, list(dict.fromkeys(sources)), mapping.timing)
 
 
-def _of(series: Mapping[Source, Series], entry: Entry) -> Series | None:
+def _of(series: Mapping[SignalSource, Series], entry: MappedSignal) -> Series | None:
     return None if entry.source is None else series[entry.source]
 
 
-def _span(path: Path, mapping: RecordMap, series: Mapping[Source, Series]) -> tuple[float, float]:
+def _span(path: Path, mapping: RecordMap, series: Mapping[SignalSource, Series]) -> tuple[float, float]:
     """Start and end of the flight [s]."""
     track = _of(series, mapping.signals["x_m"])
     if track is None or not len(track.times_s):
@@ -337,7 +348,7 @@ def _struck(signals: Mapping[str, Array], known: Known) -> str:
 
 
 def _counts(
-    path: Path, mapping: RecordMap, series: Mapping[Source, Series], start_s: float, at_s: Array
+    path: Path, mapping: RecordMap, series: Mapping[SignalSource, Series], start_s: float, at_s: Array
 ) -> dict[str, Count]:
     if mapping.altered is None:
         return {}

@@ -9,7 +9,7 @@ from math import prod
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.analysis.condition import Term, cover, term_text
-from scaloft_fi.analysis.kill_matrix import MOST_CELLS, Entry, KillMatrix, KillRow, cyclic, fold, gray_order
+from scaloft_fi.analysis.kill_matrix import MOST_CELLS, KillEntry, KillMatrix, KillRow, cyclic, fold, gray_order
 from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.roster import Ratio, Roster, plain
 from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score
@@ -155,7 +155,7 @@ class Sign(StrEnum):
 _STOPPED = {status: Sign(status) for status in (Status.NOT_REACHED, Status.NOT_INFECTED, Status.MASKED)}
 
 
-def seen_in(entry: Entry, pool: Pool) -> tuple[str, ...]:
+def seen_in(entry: KillEntry, pool: Pool) -> tuple[str, ...]:
     """Safety requirements that are violated and test the fault; where no pool says what tests, those of any flight."""
     if entry.tested or entry.state != Status.REVEALED:
         return entry.seen
@@ -163,7 +163,7 @@ def seen_in(entry: Entry, pool: Pool) -> tuple[str, ...]:
     return tuple(p.requirement for p in pairs if p and p.kind is Kind.SAFETY and p.state is State.UNKNOWN)
 
 
-def sign_of(entry: Entry, seen: Collection[str]) -> Sign:
+def sign_of(entry: KillEntry, seen: Collection[str]) -> Sign:
     """The sign of a mutant in a situation where these requirements are `seen_in` it."""
     if not entry.flown:
         return Sign.NOT_FLOWN
@@ -377,7 +377,7 @@ def _tests(scored: MutantScore, pool: Pool) -> list[dict[str, Any]]:
     return records
 
 
-def _result(entry: Entry, result: Result | None, flights: Situations, pool: Pool) -> list[Any] | None:
+def _result(entry: KillEntry, result: Result | None, flights: Situations, pool: Pool) -> list[Any] | None:
     """Sign by its place in `SIGNS`, flights that count, seed to open, flights that violate each, by which it is a sign.
 
     Null where nothing was flown.

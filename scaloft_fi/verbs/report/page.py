@@ -14,7 +14,7 @@ from typing import Any
 from scaloft_fi.analysis.coverage import coverage_of
 from scaloft_fi.analysis.detection import Spending, Verdict
 from scaloft_fi.analysis.kill_matrix import kill_matrix
-from scaloft_fi.analysis.pool import Finding, Pool, State, findings, tallies
+from scaloft_fi.analysis.pool import Pool, SituationBaseline, State, findings, tallies
 from scaloft_fi.analysis.roster import Ratio, plain
 from scaloft_fi.analysis.score import Score, score_of
 from scaloft_fi.campaign.runs.gates import check_gates
@@ -208,7 +208,7 @@ def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any
     }
 
 
-def _first(finding: Finding) -> dict[str, Any]:
+def _first(finding: SituationBaseline) -> dict[str, Any]:
     """The earliest safety violation of the unmutated drone in a situation."""
     assert finding.first
     violation, seed = finding.first

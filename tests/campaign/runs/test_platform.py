@@ -20,7 +20,7 @@ from scaloft_fi.campaign.runs.run import Report, run
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import Held, current_in, held_in
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
-from scaloft_fi.campaign.store.store import Flown, Store
+from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.campaign.workers.local import Interrupted
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
@@ -282,7 +282,7 @@ def test_an_empty_store_takes_the_platform_of_its_first_flight(study: Any, log: 
 
 
 def test_the_sample_is_drawn_by_hash_and_not_by_order() -> None:
-    stored = [Flown(f"k{n}", "baseline" if n % 2 else LATE, "D0H0", n, 1) for n in range(40)]
+    stored = [FlownFlight(f"k{n}", "baseline" if n % 2 else LATE, "D0H0", n, 1) for n in range(40)]
     one, other = sample_of(stored, "numpy 2"), sample_of(stored[::-1], "numpy 2")
     assert one == other
     assert {flight.seed for flight in one} != {flight.seed for flight in sample_of(stored, "numpy 3")}

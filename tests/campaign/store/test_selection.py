@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.record import Planned
-from scaloft_fi.campaign.store.store import Flown, Store
+from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 
@@ -40,15 +40,15 @@ def test_whether_flights_stand_is_asked_once_of_what_they_were_made_from(tmp_pat
                 store.put(made_from.key(seed), outcome(M, seed=seed, digest=made_from.situation))
         store.put("k", outcome(M, seed=7))
         numbers = {origin: number for number, origin in store.origins().items()}
-        asked: list[Flown] = []
+        asked: list[FlownFlight] = []
 
-        def stands(flight: Flown) -> bool:
+        def stands(flight: FlownFlight) -> bool:
             asked.append(flight)
             return flight.origin != numbers[one]
 
         assert [(o.digest, o.seed) for o in store.standing(stands)] == [("u", 0), ("u", 1), (M, 7)]
         assert [flight.origin for flight in asked] == [numbers[one], numbers[other], None]
-        assert store.flights()[-1] == Flown("k", M, HERE, 7, None)
+        assert store.flights()[-1] == FlownFlight("k", M, HERE, 7, None)
 
 
 def test_a_store_with_a_row_that_cannot_be_read_is_closed_while_the_error_is_still_looked_at(tmp_path: Path) -> None:
