@@ -4,6 +4,7 @@ from itertools import product
 
 import pytest
 from builders import GRID
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from ranges import RANGED, drawn
@@ -72,7 +73,7 @@ def test_a_situation_cannot_both_kill_and_be_survived() -> None:
 split = st.lists(st.sampled_from(["kill", "survive", "unknown"]), min_size=32, max_size=32)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=usually(25, release=60))
 @given(split)
 def test_the_condition_covers_every_kill_and_no_survivor(fates: list[str]) -> None:
     killing = [key for key, fate in zip(KEYS, fates, strict=True) if fate == "kill"]
@@ -84,7 +85,7 @@ def test_the_condition_covers_every_kill_and_no_survivor(fates: list[str]) -> No
     assert len(terms) <= max(1, len(killing))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=usually(25, release=60))
 @given(split)
 def test_no_term_of_the_condition_could_be_left_out_or_widened(fates: list[str]) -> None:
     killing = [key for key, fate in zip(KEYS, fates, strict=True) if fate == "kill"]
@@ -98,7 +99,7 @@ def test_no_term_of_the_condition_could_be_left_out_or_widened(fates: list[str])
             assert wider == term or any(admits(wider, point) for point in surviving)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=usually(25, release=60))
 @given(split)
 def test_the_way_for_large_grids_finds_what_the_way_for_small_ones_finds(fates: list[str]) -> None:
     killing = [key for key, fate in zip(KEYS, fates, strict=True) if fate == "kill"]

@@ -4,6 +4,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from effort import usually
 from grids import FIVE, keys_of, space_of, spaces
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -44,7 +45,7 @@ def test_fewer_than_6_10_and_16_situations_cannot_do() -> None:
     # 4-way: four axes alone have 16 combinations, one a situation
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=usually(25, release=40), deadline=None)
 @given(spaces(most=14), st.integers(1, 3), st.integers(0, 3))
 def test_an_array_has_every_combination_of_the_situations_to_choose_from(
     space: Space, strength: int, seed: int

@@ -5,6 +5,7 @@ from __future__ import annotations
 from datetime import date, timedelta
 
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -69,7 +70,7 @@ def test_a_disposition_of_what_was_not_flown_is_untested_but_expires_all_the_sam
 
 
 @given(st.one_of(campaigns(), seeded()), st.booleans())
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 def test_every_mutant_put_to_the_test_is_detected_or_listed(outcomes: list[Outcome], accepted: bool) -> None:
     scored = score(outcomes, ROSTER, GRID)
     judged = judge(scored, ROSTER, [LATE] if accepted else [], DAY)

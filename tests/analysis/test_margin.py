@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -148,7 +149,7 @@ def test_where_nothing_that_the_cell_puts_at_risk_is_steady_nothing_is_told() ->
     assert told([outcome(situation=HUMAN), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})])["LATE-human"] == "?"
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=usually(25, release=40))
 @given(st.one_of(campaigns(), seeded()))
 def test_margins_do_not_depend_on_the_order_of_outcomes_and_say_nothing_unknown(outcomes: list[Outcome]) -> None:
     assert told(outcomes) == told(outcomes[::-1])

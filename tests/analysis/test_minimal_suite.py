@@ -4,6 +4,7 @@ from itertools import combinations, product
 from random import Random
 
 import pytest
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -27,7 +28,7 @@ def every_smallest(kills: dict[str, frozenset[str]], columns: str) -> list[tuple
     raise AssertionError
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=usually(25, release=300))
 @given(matrices)
 def test_the_suite_is_the_first_of_all_smallest_ones(kills: dict[str, frozenset[str]]) -> None:
     smallest = every_smallest(kills, COLUMNS)
@@ -41,7 +42,7 @@ def test_the_suite_is_the_first_of_all_smallest_ones(kills: dict[str, frozenset[
 pairs = st.sets(st.sets(st.sampled_from("abcdefghijk"), min_size=2, max_size=2).map(frozenset), min_size=8, max_size=30)
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=usually(25, release=300))
 @given(pairs)
 def test_where_no_situation_is_forced_it_is_still_the_first_smallest(rows: set[frozenset[str]]) -> None:
     # pairs make it a vertex cover, of which reductions leave most to the search
@@ -51,7 +52,7 @@ def test_where_no_situation_is_forced_it_is_still_the_first_smallest(rows: set[f
     assert (found.situations, found.alternatives) == (smallest[0], len(smallest))
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=usually(25, release=100))
 @given(matrices)
 def test_beyond_its_limit_it_is_greedy_still_covers_and_says_so(kills: dict[str, frozenset[str]]) -> None:
     found = minimal_suite(kills, COLUMNS, most_entries=0)

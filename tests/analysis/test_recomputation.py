@@ -10,6 +10,7 @@ from typing import Any
 
 import recomputation
 from builders import AXES, GRID, KINDS, ROSTER, campaigns, seeded
+from effort import usually
 from hypothesis import given, settings
 
 from scaloft_fi.analysis.coverage import coverage
@@ -70,13 +71,13 @@ def compare(outcomes: list[Outcome]) -> dict[str, Any]:
     return found
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=usually(25, release=200))
 @given(campaigns())
 def test_every_figure_of_the_score_follows_from_the_export(outcomes: list[Outcome]) -> None:
     compare(outcomes)
 
 
-@settings(deadline=None, max_examples=120)
+@settings(deadline=None, max_examples=usually(25, release=120))
 @given(seeded())
 def test_every_verdict_follows_from_the_export(outcomes: list[Outcome]) -> None:
     compare(outcomes)
@@ -97,7 +98,7 @@ def test_the_comparison_sees_every_verdict_and_every_state() -> None:
     """Campaigns drawn as above have all of them: none is compared in vain."""
     seen: set[str] = set()
 
-    @settings(deadline=None, max_examples=80, derandomize=True, database=None)
+    @settings(deadline=None, max_examples=usually(25, release=80), derandomize=True, database=None)
     @given(seeded())
     def look(outcomes: list[Outcome]) -> None:
         found = compare(outcomes)

@@ -5,6 +5,7 @@ from itertools import permutations
 import networkx as nx
 import pytest
 from builders import GRID, ROSTER, pool, thrice
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -25,7 +26,7 @@ def digraph(found: Subsumption) -> nx.DiGraph:
     return graph
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=usually(25, release=200))
 @given(matrices)
 def test_the_graph_says_exactly_which_mutant_subsumes_which(kills: dict[str, frozenset[str]]) -> None:
     found = subsumption(kills)
@@ -37,7 +38,7 @@ def test_the_graph_says_exactly_which_mutant_subsumes_which(kills: dict[str, fro
         assert (node_of[b] in below[node_of[a]]) == (kills[a] <= kills[b])
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=usually(25, release=100))
 @given(matrices)
 def test_no_edge_follows_from_others(kills: dict[str, frozenset[str]]) -> None:
     graph = digraph(subsumption(kills))

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import pytest
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -102,7 +103,7 @@ sums = st.recursive(
 ).filter(lambda text: _is_formula(f"{text} > a"))
 
 
-@settings(max_examples=300)
+@settings(max_examples=usually(25, release=300))
 @given(sums, st.sampled_from(["<", "<=", ">", ">="]), sums)
 def test_what_is_read_as_a_threshold_is_where_the_library_changes_its_mind(left: str, sign: str, right: str) -> None:
     text = f"always({left} {sign} {right})"

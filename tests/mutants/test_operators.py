@@ -43,12 +43,15 @@ def arguments_on(operator: Operator, seam: str) -> Mapping[str, Any] | None:
     return operator.check(seam, message, arguments | {"field": fields[-1]})
 
 
-EVERYWHERE = [
-    (name, seam)
-    for name, operator in OPERATORS.items()
-    for seam in REFERENCE.by_name
-    if operator.need.met_by(REFERENCE.by_name[seam].message) and arguments_on(operator, seam) is not None
-]
+EVERYWHERE = sorted(
+    {
+        (name, REFERENCE.by_name[seam].message): (name, seam)
+        for name, operator in OPERATORS.items()
+        for seam in reversed(REFERENCE.by_name)
+        if operator.need.met_by(REFERENCE.by_name[seam].message) and arguments_on(operator, seam) is not None
+    }.values()
+)
+"""A seam for each operator and message that it fits."""
 
 
 def tap_on(name: str, seam: str) -> Any:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pybullet
 import pytest
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -48,7 +49,7 @@ steps = st.tuples(
 )
 
 
-@settings(max_examples=300)
+@settings(max_examples=usually(25, release=300))
 @given(
     start=st.tuples(st.floats(-1.5, 1.5), st.floats(0.0, 8.0), st.floats(0.3, 2.4)), ways=st.lists(steps, max_size=8)
 )

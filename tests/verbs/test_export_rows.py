@@ -6,6 +6,7 @@ import json
 import random
 
 from builders import GRID, KINDS, ROSTER, campaigns, outcome, seeded
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -83,7 +84,7 @@ def test_a_row_says_what_the_figures_of_the_score_follow_from() -> None:
 
 
 @given(seeded())
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=usually(25, release=30))
 def test_the_pool_of_a_campaign_follows_from_its_rows(outcomes: list[Outcome]) -> None:
     rows = [row for row in export_rows(outcomes, ROSTER, GRID) if row["mutant"] == BASELINE and row["ending"]]
     for (situation, name), pair in Pool.of(outcomes).pairs.items():

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import pytest
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -24,7 +25,7 @@ def _known(outcomes: list[Outcome], background: Background) -> Mapping[str, Back
     return dict.fromkeys([flight.mutant for flight in outcomes], background)
 
 
-@settings(deadline=None, max_examples=100)
+@settings(deadline=None, max_examples=usually(25, release=100))
 @given(
     st.one_of(campaigns(), seeded()),
     st.sampled_from([WEAK, LAST, Background("person", ("OP1",)), Background("person", expected="declared")]),

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 from builders import CLASSED, GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
+from effort import usually
 from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -285,7 +286,7 @@ def test_how_far_a_flight_without_a_trajectory_was_off_its_path_is_not_known() -
     assert on_it.why.startswith("It takes the drone at most 0.00 m off its path.")
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=usually(25, release=40))
 @given(st.one_of(campaigns(), seeded()))
 def test_every_mutant_is_detected_or_told_once_in_the_order_of_the_stages(outcomes: list[Outcome]) -> None:
     scored = score(outcomes, ROSTER, GRID)

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
+from effort import usually
 from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -133,7 +134,7 @@ def test_the_find_of_a_mutant_is_the_next_command_before_any_seeds() -> None:
         assert said == flies("LATE-human@3s")
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(st.one_of(campaigns(), seeded()))
 def test_every_line_begins_with_the_verdict_and_only_an_open_one_says_what_would_decide(
     outcomes: list[Outcome],

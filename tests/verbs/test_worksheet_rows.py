@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from builders import GRID, campaigns, outcome, pool, seeded
+from effort import usually
 from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -221,7 +222,7 @@ def read_csv(found: tuple[SheetRow, ...]) -> list[dict[str, str]]:
 
 
 @given(hostile)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=usually(25, release=40), deadline=None)
 def test_what_a_study_says_appears_literally_in_every_format(text: str) -> None:
     found = rows(FLOWN, with_text(text))
     row = named(found, "LATE-human")

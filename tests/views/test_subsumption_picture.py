@@ -3,6 +3,7 @@ from __future__ import annotations
 import re
 import xml.etree.ElementTree as ET
 
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -17,7 +18,7 @@ matrices = st.dictionaries(
 SAMPLE = {"NO-x": "a", "LATE-x@1s": "a", "MORE-y": "abc", "LESS-y": "ab", '<b>"odd" & long</b>' * 3: "d"}
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=usually(25, release=60))
 @given(matrices)
 def test_every_kill_set_is_a_box_and_no_two_boxes_overlap(kills: dict[str, frozenset[str]]) -> None:
     graph = subsumption(kills)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from builders import campaigns, outcome, seeded
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,7 +21,7 @@ M = "LATE-human@3s"
 HERE = "T0O0W0D0H0"
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=usually(25, release=60))
 @given(st.one_of(campaigns(), seeded()), st.data())
 def test_the_flights_that_stand_are_read_and_no_others(flown: list[Outcome], data: st.DataObject) -> None:
     stale = {str(number) for number in data.draw(st.sets(st.integers(0, len(flown))))}

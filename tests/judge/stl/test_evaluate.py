@@ -3,6 +3,7 @@ from __future__ import annotations
 import time
 
 import pytest
+from effort import usually
 from hypothesis import given, settings
 
 from scaloft_fi.judge.stl import LARGEST, Formula
@@ -21,7 +22,7 @@ def agrees(tree: Node, signals: dict[str, Column]) -> None:
         assert list(map(repr, robustness(tree, signals, LARGEST))) == list(map(repr, expected))
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=usually(25, release=300))
 @given(trees, traces(1))
 def test_robustness_is_to_the_bit_that_of_the_definition(tree: Node, signals: dict[str, Column]) -> None:
     agrees(tree, signals)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import pytest
+from effort import usually
 from hypothesis import assume, given, settings
 
 from scaloft_fi.judge.stl import LARGEST
@@ -29,7 +30,7 @@ def agrees(tree: Node, signals: dict[str, Column]) -> None:
         assert list(map(repr, robustness(tree, signals, LARGEST))) == list(map(repr, bounded))
 
 
-@settings(deadline=None, max_examples=200)
+@settings(deadline=None, max_examples=usually(25, release=200))
 @given(trees, traces(2))
 def test_robustness_is_to_the_bit_that_of_rtamt(tree: Node, signals: dict[str, Column]) -> None:
     assume(not overwrites(tree))

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from effort import usually
 from hypothesis import event, example, given, settings
 from hypothesis import strategies as st
 
@@ -53,7 +54,7 @@ def theirs(text: str) -> Node | None:
         return None
 
 
-@settings(deadline=None, max_examples=250)
+@settings(deadline=None, max_examples=usually(25, release=250))
 @given(chains)
 @example("a - 2 - b + c > 0")
 @example("a / 2 * b > 0")
@@ -68,7 +69,7 @@ def test_a_chain_of_operators_has_the_tree_of_rtamt_or_needs_brackets(text: str)
         assert mine == theirs(text)
 
 
-@settings(deadline=None, max_examples=250)
+@settings(deadline=None, max_examples=usually(25, release=250))
 @given(words)
 @example("a - - 2")
 @example("- a")
@@ -83,7 +84,7 @@ def test_any_words_have_the_tree_of_rtamt_or_are_refused_by_both(text: str) -> N
         assert theirs(text) is None
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=usually(25, release=150))
 @given(trees)
 def test_a_text_in_brackets_has_the_tree_it_was_written_from(tree: Node) -> None:
     text = written(tree)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -45,7 +46,7 @@ def off_edge(points, node, limits):
     return points[np.array(keep, dtype=bool)] if keep else points
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=usually(25, release=60), deadline=None)
 @given(clouds(), st.tuples(*[st.floats(-1, 1, width=32)] * 3), st.floats(0.3, 3.0))
 def test_a_bin_holds_its_nearest_point(points, node, far):
     points = off_edge(points, np.array(node), (0.2, far))
@@ -108,7 +109,7 @@ def test_a_thin_obstacle_is_not_diluted():
     assert out[15, 10] == 0.0
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=usually(25, release=40), deadline=None)
 @given(
     st.tuples(*[st.floats(-5, 5, width=32)] * 3).filter(lambda goal: math.hypot(goal[0], goal[1]) > 0.1),
     st.tuples(*[st.floats(-1, 1, width=32)] * 3),

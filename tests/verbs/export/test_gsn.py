@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 from builders import CLASSED, GRID, outcome, pool
 from dossiers import dossier, dossiers
+from effort import usually
 from hypothesis import given, settings
 
 from scaloft_fi.judge.outcome import Outcome
@@ -32,7 +33,7 @@ def kind(name: str) -> str:
     return match[1]
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_every_node_is_of_a_known_kind_has_a_text_and_refers_to_nodes_that_exist(dossier: Dossier) -> None:
     nodes = read(gsn(dossier))
@@ -46,7 +47,7 @@ def test_every_node_is_of_a_known_kind_has_a_text_and_refers_to_nodes_that_exist
         assert all(kind(other) in {"C", "A", "J"} for other in context)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_there_is_one_root_and_everything_hangs_on_it_or_challenges_it(dossier: Dossier) -> None:
     nodes = read(gsn(dossier))
@@ -59,7 +60,7 @@ def test_there_is_one_root_and_everything_hangs_on_it_or_challenges_it(dossier: 
             assert node.get("undeveloped", False) is not bool(node.get("supportedBy"))
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_every_mutant_flown_that_is_not_detected_is_a_counter_goal(dossier: Dossier) -> None:
     nodes = read(gsn(dossier))

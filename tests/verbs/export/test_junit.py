@@ -4,6 +4,7 @@ import shlex
 
 from builders import outcome, pool
 from dossiers import dossier, dossiers
+from effort import usually
 from finding import flies, found, known
 from hypothesis import given, settings
 from junitparser import Error, Failure, JUnitXml, Skipped
@@ -37,7 +38,7 @@ def controls(*flights: Outcome) -> dict[str, list[type]]:
     return read(junit(dossier([*pool(HERE), *flights])))["controls"]
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_a_detected_mutant_passes_one_that_is_not_fails_the_rest_is_skipped_or_an_error(dossier: Dossier) -> None:
     suites = read(junit(dossier))
@@ -46,7 +47,7 @@ def test_a_detected_mutant_passes_one_that_is_not_fails_the_rest_is_skipped_or_a
     assert set(suites.get("controls", {})) == {control.subject.id for control in dossier.score.controls}
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_the_counts_are_those_of_the_cases(dossier: Dossier) -> None:
     whole = JUnitXml.fromstring(junit(dossier).encode())
@@ -55,7 +56,7 @@ def test_the_counts_are_those_of_the_cases(dossier: Dossier) -> None:
     assert said == (whole.tests, whole.failures, whole.errors, whole.skipped)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_every_case_that_does_not_pass_carries_the_replay_and_the_next_step(dossier: Dossier) -> None:
     flown = {outcome.name for outcome in dossier.outcomes}

@@ -8,6 +8,7 @@ from typing import Any
 import jsonschema
 from builders import outcome, pool
 from dossiers import HOSTILE, LINES, dossier, dossiers
+from effort import usually
 from hypothesis import given, settings
 
 from scaloft_fi.analysis.roster import Ratio
@@ -22,13 +23,13 @@ def mutants(report: dict[str, Any]) -> dict[str, Any]:
     return {mutant["id"]: mutant for file in report["files"].values() for mutant in file["mutants"]}
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_the_report_is_valid_against_the_published_schema(dossier: Dossier) -> None:
     jsonschema.Draft7Validator(SCHEMA).validate(json.loads(json.dumps(mutation_testing(dossier), allow_nan=False)))
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_the_scores_that_its_readers_compute_are_the_mutation_score_and_the_same_of_mutants_tested(
     dossier: Dossier,
@@ -73,7 +74,7 @@ def test_a_control_is_ignored_as_one() -> None:
     assert found["statusReason"].startswith("a control, in no ratio: undecided")
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_every_mutant_and_control_stands_once_on_the_line_of_its_cell(dossier: Dossier) -> None:
     report = mutation_testing(dossier)
@@ -87,7 +88,7 @@ def test_every_mutant_and_control_stands_once_on_the_line_of_its_cell(dossier: D
         assert HOSTILE in entry["description"]
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_a_test_kills_only_what_it_covers_and_every_test_named_exists(dossier: Dossier) -> None:
     report = mutation_testing(dossier)

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from builders import outcome, pool
 from dossiers import dossier, dossiers
+from effort import usually
 from hypothesis import given, settings
 
 from scaloft_fi.verbs.export.assurance import EDGES, to_json, to_markdown
@@ -23,7 +24,7 @@ HEADINGS = [
 ]
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_the_log_has_the_headings_of_the_artefact_in_their_order(dossier: Dossier) -> None:
     page = to_markdown(dossier)

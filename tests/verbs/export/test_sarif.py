@@ -5,6 +5,7 @@ import shlex
 
 from builders import outcome, pool
 from dossiers import HOSTILE, LINES, dossier, dossiers
+from effort import usually
 from hypothesis import given, settings
 from sarif_pydantic import Sarif
 
@@ -12,7 +13,7 @@ from scaloft_fi.verbs.export.ci import sarif
 from scaloft_fi.verbs.export.dossier import Dossier
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_a_reader_of_sarif_finds_each_mutant_that_is_not_detected_on_the_line_of_its_cell(dossier: Dossier) -> None:
     (run,) = Sarif.model_validate_json(json.dumps(sarif(dossier), allow_nan=False)).runs
@@ -40,7 +41,7 @@ def test_an_undecided_mutant_is_a_note_and_its_message_tells_the_verdict() -> No
     assert texts[2].startswith("MORE-goal@0.6m is not detected: nothing seen in 1 situation")
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_no_rule_is_without_a_result(dossier: Dossier) -> None:
     (run,) = sarif(dossier)["runs"]
@@ -49,7 +50,7 @@ def test_no_rule_is_without_a_result(dossier: Dossier) -> None:
     assert set(rules) == {result["ruleId"] for result in run["results"]}
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=usually(25, release=50))
 @given(dossiers())
 def test_every_result_carries_the_replay_and_the_next_step_where_viewers_show_them(dossier: Dossier) -> None:
     (run,) = Sarif.model_validate_json(json.dumps(sarif(dossier), allow_nan=False)).runs
