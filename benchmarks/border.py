@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from scaloft_fi.outside.exchange import Exchange, OutsideConfig, ProcessConfig, SeamConfig
+from scaloft_fi.outside.exchange import Command, Exchange, OutsideConfig, SeamConfig
 from scaloft_fi.stack.declaration import TICK_S, PlainWire
 from scaloft_fi.stack.messages import DepthFrame
 from scaloft_fi.stack.reference.messages import PoseEstimate
@@ -66,7 +66,7 @@ def ticks_ms(border: str, ticks: int) -> Any:
     config = OutsideConfig(
         border=border,
         below="flight_control",
-        processes=(ProcessConfig(("{python}", str(Path(__file__).resolve()), "--echo", border)),),
+        processes=(Command(("{python}", str(Path(__file__).resolve()), "--echo", border)),),
         seams={
             "pose": SeamConfig("/odom", "odometry"),
             "depth": SeamConfig("/depth", "depth"),

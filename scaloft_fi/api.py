@@ -65,10 +65,10 @@ if TYPE_CHECKING:
     from scaloft_fi.campaign.flights.check_stack import StackCheck, check_stack
     from scaloft_fi.campaign.runs.request import Asked, strategy
     from scaloft_fi.mutants.check_operator import OperatorCheck, check_operator, operators_of
-    from scaloft_fi.outside.border import BORDERS, Arrival, BorderError, CameraInfo, Land, Topic, from_plain, taken
+    from scaloft_fi.outside.border import BORDERS, Arrival, BorderError, CameraInfo, Land, Topic
     from scaloft_fi.outside.exchange import Command, Processes
     from scaloft_fi.outside.lines import Codec, LinesBorder
-    from scaloft_fi.outside.ros_messages import LAYOUTS, Layout, layout_of
+    from scaloft_fi.outside.ros_messages import LAYOUTS, Ends, Layout, layout_of, sample_in
     from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroundings
     from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
     from scaloft_fi.sim.world import ROLES, Role
@@ -83,15 +83,15 @@ LATE = {
     "CameraInfo": "scaloft_fi.outside.border",
     "Land": "scaloft_fi.outside.border",
     "Topic": "scaloft_fi.outside.border",
-    "from_plain": "scaloft_fi.outside.border",
-    "taken": "scaloft_fi.outside.border",
     "Command": "scaloft_fi.outside.exchange",
     "Processes": "scaloft_fi.outside.exchange",
     "Codec": "scaloft_fi.outside.lines",
     "LinesBorder": "scaloft_fi.outside.lines",
     "LAYOUTS": "scaloft_fi.outside.ros_messages",
+    "Ends": "scaloft_fi.outside.ros_messages",
     "Layout": "scaloft_fi.outside.ros_messages",
     "layout_of": "scaloft_fi.outside.ros_messages",
+    "sample_in": "scaloft_fi.outside.ros_messages",
     "SpeedLimit": "scaloft_fi.stack.reference.messages",
     "Asked": "scaloft_fi.campaign.runs.request",
     "Dossier": "scaloft_fi.verbs.export",
@@ -149,6 +149,7 @@ __all__ = [
     "Degrees",
     "Dossier",
     "Effect",
+    "Ends",
     "Example",
     "Examples",
     "Factor",
@@ -203,15 +204,14 @@ __all__ = [
     "declare_claims",
     "declare_stack",
     "export_format",
-    "from_plain",
     "layout_of",
     "messages",
     "on_each",
     "operator",
     "operators_of",
+    "sample_in",
     "signal",
     "strategy",
-    "taken",
     "the",
     "within",
 ]

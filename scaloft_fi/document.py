@@ -238,13 +238,6 @@ class Item:
             raise InputError(f"{self.place}: {self.name}={self._written()} is not known{hint}")
         return str(self.value)
 
-    def numbers(self, count: int | None = None, *, least: float = -LARGEST, most: float = LARGEST) -> tuple[float, ...]:
-        """A list of numbers within `least` <= value <= `most`, `count` of them when given."""
-        values = tuple(item.number(least=least, most=most) for item in self.items())
-        if count is not None and len(values) != count:
-            raise self.error(f"a list of {count} numbers")
-        return values
-
     def plain(self) -> Any:
         """The bare Python value: dicts, lists and scalars.
 

@@ -15,13 +15,13 @@ from pathlib import Path, PurePath
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from scaloft_fi.console import line
-from scaloft_fi.document import Item, is_file, load, read_bytes
+from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError, ScaloftError, did_you_mean
 from scaloft_fi.marks import MOST, Bounds, Called, Choices, Examples, Given, MoreThanZero, Needed, Reads, Size
 from scaloft_fi.model import read
 from scaloft_fi.mutants.mutant import EVERY_SEAM
 from scaloft_fi.outside.border import BORDERS, PORTS, Border, BorderError, Topic
-from scaloft_fi.outside.exchange import Command, Processes
+from scaloft_fi.outside.exchange import DONE, Command, Processes
 from scaloft_fi.stack.declaration import Declaration, Seam, Wire
 from scaloft_fi.stack.messages import Stamp
 
@@ -379,15 +379,16 @@ class Relays:
         self._borders.clear()
 
 
-MOST_OUTPUT = 1 << 20
-"""Largest end of its output that is read."""
 LOOK_S = 0.002
 """How often a running command is looked at [s, wall]."""
-DONE = "ended with code 0"
-_HOW = re.compile(r"(ended with code -?\d+|was ended by \w+|cannot be started: .*)$")
 SHOWN_LINES, SHOWN = 5, 400
 """How many of its last lines an error shows, and how many characters of them."""
-MOST_COUNTED = 10**12
+_TOLD: Mapping[str, tuple[type[int | float], float, str]] = {
+    "altered": (int, 10**12, "a whole number >= 0"),
+    "carried": (int, 10**12, "a whole number >= 0"),
+    "first_altered_s": (float, 1e9, "a number >= 0"),
+}
+"""Type and greatest value of each number that a command may tell, and what it must be, in words."""
 
 
 class CommandError(ScaloftError):
@@ -433,29 +434,21 @@ def run_command(
         CommandError: it takes longer, or fails.
     """
     processes = Processes([Command(tuple(words), env)], cwd, {}, folder)
-    due_s, how = time.monotonic() + limit_s, ""
+    due_s = time.monotonic() + limit_s
     try:
         processes.start()
-        while not (how := processes.ended()) and time.monotonic() < due_s:
+        while not processes.ended() and time.monotonic() < due_s:
             if attend is not None:
                 attend()
             time.sleep(LOOK_S)
     finally:
         processes.stop()
     said = processes.last_lines(SHOWN_LINES)[-SHOWN:] or "nothing"
-    if not how:
+    if not processes.how:
         raise CommandError(f"the command ran longer than {limit_s:g} s; it said last: {said}")
-    if not how.endswith(DONE):
-        ended = _HOW.search(how)
-        raise CommandError(f"the command {ended[0] if ended else how}; it said last: {said}")
-    lines = [text for text in _output(folder).decode("utf-8", "replace").splitlines() if text.strip()]
-    return told(lines[-1] if lines else "")
-
-
-def _output(folder: Path) -> bytes:
-    """The end of the command's output, of which the older part may be missing."""
-    paths = [path for path in (folder / "output.old", folder / "output") if is_file(path)]
-    return b"".join(read_bytes(path, MOST_OUTPUT) for path in paths)
+    if processes.how != DONE:
+        raise CommandError(f"the command {processes.how}; it said last: {said}")
+    return told("".join(processes.lines()[-1:]))
 
 
 def told(last: str) -> Told:
@@ -464,19 +457,18 @@ def told(last: str) -> Told:
     Raises:
         CommandError: it is one, with a value that is not allowed.
     """
-    if not last.lstrip().startswith("{"):
+    if not last.startswith("{"):
         return Told()
     try:
         said = json.loads(last)
     except (ValueError, RecursionError):
         return Told()
-    counts = {name: said.get(name) for name in ("altered", "carried")}
-    for name, count in counts.items():
-        if count is not None and (
-            isinstance(count, bool) or not isinstance(count, int) or not 0 <= count <= MOST_COUNTED
-        ):
-            raise CommandError(f"the last line says {name}={str(count)[:40]}, which must be a whole number >= 0")
-    first, error = said.get("first_altered_s"), said.get("stack_error") or ""
-    if first is not None and (isinstance(first, bool) or not isinstance(first, int | float) or not 0.0 <= first < 1e9):
-        raise CommandError(f"the last line says first_altered_s={str(first)[:40]}, which must be a number >= 0")
-    return Told(counts["altered"], counts["carried"], None if first is None else float(first), line(str(error))[:SHOWN])
+    numbers: dict[str, Any] = {}
+    for name, (kind, most, must) in _TOLD.items():
+        number = said.get(name)
+        if number is None:
+            continue
+        if isinstance(number, bool) or not isinstance(number, int | kind) or not 0 <= number <= most:
+            raise CommandError(f"the last line says {name}={str(number)[:40]}, which must be {must}")
+        numbers[name] = kind(number)
+    return Told(**numbers, stack_error=line(str(said.get("stack_error") or ""))[:SHOWN])

@@ -27,23 +27,41 @@ from scaloft_fi.stack.declaration import Wire
 
 START_S, STOP_S = 10.0, 5.0
 """Greatest time in which the guard starts, and in which it ends everything [s, wall]."""
+DONE, KILLED = "ended with code 0", "was ended by SIGKILL"
+"""How a process ends that has succeeded, and one that the machine or a person has ended."""
 LINE = 300
 """Most characters of a line of output in a sentence."""
 
 
 @dataclass(frozen=True)
 class Command:
-    """A program that runs during a flight.
+    """A process of every flight.
 
     Attributes:
-        run: program and arguments; `{python}` is this interpreter, `{study}` the folder of the study.
-        env: environment variables beside those of this process and of the border.
+        run: program and arguments; `{study}`, `{python}`, `{route}`, `{home}`, `{altitude_m}`, `{cruise_mps}`,
+            `{slow_mps}`, `{yaw_deg}` and `{situation}` stand for what they say, in JSON where it is no plain number or
+            text.
+        env: environment variables beside those of the run.
         folder: where it runs, in the folder of the study.
     """
 
     run: tuple[str, ...]
     env: Mapping[str, str] = field(default_factory=dict)
     folder: str = "."
+
+    def filled(self, words: Mapping[str, str]) -> Command:
+        """The command with every word in braces replaced; other braces stay.
+
+        >>> Command(("fly", "--speed={cruise_mps} {x}")).filled({"cruise_mps": "0.5"}).run
+        ('fly', '--speed=0.5 {x}')
+        """
+
+        def replaced(text: str) -> str:
+            for word, value in words.items():
+                text = text.replace(f"{{{word}}}", value)
+            return text
+
+        return Command(tuple(map(replaced, self.run)), {key: replaced(v) for key, v in self.env.items()}, self.folder)
 
 
 class Processes:
@@ -59,7 +77,7 @@ class Processes:
         folder: private to the flight; the end of their output is kept there.
 
     Attributes:
-        killed: whether the first of them that has ended was ended by SIGKILL.
+        how: how the first of them that has ended did so, such as `KILLED`; "" while all run.
     """
 
     def __init__(self, commands: Sequence[Command], study: Path, environment: Mapping[str, str], folder: Path) -> None:
@@ -67,8 +85,7 @@ class Processes:
         self._environment = environment
         self._guard: subprocess.Popen[bytes] | None = None
         self._news = b""
-        self._ended = ""
-        self.killed = False
+        self._ended = self.how = ""
         self._spared: frozenset[int] = frozenset()
 
     def start(self) -> None:
@@ -97,13 +114,10 @@ class Processes:
             raise BorderError(self._ended or f"the guard of the processes did not start within {START_S:g} s")
 
     def _order(self, command: Command) -> Mapping[str, object]:
-        def replaced(text: str) -> str:
-            return text.replace("{python}", sys.executable).replace("{study}", str(self._study))
-
-        env = {name: replaced(text) for name, text in command.env.items()}
+        filled = command.filled({"python": sys.executable, "study": str(self._study)})
         return {
-            "run": [replaced(text) for text in command.run],
-            "env": {**os.environ, **self._environment, **env},
+            "run": filled.run,
+            "env": {**os.environ, **self._environment, **filled.env},
             "folder": str(self._study / command.folder),
         }
 
@@ -136,8 +150,8 @@ class Processes:
         for line in whole:
             what, number, detail = line.decode(errors="replace").split(" ", 2)
             if what in ("failed", "ended") and not self._ended:
-                self._ended = f"{self._name(int(number))} {_how(what, detail)}"
-                self.killed = what == "ended" and int(detail) == -signal.SIGKILL
+                self.how = _how(what, detail)
+                self._ended = f"{self._name(int(number))} {self.how}"
         self._news = b"\n".join([line for line in whole if line.startswith(b"started")] + [rest])
 
     def _name(self, number: int) -> str:
@@ -149,12 +163,15 @@ class Processes:
 
     def last_lines(self, count: int = 5) -> str:
         """The last lines that they wrote, made inert and joined by " / "; "" for none."""
+        return " / ".join(inert(line)[:LINE] for line in self.lines()[-count:])
+
+    def lines(self) -> list[str]:
+        """The lines at the end of what they wrote, empty ones left out."""
         text = b""
         for path in (self._output.with_name(f"{self._output.name}.old"), self._output):
             with suppress(OSError):
                 text += path.read_bytes()
-        lines = [line.strip() for line in text.decode(errors="replace").splitlines() if line.strip()]
-        return " / ".join(inert(line)[:LINE] for line in lines[-count:])
+        return [line.strip() for line in text.decode(errors="replace").splitlines() if line.strip()]
 
     def stop(self) -> None:
         """End them: SIGINT, SIGTERM, SIGKILL in turn, half a second apart; nothing is left.  May be called twice."""
@@ -196,39 +213,6 @@ def _orders() -> dict[str, str]:
 
 
 Wait = Annotated[float, Bounds(least=1e-3, most=60.0)]
-
-
-@dataclass(frozen=True)
-class ProcessConfig:
-    """A process of every flight.
-
-    Attributes:
-        run: program and arguments; `{study}`, `{python}`, `{route}`, `{home}`, `{altitude_m}`, `{cruise_mps}`,
-            `{slow_mps}`, `{yaw_deg}` and `{situation}` stand for what they say, in JSON where it is no plain number or
-            text.
-        env: environment variables beside those of the run.
-        folder: where it runs, in the folder of the study.
-    """
-
-    run: tuple[str, ...]
-    env: Mapping[str, str] = field(default_factory=dict)
-    folder: str = "."
-
-    def command(self, words: Mapping[str, str]) -> Command:
-        """The command with every word in braces replaced."""
-        env = {name: replaced(text, words) for name, text in self.env.items()}
-        return Command(tuple(replaced(text, words) for text in self.run), env, self.folder)
-
-
-def replaced(text: str, words: Mapping[str, str]) -> str:
-    """`text` with `{word}` replaced for each of `words`; other braces stay.
-
-    >>> replaced("--speed={cruise_mps} {x}", {"cruise_mps": "0.5"})
-    '--speed=0.5 {x}'
-    """
-    for word, value in words.items():
-        text = text.replace(f"{{{word}}}", value)
-    return text
 
 
 @dataclass(frozen=True)
@@ -282,7 +266,7 @@ class OutsideConfig:
 
     border: Annotated[str, Choices(BORDERS.keys)]
     below: Annotated[str, Choices(_orders)]
-    processes: tuple[ProcessConfig, ...]
+    processes: tuple[Command, ...]
     seams: Annotated[Mapping[str, SeamConfig], Size(1, MOST, "a seam, at least")]
     inside: Any
     answer: str = ""
@@ -380,7 +364,7 @@ class Exchange:
             BorderError: they did not come up.
         """
         topics = [seam.as_topic(name) for name, seam in config.seams.items()]
-        commands = [process.command(words) for process in config.processes]
+        commands = [process.filled(words) for process in config.processes]
         with ExitStack() as undo:
             folder = Path(tempfile.mkdtemp(prefix="scaloft-"))
             undo.callback(rmtree, folder, ignore_errors=True)
@@ -431,7 +415,7 @@ class Exchange:
                 self._complain(f"{now_s:.3f} s: {arrival.refused}")
             taken[port] = self.wire.cross(name, now_s, arrival.sample)
         if ended := self.processes.ended():
-            raise (BorderError if self.processes.killed else OutsideError)(f"{ended}{self._said()}")
+            raise (BorderError if self.processes.how == KILLED else OutsideError)(f"{ended}{self._said()}")
         return taken
 
     def send(self, seam: str, now_s: float, sample: Any) -> None:

@@ -27,11 +27,9 @@ from scaloft_fi.outside.border import (
     Inbox,
     MisfitError,
     Topic,
-    from_plain,
     picked,
-    taken,
 )
-from scaloft_fi.outside.ros_messages import Layout, layout_of
+from scaloft_fi.outside.ros_messages import LAYOUTS, Ends, Layout, layout_of, sample_in
 
 FIRST_PORT, PORTS_OF_DOMAIN = 7400, 250
 """A domain has the UDP ports from `FIRST_PORT + PORTS_OF_DOMAIN * domain` on (DDSI-RTPS 2.5, section 9.6.2.3)."""
@@ -92,8 +90,6 @@ MOST_MESSAGES = 100
 """Most messages that are read in a tick."""
 DEPTH = 10
 """Usual number of messages that wait for a reader."""
-SETTLE_S = 0.2
-"""Time from when this side knows its other ends until they know it as well [s, wall]."""
 QOS: Mapping[str, Sequence[str]] = {
     "reliability": ("reliable", "best_effort"),
     "durability": ("volatile", "transient_local"),
@@ -127,7 +123,7 @@ class Ros2Border:
     topics: Sequence[Topic]
     folder: Path
     _clock_s: float = 0.0
-    _met_s: float | None = None
+    _ends: Ends = field(default_factory=Ends)
     _domain: Domain | None = None
     _context: Any = None
     _node: Any = None
@@ -137,7 +133,7 @@ class Ros2Border:
     _subscriptions: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self._layouts = {topic.seam: layout_of(topic) for topic in self.topics}
+        self._layouts = {topic.seam: layout_of(topic, LAYOUTS) for topic in self.topics}
         self._outward = {topic.seam: topic for topic in self.topics if topic.outward}
         self._inbox = {topic.seam: Inbox(topic) for topic in self.topics if not topic.outward}
 
@@ -145,7 +141,7 @@ class Ros2Border:
     def misfit(topic: Topic) -> str:
         """What of a topic's settings ROS 2 cannot carry; "" if all of it."""
         try:
-            layout_of(topic)
+            layout_of(topic, LAYOUTS)
         except ValueError as error:
             return str(error)
         for name, value in topic.qos.items():
@@ -226,14 +222,7 @@ class Ros2Border:
         subscriptions = [one for seam, one in self._subscriptions.items() if seam in awaited]
         unread = [one.topic_name for one in publishers if not one.get_subscription_count()]
         unsent = [one.topic_name for one in subscriptions if not one.get_publisher_count()]
-        said = [f"nobody subscribes to {', '.join(unread)}"] * bool(unread)
-        said += [f"nobody publishes {', '.join(unsent)}"] * bool(unsent)
-        if said:
-            self._met_s = None
-            return "; ".join(said)
-        now_s = time.monotonic()
-        self._met_s = now_s if self._met_s is None else self._met_s
-        return "a moment for the other side" if now_s - self._met_s < SETTLE_S else ""
+        return self._ends.lacking(unread, unsent)
 
     def send(self, seam: str, t_s: float, sample: Any) -> None:
         """Publish a sample, stamped with its own time where it has one."""
@@ -309,10 +298,7 @@ class Ros2Border:
         stamp_s = _time(message.header.stamp) if hasattr(message, "header") else 0.0
         if stamp_s > self._clock_s + AHEAD_S:
             raise MisfitError(f"its stamp, {stamp_s:g} s, is later than the clock, {self._clock_s:g}")
-        plain = {**layout.also, **taken(picked(message, layout.read), layout.read)}
-        if "stamp_s" in topic.message.__annotations__:
-            plain.setdefault("stamp_s", stamp_s or self._clock_s)
-        return from_plain(topic.message, plain)
+        return sample_in(topic, layout, picked(message, layout.read), stamp_s or self._clock_s)
 
 
 def message_class(name: str) -> Any:

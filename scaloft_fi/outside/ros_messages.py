@@ -6,7 +6,8 @@ Units and frames are those of REP 103 and REP 105: metres, radians, x forward, y
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from scaloft_fi.errors import did_you_mean
-from scaloft_fi.outside.border import CameraInfo, Goal, Land, Motion, Topic, given, to_plain
+from scaloft_fi.outside.border import CameraInfo, Goal, Land, Motion, Topic, from_plain, given, taken, to_plain
 from scaloft_fi.stack.messages import Battery, Bumper, DepthFrame, Detections, Imu
 from scaloft_fi.stack.reference.messages import PoseEstimate, SpeedLimit
 
@@ -209,7 +210,7 @@ def plain_type(name: str) -> str:
     return name.replace("/msg/", "/", 1)
 
 
-def layout_of(topic: Topic, layouts: Mapping[type, tuple[Layout, ...]] = LAYOUTS) -> Layout:
+def layout_of(topic: Topic, layouts: Mapping[type, tuple[Layout, ...]]) -> Layout:
     """The layout of a topic: its own fields where it has some, else the usual one of its type.
 
     Args:
@@ -226,7 +227,7 @@ def layout_of(topic: Topic, layouts: Mapping[type, tuple[Layout, ...]] = LAYOUTS
             raise ValueError(f"type='' is missing: {topic.message.__name__} has no usual message")
         if not topic.outward:
             return Layout(name, read=topic.fields, also=usual[0].also if usual else {})
-        return Layout(name, lambda sample: _mapping(given(to_plain(sample), topic.fields)), WORLD)
+        return Layout(name, lambda sample: given(to_plain(sample), topic.fields), WORLD)
     if not topic.type and usual:
         return usual[0]
     known = {one.type: one for one in usual}
@@ -237,6 +238,42 @@ def layout_of(topic: Topic, layouts: Mapping[type, tuple[Layout, ...]] = LAYOUTS
     return known[name]
 
 
-def _mapping(plain: Any) -> Fields:
-    fields: Fields = plain
-    return fields
+def sample_in(topic: Topic, layout: Layout, message: Any, stamp_s: float) -> Any:
+    """The sample that a message stands for.
+
+    Args:
+        topic: the topic.
+        layout: its layout.
+        message: the fields that the layout reads, as nested mappings.
+        stamp_s: the stamp [s] of a sample that has none of its own.
+
+    Raises:
+        MisfitError: it does not fit.
+    """
+    plain = {**layout.also, **(taken(message, layout.read) if layout.read else {})}
+    if "stamp_s" in topic.message.__annotations__:
+        plain.setdefault("stamp_s", stamp_s)
+    return from_plain(topic.message, plain)
+
+
+SETTLE_S = 0.2
+"""Time from when this side knows its other ends until they know it as well [s, wall]."""
+
+
+@dataclass
+class Ends:
+    """Whether the topics of a border have their other ends, and know it.  met_s: since when they have them [s]."""
+
+    met_s: float | None = None
+
+    def lacking(self, unread: Sequence[str], unsent: Sequence[str]) -> str:
+        """What `Border.lacking` says of the topics that nobody subscribes to, and of those that nobody publishes."""
+        said = [f"nobody subscribes to {', '.join(unread)}"] * bool(unread)
+        said += [f"nobody publishes {', '.join(unsent)}"] * bool(unsent)
+        now_s = time.monotonic()
+        if said:
+            self.met_s = None
+        elif self.met_s is None:
+            self.met_s = now_s
+        settled = self.met_s is not None and now_s - self.met_s >= SETTLE_S
+        return "; ".join(said) or ("" if settled else "a moment for the other side")

@@ -16,7 +16,6 @@ from scaloft_fi.outside.exchange import Exchange, OutsideConfig
 from scaloft_fi.stack.declaration import (
     STEP_HZ,
     TICK_S,
-    Belief,
     ConfigError,
     Declaration,
     FastPath,
@@ -87,11 +86,6 @@ def _seam(name: str, config: OutsideConfig) -> Seam:
     return Seam(name, port.message, port.rate_hz, " -> ".join(ends), units=port.units)
 
 
-def beliefs_of(config: OutsideConfig) -> tuple[Belief, ...]:
-    """The beliefs of the part of our drone that flies below."""
-    return _MOVED if config.below == "flight_control" else BELIEFS
-
-
 def shaped(settings: Any) -> Declaration:
     """The declaration that follows from the settings.
 
@@ -104,15 +98,14 @@ def shaped(settings: Any) -> Declaration:
     return replace(
         OUTSIDE,
         seams=seams_of(config),
-        beliefs=beliefs_of(config),
-        settings=_with_velocities if config.below == "flight_control" else _with_goals,
+        beliefs=_MOVED if config.below == "flight_control" else BELIEFS,
+        settings=lambda: VelocityConfig if config.below == "flight_control" else GoalConfig,
         canaries=(*orders[:1], *odometry[:1]),
         deterministic=config.deterministic,
     )
 
 
 def _make(task: Task, wire: Wire) -> Stack:
-
     config: OutsideConfig = task.settings
     declared = DeclaredWire(wire, [seam.name for seam in seams_of(config)])
     exchange = Exchange.begin(config, declared, Path(task.folder), words_of(task))
@@ -124,29 +117,13 @@ def _make(task: Task, wire: Wire) -> Stack:
 
 
 def _rehearsed(task: Task, wire: Wire) -> Stack:
-
     BORDERS[task.settings.border].need()
     return _stack(task, wire, None)
 
 
-def _stack(task: Task, wire: Wire, exchange: Any) -> Stack:
-
+def _stack(task: Task, wire: Wire, exchange: Exchange | None) -> Stack:
     config: OutsideConfig = task.settings
     return (VelocityStack if config.below == "flight_control" else GoalStack)(task, wire, exchange)
-
-
-def _settings() -> type:
-    return OutsideConfig
-
-
-def _with_velocities() -> type:
-
-    return VelocityConfig
-
-
-def _with_goals() -> type:
-
-    return GoalConfig
 
 
 OUTSIDE = Declaration(
@@ -154,7 +131,7 @@ OUTSIDE = Declaration(
     seams=(),
     beliefs=(),
     make=_make,
-    settings=_settings,
+    settings=lambda: OutsideConfig,
     operators=("scaloft_fi.mutants.reference", "scaloft_fi.outside.faults"),
     deterministic=False,
     forks=False,

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from processes import alive, soon
 from scaloft_ros1.border import Ros1Border, python, unimportable
 
 from scaloft_fi.outside.border import BorderError, Goal, Land, Topic
@@ -55,10 +56,7 @@ def flight(tmp_path: Path) -> Iterator[Callable[..., Ros1Border]]:
         border.open()
         env = {**os.environ, **border.environment}
         nodes.append(subprocess.Popen([python(), "-c", NODE, str(x), str(stamp_s)], env=env))
-        due_s = time.monotonic() + 20.0
-        while border.lacking() and time.monotonic() < due_s:
-            time.sleep(0.02)
-        assert border.lacking() == ""
+        assert soon(lambda: not border.lacking(), within_s=20.0)
         return border
 
     before = descendants(os.getpid())
@@ -130,15 +128,4 @@ os.kill(os.getpid(), signal.SIGKILL)
     killed = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=False)
     below = [int(pid) for pid in killed.stdout.split()]
     assert len(below) >= 2
-    due_s = time.monotonic() + 5.0
-    while any(map(runs, below)) and time.monotonic() < due_s:
-        time.sleep(0.02)
-    assert not [pid for pid in below if runs(pid)]
-
-
-def runs(pid: int) -> bool:
-    """Whether a process is alive; what has ended and was not waited for has no command line."""
-    try:
-        return bool(Path(f"/proc/{pid}/cmdline").read_bytes())
-    except OSError:
-        return False
+    assert soon(lambda: not any(map(alive, below)), within_s=5.0)

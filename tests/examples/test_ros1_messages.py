@@ -13,9 +13,10 @@ from typing import Any
 
 import pytest
 from scaloft_ros1 import bridge
-from scaloft_ros1.border import PYTHON, Ros1Border, held_port, sample_in
+from scaloft_ros1.border import PYTHON, Ros1Border, held_port
 from scaloft_ros1.layouts import LAYOUTS_1, bounding_boxes, camera_info_1, contacts_state
 
+from scaloft_fi.api import sample_in
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside.border import CameraInfo, Goal, Land, MisfitError, Topic
 from scaloft_fi.outside.ros_messages import layout_of

@@ -1,11 +1,11 @@
 from __future__ import annotations
 
-import os
 import sys
 import time
 from pathlib import Path
 
 import pytest
+from processes import alive, soon
 
 from scaloft_fi.outside.border import BorderError
 from scaloft_fi.outside.command import CommandError, Told, run_command, told
@@ -45,20 +45,7 @@ time.sleep(60)
         _run(tmp_path, program, 1.0)
     assert time.monotonic() - began < 15.0
     child = int((tmp_path / "child").read_text())
-    for _ in range(100):
-        if not _alive(child):
-            return
-        time.sleep(0.05)
-    pytest.fail("the command left a process behind")
-
-
-def _alive(process: int) -> bool:
-    """Whether a process runs; a dead one may wait for its parent, which is none of ours."""
-    try:
-        os.kill(process, 0)
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except (ProcessLookupError, FileNotFoundError):
-        return False
+    assert soon(lambda: not alive(child), within_s=5.0)
 
 
 @pytest.mark.parametrize(

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import importlib.util
-import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from processes import marked
 
 from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.flights.fly import Worker, fly_log, judged
@@ -73,19 +72,7 @@ def faulty(make_study: Callable[..., None], tmp_path: Path, monkeypatch: pytest.
         return Study.open(folder)
 
     yield made
-    assert left(str(tmp_path)) == []
-
-
-def left(mark: str) -> list[str]:
-    """The command lines of living processes with this mark in their environment, but for this one."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*") if sys.platform.startswith("linux") else ():
-        try:
-            if int(path.name) != os.getpid() and f"MARK={mark}\0".encode() in (path / "environ").read_bytes():
-                found.append((path / "cmdline").read_text())
-        except OSError:
-            continue
-    return [one for one in found if one]
+    assert marked(str(tmp_path)) == []
 
 
 def flown(study: Study, subject: str = "") -> Outcome:

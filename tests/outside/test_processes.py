@@ -6,10 +6,11 @@ import subprocess
 import sys
 import textwrap
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from processes import alive, marked, soon
 
 from scaloft_fi.outside.border import BorderError
 from scaloft_fi.outside.exchange import Command, Processes
@@ -57,30 +58,10 @@ def processes(folder: Path, *commands: str, **environment: str) -> Processes:
     return Processes(run, folder, environment, folder)
 
 
-def marked(mark: str) -> list[int]:
-    """The living processes with this mark in their environment."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*"):
-        try:
-            state = (path / "stat").read_text().rpartition(")")[2].split()[0]
-            if state != "Z" and f"MARK={mark}".encode() in (path / "environ").read_bytes():
-                found.append(int(path.name))
-        except OSError:
-            continue
-    return found
-
-
 def below(guard: int, mark: str) -> list[int]:
     """What the guard started, then what it adopted: no leader of a session."""
     status = {pid: Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split() for pid in marked(mark)}
     return sorted((pid for pid in status if int(status[pid][1]) == guard), key=lambda pid: int(status[pid][3]) != pid)
-
-
-def soon(true: Callable[[], bool], within_s: float = 30.0) -> bool:
-    due_s = time.monotonic() + within_s
-    while not (is_true := true()) and time.monotonic() < due_s:
-        time.sleep(0.02)
-    return is_true
 
 
 @pytest.fixture
@@ -168,7 +149,7 @@ def test_whatever_is_killed_nothing_is_left(flying: subprocess.Popen[str], mark:
         assert soon(lambda: len(marked(mark)) == 2)
         flying.kill()
     assert soon(lambda: marked(mark) == []), marked(mark)
-    assert soon(lambda: not Path(f"/proc/{guard}").exists() or "Z" in Path(f"/proc/{guard}/stat").read_text())
+    assert soon(lambda: not alive(guard))
     if victim == "guard":
         assert flying.stdout.readline() == "the guard of the processes ended; their last lines: up\n"
     if victim in ("guard", "process"):

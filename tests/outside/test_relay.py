@@ -56,14 +56,16 @@ def _wire(stack: Declaration, operator: str, **arguments: float | str) -> Wire:
     return wire_for(mutant, stack, contexts(mutant.id, "T0", 0, _facts()))
 
 
-def _run(tmp_path: Path, stack: Declaration, wire: Wire, program: str = PROGRAM, limit_s: float = 20.0) -> Told:
+def _run(
+    tmp_path: Path, stack: Declaration, wire: Wire, program: str = PROGRAM, clock: ClockTopic | None = None
+) -> Told:
     folder, beside = tmp_path / "borders", tmp_path / "beside"
     folder.mkdir()
     beside.mkdir()
-    relays = Relays(RELAY, stack, wire, folder)
+    relays = Relays(RELAY, stack, wire, folder, clock)
     try:
         env = relays.begin()
-        return run_command([sys.executable, "-c", program], env, tmp_path, limit_s, beside, relays.attend)
+        return run_command([sys.executable, "-c", program], env, tmp_path, 20.0, beside, relays.attend)
     finally:
         relays.close()
 
@@ -126,14 +128,5 @@ time.sleep(0.3)
 tick(160.1)
 print(json.dumps({"altered": int(next(messages)["data"]["velocity"][0])}))
 """
-    folder, beside = tmp_path / "borders", tmp_path / "beside"
-    folder.mkdir()
-    beside.mkdir()
-    wire = _wire(stack, "delay", delay_s=60.0)
-    relays = Relays(RELAY, stack, wire, folder, ClockTopic("/time", "lines"))
-    try:
-        env = relays.begin()
-        told = run_command([sys.executable, "-c", program], env, tmp_path, 10.0, beside, relays.attend)
-    finally:
-        relays.close()
-    assert told.altered == 7
+    clock = ClockTopic("/time", "lines")
+    assert _run(tmp_path, stack, _wire(stack, "delay", delay_s=60.0), program, clock).altered == 7

@@ -26,13 +26,12 @@ from scaloft_fi.api import (
     BorderError,
     Codec,
     Command,
-    Layout,
+    Ends,
     LinesBorder,
     Processes,
     Topic,
-    from_plain,
     layout_of,
-    taken,
+    sample_in,
 )
 from scaloft_ros1.layouts import LAYOUTS_1
 
@@ -43,8 +42,6 @@ DEPTH, MOST_DEPTH = 10, 1000
 """Usual and greatest number of messages that wait for a reader."""
 UP_S, CHECK_S = 30.0, 0.02
 """How long the bridge may take to come up, and the time between two looks [s, wall]."""
-SETTLE_S = 0.2
-"""Time from when this side knows its other ends until they know it as well [s, wall]."""
 SERVICES: Mapping[str, str] = {"/gazebo/set_model_state": "gazebo_msgs/SetModelState"}
 """The services that are answered with success, where their types are installed.  They change nothing."""
 MISSING = "source your ROS 1 environment, or on Debian apt install python3-rospy python3-rosmaster"
@@ -57,7 +54,7 @@ class Ros1Border:
     topics: Sequence[Topic]
     folder: Path
     _clock_s: float = 0.0
-    _met_s: float | None = None
+    _ends: Ends = field(default_factory=Ends)
     _held: socket.socket | None = None
     _bridge: Processes | None = None
     _lines: LinesBorder = field(init=False)
@@ -149,14 +146,7 @@ class Ros1Border:
         alone = [topic for topic in self.topics if topic.awaited and topic.name not in named]
         unread = [topic.name for topic in alone if topic.outward]
         unsent = [topic.name for topic in alone if not topic.outward]
-        said = [f"nobody subscribes to {', '.join(unread)}"] * bool(unread)
-        said += [f"nobody publishes {', '.join(unsent)}"] * bool(unsent)
-        if said:
-            self._met_s = None
-            return "; ".join(said)
-        now_s = time.monotonic()
-        self._met_s = now_s if self._met_s is None else self._met_s
-        return "a moment for the other side" if now_s - self._met_s < SETTLE_S else ""
+        return self._ends.lacking(unread, unsent)
 
     def send(self, seam: str, t_s: float, sample: Any) -> None:
         """Publish a sample, stamped with its own time where it has one."""
@@ -204,20 +194,7 @@ class Ros1Border:
         }
 
     def _read(self, topic: Topic, data: Any, clock_s: float) -> Any:
-        layout = self._layouts[topic.seam]
-        return sample_in(topic, layout, data, clock_s)
-
-
-def sample_in(topic: Topic, layout: Layout, data: Any, clock_s: float) -> Any:
-    """The sample that the picked fields of a message stand for; without a stamp of its own it has the clock's.
-
-    Raises:
-        MisfitError: they do not fit.
-    """
-    plain = {**layout.also, **(taken(data, layout.read) if layout.read else {})}
-    if "stamp_s" in topic.message.__annotations__:
-        plain.setdefault("stamp_s", clock_s)
-    return from_plain(topic.message, plain)
+        return sample_in(topic, self._layouts[topic.seam], data, clock_s)
 
 
 def _in_text(value: Any) -> Any:

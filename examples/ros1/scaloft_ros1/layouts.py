@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 from scaloft_fi.api import LAYOUTS, CameraInfo, Land, Layout, SpeedLimit
-from scaloft_fi.stack.messages import Bumper, Detections
+from scaloft_fi.api import messages as ours
 
 BODY = "base_link"
 
@@ -24,7 +24,7 @@ def _of_ros_2(info: CameraInfo) -> Mapping[str, Any]:
     return written(info)
 
 
-def bounding_boxes(detections: Detections) -> Mapping[str, Any]:
+def bounding_boxes(detections: ours.Detections) -> Mapping[str, Any]:
     """`darknet_ros_msgs/BoundingBoxes`: class and score of each person; our detector has no corners in pixels."""
     return {
         "bounding_boxes": [
@@ -34,7 +34,7 @@ def bounding_boxes(detections: Detections) -> Mapping[str, Any]:
     }
 
 
-def contacts_state(bumper: Bumper) -> Mapping[str, Any]:
+def contacts_state(bumper: ours.Bumper) -> Mapping[str, Any]:
     """`gazebo_msgs/ContactsState`: one state while the hull touches something, else none."""
     return {"states": [{"info": "hull", "collision1_name": "hull"}] if bumper.hull else []}
 
@@ -47,8 +47,8 @@ LAYOUTS_1: Mapping[type, tuple[Layout, ...]] = MappingProxyType(
     {
         **LAYOUTS,
         CameraInfo: tuple(replace(one, written=camera_info_1) for one in LAYOUTS[CameraInfo]),
-        Detections: _with(Detections, Layout("darknet_ros_msgs/BoundingBoxes", bounding_boxes, BODY)),
-        Bumper: _with(Bumper, Layout("gazebo_msgs/ContactsState", contacts_state, BODY)),
+        ours.Detections: _with(ours.Detections, Layout("darknet_ros_msgs/BoundingBoxes", bounding_boxes, BODY)),
+        ours.Bumper: _with(ours.Bumper, Layout("gazebo_msgs/ContactsState", contacts_state, BODY)),
         SpeedLimit: _with(SpeedLimit, replace(LAYOUTS[SpeedLimit][0], type="std_msgs/Float32")),
         Land: _with(Land, Layout("std_msgs/Float32")),
     }

@@ -7,8 +7,8 @@ import csv
 import io
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -43,6 +43,47 @@ class Message:
     topic: str
     received_ns: int
     content: Any
+
+
+@dataclass(frozen=True)
+class MessageLog:
+    """An open record of messages.
+
+    Attributes:
+        topics: names of its topics.
+        messages: (topics) -> their messages, as they were received; it raises what the library raises.
+    """
+
+    topics: Sequence[str]
+    messages: Callable[[Sequence[str]], Iterator[Message]]
+
+
+def of_messages(open_log: Callable[[Path], AbstractContextManager[MessageLog]]) -> RecordKind:
+    """The kind of the records that `open_log` opens; it raises InputError for one that it cannot open."""
+
+    def messages(path: Path, log: MessageLog, topics: Sequence[str]) -> Iterator[Message]:
+        try:
+            yield from log.messages(topics)
+        except InputError:
+            raise
+        except Exception as error:
+            raise damaged(path, error) from error
+
+    def read_messages(path: Path, sources: Sequence[SignalSource], timing: Timing) -> Mapping[SignalSource, Series]:
+        with open_log(path) as log:
+            asked = topics_of(path, sources, timing, log.topics)
+            return collect(path, messages(path, log, asked), sources, timing)
+
+    def names_in_messages(path: Path) -> Sequence[str]:
+        """The fields of the first message of each topic."""
+        names: list[str] = []
+        with open_log(path) as log:
+            for topic in log.topics:
+                first = next(messages(path, log, (topic,)), None)
+                names += [f"{topic}: {field}" for field in fields_of(first.content)] if first else [topic]
+        return names
+
+    return RecordKind(read_messages, names_in_messages)
 
 
 def topics_of(path: Path, sources: Iterable[SignalSource], timing: Timing, there: Iterable[str]) -> tuple[str, ...]:
@@ -174,7 +215,7 @@ def read_table(path: Path, sources: Sequence[SignalSource], timing: Timing) -> M
     """Read the columns of a table; an empty cell says nothing new.
 
     Raises:
-        InputError: as `Read`; or the time goes back.
+        InputError: as `RecordKind.read`; or the time goes back.
     """
     head, rows = _opened(path)
     if not timing.column:
@@ -268,7 +309,7 @@ def read_ulog(path: Path, sources: Sequence[SignalSource], timing: Timing) -> Ma
     """Read the fields of messages; their times are their own, so `timing` has no clock.
 
     Raises:
-        InputError: as `Read`.
+        InputError: as `RecordKind.read`.
     """
     sets = _sets(path, list({source.topic.partition("/")[0] for source in sources}))
     topics_of(path, sources, timing, sets)
@@ -326,34 +367,9 @@ CHUNK_BYTES = 256 << 20
 ENCODINGS = ("json", "cdr", "ros1")
 
 
-def read_mcap(path: Path, sources: Sequence[SignalSource], timing: Timing) -> Mapping[SignalSource, Series]:
-    """Read the fields of messages.
-
-    Raises:
-        InputError: as `Read`.
-    """
-    with _reader(path) as (reader, topics):
-        asked = topics_of(path, sources, timing, topics)
-        return collect(path, _messages(path, reader, asked), sources, timing)
-
-
-def names_in_mcap(path: Path) -> Sequence[str]:
-    """The fields of the first message of each topic.
-
-    Raises:
-        InputError: the record cannot be read.
-    """
-    names: list[str] = []
-    with _reader(path) as (reader, topics):
-        for topic in topics:
-            first = next(_messages(path, reader, (topic,)), None)
-            names += [f"{topic}: {field}" for field in fields_of(first.content)] if first else [topic]
-    return names
-
-
 @contextmanager
-def _reader(path: Path) -> Iterator[tuple[Any, list[str]]]:
-    """The open file and its topics.
+def _mcap(path: Path) -> Iterator[MessageLog]:
+    """The open file.
 
     Raises:
         InputError: it cannot be read, or the library is missing.
@@ -374,24 +390,15 @@ def _reader(path: Path) -> Iterator[tuple[Any, list[str]]]:
             raise too_many(path)
         if any(chunk.uncompressed_size > CHUNK_BYTES for chunk in summary.chunk_indexes):
             raise InputError(f"{path}: a chunk of the record must have at most {CHUNK_BYTES:,} bytes")
-        yield reader, [channel.topic for channel in summary.channels.values()]
 
+        def messages(topics: Sequence[str]) -> Iterator[Message]:
+            decoders: dict[int, Any] = {}
+            for schema, channel, message in reader.iter_messages(topics=list(topics)):
+                if channel.id not in decoders:
+                    decoders[channel.id] = _decoder(path, schema, channel)
+                yield Message(channel.topic, message.log_time, decoders[channel.id](message.data))
 
-def _messages(path: Path, reader: Any, topics: Sequence[str]) -> Iterator[Message]:
-    waiting, decoders = reader.iter_messages(topics=list(topics)), dict[int, Any]()
-    while True:
-        try:
-            schema, channel, message = next(waiting)
-            if channel.id not in decoders:
-                decoders[channel.id] = _decoder(path, schema, channel)
-            content = decoders[channel.id](message.data)
-        except StopIteration:
-            return
-        except InputError:
-            raise
-        except Exception as error:
-            raise damaged(path, error) from error
-        yield Message(channel.topic, message.log_time, content)
+        yield MessageLog([channel.topic for channel in summary.channels.values()], messages)
 
 
 def _decoder(path: Path, schema: Any, channel: Any) -> Any:
@@ -422,54 +429,15 @@ def _decoder(path: Path, schema: Any, channel: Any) -> Any:
     return lambda data: store.deserialize_ros1(data, schema.name)
 
 
-MCAP = RecordKind(read_mcap, names_in_mcap)
+MCAP = of_messages(_mcap)
 
 
 MOST_FILES = 1_000
 """Most files of a record that is a folder."""
 
 
-def read_rosbag(path: Path, sources: Sequence[SignalSource], timing: Timing) -> Mapping[SignalSource, Series]:
-    """Read the fields of messages.
-
-    Raises:
-        InputError: as `Read`.
-    """
-    with _bag_reader(path) as reader:
-        topics = topics_of(path, sources, timing, reader.topics)
-        return collect(path, _bag_messages(path, reader, topics), sources, timing)
-
-
-def names_in_rosbag(path: Path) -> Sequence[str]:
-    """The fields of the first message of each topic.
-
-    Raises:
-        InputError: the record cannot be read.
-    """
-    names: list[str] = []
-    with _bag_reader(path) as reader:
-        for topic in reader.topics:
-            first = next(_bag_messages(path, reader, (topic,)), None)
-            names += [f"{topic}: {field}" for field in fields_of(first.content)] if first else [topic]
-    return names
-
-
-def _bag_messages(path: Path, reader: Any, topics: Sequence[str]) -> Iterator[Message]:
-    connections = [connection for connection in reader.connections if connection.topic in topics]
-    waiting = reader.messages(connections=connections) if connections else iter(())
-    while True:
-        try:
-            connection, received_ns, data = next(waiting)
-            content = reader.deserialize(data, connection.msgtype)
-        except StopIteration:
-            return
-        except Exception as error:
-            raise damaged(path, error) from error
-        yield Message(connection.topic, received_ns, content)
-
-
 @contextmanager
-def _bag_reader(path: Path) -> Iterator[Any]:
+def _rosbag(path: Path) -> Iterator[MessageLog]:
     """The open record.
 
     Raises:
@@ -486,7 +454,13 @@ def _bag_reader(path: Path) -> Iterator[Any]:
             reader = stack.enter_context(AnyReader([path], default_typestore=get_typestore(Stores.LATEST)))
         except Exception as error:
             raise damaged(path, error) from error
-        yield reader
+
+        def messages(topics: Sequence[str]) -> Iterator[Message]:
+            connections = [connection for connection in reader.connections if connection.topic in topics]
+            for connection, received_ns, data in reader.messages(connections=connections) if connections else ():
+                yield Message(connection.topic, received_ns, reader.deserialize(data, connection.msgtype))
+
+        yield MessageLog(list(reader.topics), messages)
 
 
 def _check_files(path: Path) -> None:
@@ -506,4 +480,4 @@ def _check_files(path: Path) -> None:
             pass
 
 
-ROSBAG = RecordKind(read_rosbag, names_in_rosbag)
+ROSBAG = of_messages(_rosbag)

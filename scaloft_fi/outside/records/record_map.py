@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any
 
 from scaloft_fi.document import Item, is_folder, load
 from scaloft_fi.errors import Faults, InputError, did_you_mean
@@ -121,36 +121,19 @@ FOLDER = "folder"
 """The kind of a record that is a folder: rosbag2."""
 
 
-class RecordReader(Protocol):
-    """Reads a record."""
-
-    def __call__(self, path: Path, sources: Sequence[SignalSource], timing: Timing) -> Mapping[SignalSource, Series]:
-        """The series of each source.
-
-        Raises:
-            InputError: the record cannot be read, is too large, or lacks a source; or a value is no finite number.
-        """
-        ...
-
-
-class Names(Protocol):
-    """Lists what a record has."""
-
-    def __call__(self, path: Path) -> Sequence[str]:
-        """Its columns, or its fields, each after its topic and a colon.
-
-        Raises:
-            InputError: the record cannot be read.
-        """
-        ...
-
-
 @dataclass(frozen=True)
 class RecordKind:
-    """How records of a kind are read.  Their libraries are imported by these functions."""
+    """How records of a kind are read.  Their libraries are imported by these functions.
 
-    read: RecordReader
-    names: Names
+    Attributes:
+        read: (path, sources, timing) -> the series of each source; raises InputError: the record cannot be read, is too
+            large, or lacks a source, or a value is no finite number.
+        names: (path) -> what the record has: its columns, or its fields, each after its topic and a colon; raises
+            InputError: it cannot be read.
+    """
+
+    read: Callable[[Path, Sequence[SignalSource], Timing], Mapping[SignalSource, Series]]
+    names: Callable[[Path], Sequence[str]]
 
 
 RECORDS = Registry[RecordKind]("kind of record")

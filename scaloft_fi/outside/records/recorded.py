@@ -109,22 +109,20 @@ def _waypoints_left(signals: Signals, known: Known) -> Array:
     return np.array(left)
 
 
-def _situation(known: Known) -> str:
-    return "" if known.route is not None else "the situation of the flight"
-
-
-def _limit(known: Known) -> str:
-    return "" if known.limit_s is not None else "the situation of the flight"
+def _situation(value: object) -> str:
+    return "" if value is not None else "the situation of the flight"
 
 
 DERIVED: Mapping[str, Derived] = MappingProxyType(
     {
-        "remaining_s": Derived(lambda _: (), _remaining, _limit),
+        "remaining_s": Derived(lambda _: (), _remaining, lambda known: _situation(known.limit_s)),
         "speed_mps": Derived(lambda _: ("vx_mps", "vy_mps", "vz_mps"), _speed),
         "home_m": Derived(lambda _: ("x_m", "y_m"), _home),
         "yaw_rad": Derived(lambda _: ("qx", "qy", "qz", "qw"), _yaw),
         "clearance_m": Derived(_clearances, _clearance),
-        "waypoints_left": Derived(lambda _: ("x_m", "y_m", "z_m"), _waypoints_left, _situation),
+        "waypoints_left": Derived(
+            lambda _: ("x_m", "y_m", "z_m"), _waypoints_left, lambda known: _situation(known.route)
+        ),
     }
 )
 """The derived signals by name."""
