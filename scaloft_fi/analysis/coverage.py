@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scaloft_fi.analysis.pool import Pool, State
-from scaloft_fi.analysis.roster import Ratio, plain
+from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind
@@ -331,24 +331,3 @@ def _requirements(
             if reading.compliance in (Compliance.HELD, Compliance.VIOLATED):
                 points.add(point[outcome.situation])
     return tuple((name, Ratio(len(points), judged)) for name, points in triggered.items())
-
-
-def coverage_json(covered: Coverage) -> dict[str, Any]:
-    """Every number of the coverage as plain JSON values; `t_way` per strength, with its (p, t)-completeness."""
-    return {
-        "situations": plain(covered.situations),
-        "draws": covered.draws,
-        "pool": covered.pool,
-        "t_way": {
-            str(one.strength): {
-                **plain(one.total),
-                "complete": {f"{share:g}": plain(one.complete(share)) for share in SHARES},
-            }
-            for one in covered.combinations
-        },
-        "realised": plain(covered.realised),
-        "realised_by_axis": plain(dict(covered.by_axis)),
-        "steady": plain(covered.steady),
-        "states": plain(covered.states),
-        "requirements": plain(dict(covered.requirements)),
-    }

@@ -19,6 +19,10 @@ class Ratio:
 
     >>> str(Ratio(8, 15)), Ratio(8, 15).short, str(Ratio(0, 0))
     ('8/15 = 53 %', '8/15', '0/0 = n/a')
+
+    Attributes:
+        part: how many of them.
+        whole: how many there are.
     """
 
     part: int

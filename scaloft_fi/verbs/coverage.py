@@ -2,102 +2,150 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
-from scaloft_fi.analysis.coverage import SHARES, STRENGTHS, Coverage, coverage_json, coverage_of
+from scaloft_fi.analysis.coverage import SHARES, STRENGTHS, Coverage, coverage_of
 from scaloft_fi.analysis.pool import LEAST, State
-from scaloft_fi.campaign.runs.request import Remembered
+from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.judge.space import Space
+from scaloft_fi.marks import About, Called, Choices
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.options import answer, campaign_option, format_option, study_option, tables_option
-from scaloft_fi.verbs.snapshot import STALE, snapshot
+from scaloft_fi.verbs.snapshot import Stale, snapshot
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Answer, Output, by_name, count, listing, ratio, record, text
+from scaloft_fi.views.output import Answer, Output, shape_of, writer_of
 from scaloft_fi.views.table import Table
 
-COVERED = record(
-    "how much of the situations the flights cover",
-    {
-        "situations": ratio("distinct situations flown, of the grid"),
-        "draws": count("test cases flown: a situation with a seed each"),
-        "pool": count("those of them in which the baseline alone was flown, to decide by"),
-        "t_way": record(
-            "by the number of axes t, the combinations of values of t axes that were flown, of all",
-            {str(strength): ratio(f"combinations of values of {strength} axes") for strength in STRENGTHS},
-        ),
-        "complete": record(
-            "by the number of axes t, the choices of t axes of which at least a share of the combinations was flown",
-            {
-                str(strength): record(
-                    f"choices of {strength} axes, by that share (0..1)",
-                    {f"{share:g}": ratio(f"choices with {share:.0%} or more, of all") for share in SHARES},
-                )
-                for strength in STRENGTHS
+_Strength = Annotated[str, Choices([str(strength) for strength in STRENGTHS])]
+"""A number of axes."""
+
+
+class Completeness(NamedTuple):
+    """Choices of axes by the share of their combinations that was flown.
+
+    Attributes:
+        half: choices with 50% or more, of all.
+        three_quarters: choices with 75% or more, of all.
+        whole: choices with 100% or more, of all.
+    """
+
+    half: Annotated[Ratio, Called("0.5")]
+    three_quarters: Annotated[Ratio, Called("0.75")]
+    whole: Annotated[Ratio, Called("1")]
+
+
+_Realised = Annotated[
+    Ratio, About("situations where its value came true in a baseline flight, of those with such a flight")
+]
+_Triggered = Annotated[
+    Ratio, About("situations where a baseline flight put it to the test, of those with such a flight")
+]
+
+
+@dataclass(frozen=True)
+class Covered:
+    """How much of the situations the flights cover.
+
+    Attributes:
+        situations: distinct situations flown, of the grid.
+        draws: test cases flown: a situation with a seed each.
+        pool: those of them in which the baseline alone was flown, to decide by.
+        t_way: by the number of axes t, the combinations of values of t axes that were flown, of all.
+        complete: by the number of axes t, the choices of t axes of which at least a share of the combinations was
+            flown.
+        realised: situations whose every value came true in a baseline flight, of the grid.
+        realised_by_axis: by axis.
+        steady: safety pairs that put a fault to the test, of those with ten baseline flights.
+        states: safety pairs (a situation flown, a safety requirement) by what the baseline pool says of them.
+        requirements: by requirement.
+    """
+
+    situations: Ratio
+    draws: int
+    pool: int
+    t_way: Mapping[_Strength, Annotated[Ratio, About("combinations of values of {} axes")]]
+    complete: Mapping[_Strength, Annotated[Completeness, About("choices of {} axes, by that share (0..1)")]]
+    realised: Ratio
+    realised_by_axis: Mapping[str, _Realised]
+    steady: Ratio
+    states: Mapping[State, Annotated[int, About("pairs that are {}")]]
+    requirements: Mapping[str, _Triggered]
+
+    @classmethod
+    def of(cls, covered: Coverage) -> Covered:
+        """What is told of a coverage."""
+        return cls(
+            situations=covered.situations,
+            draws=covered.draws,
+            pool=covered.pool,
+            t_way={str(one.strength): one.total for one in covered.combinations},
+            complete={
+                str(one.strength): Completeness(*(one.complete(share) for share in SHARES))
+                for one in covered.combinations
             },
-        ),
-        "realised": ratio("situations whose every value came true in a baseline flight, of the grid"),
-        "realised_by_axis": by_name(
-            "by axis", ratio("situations where its value came true in a baseline flight, of those with such a flight")
-        ),
-        "steady": ratio("safety pairs that put a fault to the test, of those with ten baseline flights"),
-        "states": record(
-            "safety pairs (a situation flown, a safety requirement) by what the baseline pool says of them",
-            {state.value: count(f"pairs that are {state.value}") for state in State},
-        ),
-        "requirements": by_name(
-            "by requirement",
-            ratio("situations where a baseline flight put it to the test, of those with such a flight"),
-        ),
-    },
-)
-COVERAGE = Output(
-    "coverage",
-    "1.1",
-    "how much of the situations a campaign covers",
-    {
-        "coverage": COVERED,
-        "choices": listing(
-            "how `run --choose` chose situations",
-            record(
-                "one choice",
-                {
-                    "choose": text("value of --choose, such as `draws:40`"),
-                    "seed": count("value of --choose-seed"),
-                    "pool": count("situations to choose from"),
-                    "draws": listing(
-                        "the test cases, in the order of the choice",
-                        record(
-                            "one test case",
-                            {"situation": text("key of the situation"), "seed": count("seed of the flight")},
-                        ),
-                    ),
-                },
-            ),
-        ),
-        **STALE,
-    },
-    rows="summary",
-)
+            realised=covered.realised,
+            realised_by_axis=dict(covered.by_axis),
+            steady=covered.steady,
+            states=covered.states,
+            requirements=dict(covered.requirements),
+        )
+
+
+class TestCase(NamedTuple):
+    """One test case.
+
+    Attributes:
+        situation: key of the situation.
+        seed: seed of the flight.
+    """
+
+    situation: str
+    seed: int
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One choice.
+
+    Attributes:
+        choose: value of --choose, such as `draws:40`.
+        seed: value of --choose-seed.
+        pool: situations to choose from.
+        draws: the test cases, in the order of the choice.
+    """
+
+    choose: str
+    seed: int
+    pool: int
+    draws: tuple[TestCase, ...]
+
+
+@dataclass(frozen=True)
+class CampaignCoverage:
+    """How much of the situations a campaign covers.
+
+    Attributes:
+        coverage: how much of the situations the flights cover.
+        choices: how `run --choose` chose situations.
+        stale: the stored flights that no longer count and were not flown again.
+    """
+
+    coverage: Covered
+    choices: tuple[Choice, ...]
+    stale: Stale
+
+
+COVERAGE = Output.of("coverage", "1.1", CampaignCoverage, rows="summary")
+COVERED = shape_of(Covered)
 
 
 def coverage_record(covered: Coverage) -> dict[str, Any]:
     """Plain JSON values of `COVERED`."""
-    values = coverage_json(covered)
-    complete = {strength: one["complete"] for strength, one in values["t_way"].items()}
-    t_way = {strength: {"part": one["part"], "whole": one["whole"]} for strength, one in values["t_way"].items()}
-    return values | {"t_way": t_way, "complete": complete}
-
-
-def coverage_values(covered: Coverage, choices: Sequence[Remembered]) -> dict[str, Any]:
-    """Plain JSON values of the form `COVERAGE`."""
-    return {"coverage": coverage_record(covered), "choices": [_choice(one) for one in choices]}
-
-
-def _choice(one: Remembered) -> dict[str, Any]:
-    draws = [{"situation": situation, "seed": seed} for situation, seed in one.draws]
-    return {"choose": one.text, "seed": one.seed, "pool": one.pool, "draws": draws}
+    values: dict[str, Any] = writer_of(Covered)(Covered.of(covered))
+    return values
 
 
 MEANINGS = {
@@ -110,15 +158,13 @@ MEANINGS = {
 }
 
 
-def coverage_tables(
-    covered: Coverage, space: Space, choices: Sequence[tuple[str, int, int, int]] = ()
-) -> tuple[Table, ...]:
+def coverage_tables(covered: Coverage, space: Space, choices: Sequence[Choice] = ()) -> tuple[Table, ...]:
     """Every number of the coverage.
 
     Args:
         covered: the coverage.
         space: the grid.
-        choices: per choice that was made its text, seed, test cases and distinct situations.
+        choices: how situations were chosen.
     """
     rows = [
         ("distinct situations", str(covered.situations), "situations of the grid"),
@@ -142,7 +188,8 @@ def coverage_tables(
     ]
     if choices:
         headers = ("--choose", "--choose-seed", "test cases", "distinct situations")
-        tables.append(Table("How situations were chosen", headers, tuple(choices)))
+        cases = [(one.choose, one.seed, len(one.draws), len({case.situation for case in one.draws})) for one in choices]
+        tables.append(Table("How situations were chosen", headers, tuple(cases)))
     return tuple(tables)
 
 
@@ -172,13 +219,15 @@ def coverage(study: Study, campaign: str) -> Answer:
         InputError: there is no such campaign, or it holds no flight that counts.
     """
     with snapshot(study, campaign) as now:
-        space, rulings, choices, stale = now.study.space, now.rulings, now.choices, now.stale
+        space, rulings, remembered, stale = now.study.space, now.rulings, now.choices, now.stale
     covered = coverage_of(rulings.baselines, rulings.draws, space)
-    made = [(one.text, one.seed, len(one.draws), len({key for key, _ in one.draws})) for one in choices]
+    choices = tuple(
+        Choice(one.text, one.seed, one.pool, tuple(TestCase(*each) for each in one.draws)) for one in remembered
+    )
     return Answer(
         COVERAGE,
-        lambda: coverage_values(covered, choices) | stale.values,
-        lambda: coverage_tables(covered, space, made),
+        lambda: CampaignCoverage(Covered.of(covered), choices, stale),
+        lambda: coverage_tables(covered, space, choices),
         warnings=stale.sentences,
     )
 

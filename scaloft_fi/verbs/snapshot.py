@@ -6,7 +6,7 @@ import shlex
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ from scaloft_fi.mutants.catalogue import defaults
 from scaloft_fi.sim.grid import ALL
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.verdict import MOST_NAMED, in_campaign
-from scaloft_fi.views.output import count, listing, optional, record, text
+from scaloft_fi.views.output import shape_of, writer_of
 
 
 def stale_of(study: Study, store: Store, now: Now, name: str) -> Stale:
@@ -42,7 +42,7 @@ def stale_of(study: Study, store: Store, now: Now, name: str) -> Stale:
         name: of the campaign.
     """
     found = stale_in(now, store)
-    return Stale(found.why, _again(study, store, name, found.flown) if found.flown else "")
+    return Stale.of(found.why, _again(study, store, name, found.flown) if found.flown else "")
 
 
 def _again(study: Study, store: Store, name: str, stale: Sequence[FlownFlight]) -> str:
@@ -89,20 +89,19 @@ def _range(seeds: Collection[int]) -> str:
 
 REASONS = 2
 """How many reasons a sentence names before it counts the rest."""
-STALE = {
-    "stale": record(
-        "the stored flights that no longer count and were not flown again",
-        {
-            "flights": count("how many"),
-            "reasons": listing(
-                "why they no longer count, the commonest reason first",
-                record("one reason", {"why": text("the reason, in words"), "flights": count("how many")}),
-            ),
-            "command": optional(text("what flies them again"), "there are none that the study still has"),
-        },
-    )
-}
-"""What the forms of all verbs that read a campaign have besides."""
+
+
+@dataclass(frozen=True)
+class Reason:
+    """One reason.
+
+    Attributes:
+        why: the reason, in words.
+        flights: how many.
+    """
+
+    why: str
+    flights: int
 
 
 @dataclass(frozen=True)
@@ -110,31 +109,37 @@ class Stale:
     """The stored flights that no longer count and were not flown again.
 
     Attributes:
-        why: number of them by reason; the commonest reason is first.
-        command: what flies them again; empty where the study has none of them any more.
+        flights: how many.
+        reasons: why they no longer count, the commonest reason first.
+        command: what flies them again; null: there are none that the study still has.
     """
 
-    why: Mapping[str, int] = field(default_factory=dict)
-    command: str = ""
+    flights: int = 0
+    reasons: tuple[Reason, ...] = ()
+    command: str | None = None
+
+    @classmethod
+    def of(cls, why: Mapping[str, int], command: str) -> Stale:
+        """The flights by reason, with the command that flies them again; empty where the study has none any more."""
+        return cls(sum(why.values()), tuple(Reason(*each) for each in why.items()), command or None)
 
     @property
     def values(self) -> dict[str, Any]:
         """Plain JSON values of `STALE`."""
-        reasons = [{"why": why, "flights": flights} for why, flights in self.why.items()]
-        return {"stale": {"flights": sum(self.why.values()), "reasons": reasons, "command": self.command or None}}
+        return {"stale": writer_of(Stale)(self)}
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """The same for people; empty when every flight counts.
 
-        >>> Stale({"operator delay changed": 3}, "scaloft-fi run --mutant LATE-human@3s").sentences
+        >>> Stale.of({"operator delay changed": 3}, "scaloft-fi run --mutant LATE-human@3s").sentences
         ('3 stored flights no longer count: operator delay changed; `scaloft-fi run --mutant LATE-human@3s` flies \
 them again',)
         """
-        if not self.why:
+        if not self.reasons:
             return ()
-        flights, counted = sum(self.why.values()), len(self.why) > 1
-        reasons = [f"{why} ({number})" if counted else why for why, number in self.why.items()]
+        flights, counted = self.flights, len(self.reasons) > 1
+        reasons = [f"{one.why} ({one.flights})" if counted else one.why for one in self.reasons]
         rest = [f"{len(reasons) - REASONS} more reasons (`scaloft-fi status`)"] if len(reasons) > REASONS else []
         told = f"{flights} stored flight{'s' * (flights != 1)} no longer count{'s' * (flights == 1)}"
         again = f"`{self.command}` flies {'them' if flights != 1 else 'it'} again"
@@ -142,6 +147,7 @@ them again',)
         return (f"{told}: {', '.join([*reasons[:REASONS], *rest])}; {ends}",)
 
 
+STALE = {"stale": shape_of(Stale)}
 NONE = Stale()
 """Every stored flight counts."""
 

@@ -8,15 +8,21 @@ A record is closed: it has each of its keys, and no others.  What may be missing
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
-from functools import cached_property
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from datetime import date
+from enum import Enum, StrEnum
+from functools import cache, cached_property
+from inspect import get_annotations
+from operator import attrgetter
+from types import MappingProxyType, NoneType, UnionType
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Union, get_args, get_origin
 
 from scaloft_fi.console import json_text
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.marks import About, Bounds, ByName, Choices
+from scaloft_fi.model import fields_of, is_model, summary_of
 from scaloft_fi.views.table import Format, Table, TableCell, csv_text, html, render
 
 if TYPE_CHECKING:
@@ -244,6 +250,154 @@ def inner(shape: Shape) -> Shape:
     return alternatives[0] if alternatives else shape
 
 
+class Printed(NamedTuple):
+    """What an answer has of a record: the name in the code, the key, the type, what it is."""
+
+    name: str
+    key: str
+    hint: Any
+    about: str
+
+
+@cache
+def printed_of(cls: type) -> tuple[Printed, ...]:
+    """The fields of a record, and behind them the properties that its class names in `TOLD`."""
+    fields = [Printed(one.name, one.key, one.hint, one.about.removesuffix(".")) for one in fields_of(cls)]
+    getters = {name: getattr(cls, name).fget for name in getattr(cls, "TOLD", ())}
+    return (
+        *fields,
+        *(
+            Printed(name, name, get_annotations(getter, eval_str=True)["return"], _phrase(summary_of(getter)))
+            for name, getter in getters.items()
+        ),
+    )
+
+
+def _phrase(sentence: str) -> str:
+    return sentence[:1].lower() + sentence[1:].removesuffix(".")
+
+
+class Kind(NamedTuple):
+    """A type taken apart.
+
+    Attributes:
+        bare: the type without marks and without null.
+        about: what a mark says that it is.
+        null: whether it may be null.
+        infinite: whether it may be an infinite number, which JSON has not: it is then the text `inf` or `-inf`.
+        by_name: types of the keys and values of a mapping, or of a tuple of pairs.
+        texts: the only texts that it can be.
+    """
+
+    bare: Any
+    about: str = ""
+    null: bool = False
+    infinite: bool = False
+    by_name: tuple[Any, ...] = ()
+    texts: tuple[str, ...] = ()
+
+
+@cache
+def kind_of(hint: Any) -> Kind:
+    """A type of an answer, taken apart."""
+    marks = getattr(hint, "__metadata__", ())
+    if marks:
+        inner = kind_of(hint.__origin__)
+        about = next((mark.text for mark in marks if isinstance(mark, About)), inner.about)
+        infinite = inner.infinite or any(isinstance(mark, Bounds) and mark.infinite for mark in marks)
+        pairs = get_args(get_args(inner.bare)[0]) if any(isinstance(mark, ByName) for mark in marks) else inner.by_name
+        texts = next((tuple(map(str, mark.among({}))) for mark in marks if isinstance(mark, Choices)), inner.texts)
+        return inner._replace(about=about, infinite=infinite, by_name=pairs, texts=texts)
+    origin, args = get_origin(hint), get_args(hint)
+    if origin in (Union, UnionType):
+        (value,) = (one for one in args if one is not NoneType)
+        return kind_of(value)._replace(null=True)
+    if origin is Literal:
+        return Kind(str, texts=args)
+    if isinstance(hint, type) and issubclass(hint, Enum):
+        return Kind(str, texts=tuple(one.value for one in hint))
+    return Kind(hint, by_name=args if origin is Mapping else ())
+
+
+_SCALARS: Mapping[Any, Mapping[str, Any]] = {
+    str: {"type": "string"},
+    float: {"type": "number"},
+    int: {"type": "integer", "minimum": 0},
+    bool: {"type": "boolean"},
+    date: {"type": "string"},
+    Any: {},
+}
+
+_PLAIN: Mapping[Any, Callable[[Any], Any]] = {str: str, date: date.isoformat}
+
+
+@cache
+def shape_of(hint: Any, about: str = "") -> Shape:
+    """The JSON Schema of a type: of a record (a dataclass or named tuple), or of what stands in one.
+
+    Args:
+        hint: the type.
+        about: what it is, and behind `; null: ` what null means where the name does not say it.
+    """
+    kind = kind_of(hint)
+    about, _, missing = (kind.about or about).partition("; null: ")
+    shape = _shape(kind, about)
+    if not kind.null:
+        return shape
+    told = {"description": f"{shape['description']}; null: {missing}" if missing else shape["description"]}
+    return {"anyOf": [{**shape, **told}, {"type": "null"}], **told}
+
+
+def _shape(kind: Kind, about: str) -> Shape:
+    told = {"description": about} if about else {}
+    if is_model(kind.bare):
+        keys = {one.key: shape_of(one.hint, one.about) for one in printed_of(kind.bare)}
+        return record(about or _phrase(summary_of(kind.bare)), keys)
+    if kind.bare is float and kind.infinite:
+        return {
+            "type": ["number", "string"],
+            "pattern": "^-?inf$",
+            "description": f"{about}; the text inf where it is infinite",
+        }
+    if kind.bare in _SCALARS:
+        allowed = {"enum": list(kind.texts)} if kind.texts else {}
+        return {**_SCALARS[kind.bare], **told, **allowed, **({"format": "date"} if kind.bare is date else {})}
+    if not kind.by_name:
+        return {"type": "array", **told, "items": shape_of(get_args(kind.bare)[0])}
+    name, each = kind.by_name
+    if names := kind_of(name).texts:
+        return record(about, {one: _naming(shape_of(each), one) for one in names})
+    return {"type": "object", **told, "additionalProperties": shape_of(each)}
+
+
+def _naming(shape: Shape, name: str) -> Shape:
+    """A shape whose description has a name where it has {}."""
+    return {**shape, "description": shape["description"].format(name)}
+
+
+@cache
+def writer_of(hint: Any) -> Callable[[Any], Any]:
+    """Makes plain JSON values of the values of a type."""
+    kind = kind_of(hint)
+    write = _writer(kind)
+    return (lambda value: None if value is None else write(value)) if kind.null else write
+
+
+def _writer(kind: Kind) -> Callable[[Any], Any]:
+    if is_model(kind.bare):
+        keys = [(one.key, attrgetter(one.name), writer_of(one.hint)) for one in printed_of(kind.bare)]
+        return lambda value: {key: write(of(value)) for key, of, write in keys}
+    if kind.infinite:
+        return lambda value: f"{value:g}" if isinstance(value, float) and not math.isfinite(value) else value
+    if kind.bare in _SCALARS:
+        return _PLAIN.get(kind.bare, lambda value: value)
+    if not kind.by_name:
+        each = writer_of(get_args(kind.bare)[0])
+        return lambda value: [each(one) for one in value]
+    name, each = map(writer_of, kind.by_name)
+    return lambda value: {name(key): each(one) for key, one in dict(value).items()}
+
+
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 VERSION = "of this form: the first number changes when a key goes or changes its meaning, the second when one is added"
 
@@ -258,6 +412,7 @@ class Output:
         about: what it says, in half a sentence.
         keys: the shape of each value, by its name.
         rows: name of the list that `--format csv` prints.
+        answer: the record that is answered.
     """
 
     verb: str
@@ -265,6 +420,13 @@ class Output:
     about: str
     keys: Mapping[str, Shape]
     rows: str
+    answer: type = dict
+
+    @classmethod
+    def of(cls, verb: str, version: str, answer: type, rows: str, about: str = "") -> Output:
+        """The form of an answer; by default its record says what it is about."""
+        told = shape_of(answer)
+        return cls(verb, version, about or told["description"], told["properties"], rows, answer)
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -273,11 +435,16 @@ class Output:
         version = {**text(VERSION), "const": self.version}
         return {**head, **record(self.about, {"version": version, **self.keys})}
 
-    def json(self, values: Mapping[str, Any]) -> str:
+    def json(self, values: Any) -> str:
         """The JSON text of `record`."""
         return json_text(self.record(values), indent=2) + "\n"
 
-    def record(self, values: Mapping[str, Any]) -> dict[str, Any]:
+    def values(self, answer: Any) -> dict[str, Any]:
+        """The plain JSON values of an answer."""
+        values: dict[str, Any] = answer if isinstance(answer, dict) else writer_of(self.answer)(answer)
+        return values
+
+    def record(self, values: Any) -> dict[str, Any]:
         """The whole as plain JSON values, its version first.
 
         Args:
@@ -286,6 +453,7 @@ class Output:
         Raises:
             ValueError: a name is missing or not declared.
         """
+        values = self.values(values)
         if values.keys() != self.keys.keys():
             raise ValueError(f"{self.verb}: declared {sorted(self.keys)}, given {sorted(values)}")
         return {"version": self.version, **{name: values[name] for name in self.keys}}
@@ -464,7 +632,7 @@ def columns_of(name: str, flat: Flat) -> Columns:
     return Columns(f"{name}: {flat.about}", types, rows)
 
 
-def summary_of(flat: Flat) -> dict[str, Any]:
+def summary_values(flat: Flat) -> dict[str, Any]:
     """The single values of a summary by name, each list as a tuple."""
     (row,) = flat.rows
     return {
@@ -517,7 +685,7 @@ class Answer(Mapping[str, Columns]):
     def __init__(
         self,
         form: Output,
-        values: Callable[[], Mapping[str, Any]],
+        values: Callable[[], Any],
         tables: Callable[[], Sequence[Table]] = tuple,
         *,
         told: Callable[[Format], str] | None = None,
@@ -531,7 +699,7 @@ class Answer(Mapping[str, Columns]):
     @cached_property
     def summary(self) -> Mapping[str, Any]:
         """What stands in no table: single values by name, a list as a tuple; None where there is no value."""
-        return MappingProxyType(summary_of(self._flat[SUMMARY])) if SUMMARY in self._flat else MappingProxyType({})
+        return MappingProxyType(summary_values(self._flat[SUMMARY])) if SUMMARY in self._flat else MappingProxyType({})
 
     def record(self) -> dict[str, Any]:
         """The whole as plain JSON values: what the verb prints with `--format json`."""
@@ -559,7 +727,7 @@ class Answer(Mapping[str, Columns]):
 
     @cached_property
     def _values(self) -> Mapping[str, Any]:
-        return self._make()
+        return self._form.values(self._make())
 
     @cached_property
     def _flat(self) -> Mapping[str, Any]:
