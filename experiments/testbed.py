@@ -2,8 +2,9 @@
 
     python -m experiments.testbed SETUP_SCRIPT TRIAL_SCRIPT [--keep FOLDER] [--output results/published/testbed.md]
 
-It needs what `examples/testbed/setup.sh` installs.  Each flight keeps what crossed the seams of the border, with
-simulated and wall time, and what the scripts wrote; `--keep` has the files.  No flight is repeated and none left out.
+It needs what `examples/testbed/setup.sh` and `pip install ./examples/ros1` install.  Each flight keeps what crossed
+the seams of the border, with simulated and wall time, and what the scripts wrote; `--keep` has the files.  No
+flight is repeated and none left out.
 """
 
 from __future__ import annotations

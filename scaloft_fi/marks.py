@@ -52,10 +52,12 @@ class Choices:
         texts: they, or a function that finds them.
         named: the name under which a reader of the document hands over others in their stead, such as `seams`; without
             any, where `texts` has none either, every text is allowed.
+        elsewhere: texts that a package of ours allows once it is installed, each with the command that installs it.
     """
 
     texts: Collection[str] | Callable[[], Collection[str]] = ()
     named: str = ""
+    elsewhere: tuple[tuple[str, str], ...] = ()
 
     def among(self, names: Mapping[str, Collection[str]]) -> Collection[str]:
         """The allowed texts; `names` has those that are handed over."""

@@ -330,6 +330,9 @@ def _reader(hint: Any) -> Reader:
 def _text(hint: Any, item: Item, names: Names) -> str:
     choices, pattern = _mark(hint, Choices), _mark(hint, Pattern)
     if choices is not None and (among := choices.among(names)):
+        for text, install in choices.elsewhere:
+            if item.value == text and text not in among:
+                raise InputError(f"{item.place}: {item.name}={text!r} is of a package that is not installed: {install}")
         return item.choice(tuple(among))
     if pattern is None:
         return item.text()

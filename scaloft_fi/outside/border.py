@@ -11,11 +11,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, Protocol, get_args, get_origin, get_type_hints
 
 import numpy as np
 
 from scaloft_fi.console import line as inert
+from scaloft_fi.marks import Choices
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.flight import StackError
 from scaloft_fi.stack.declaration import STEP_HZ, TICK_HZ
@@ -152,6 +153,7 @@ class BorderKind(Protocol):
 
 
 BORDERS = Registry[BorderKind]("border")
+BorderName = Annotated[str, Choices(BORDERS.keys, elsewhere=(("ros1", "pip install ./examples/ros1, from a clone"),))]
 BORDERS.promise("lines", "scaloft_fi.outside.lines:LinesBorder")
 BORDERS.promise("ros2", "scaloft_fi.outside.ros2:Ros2Border")
 

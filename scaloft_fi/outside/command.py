@@ -20,7 +20,7 @@ from scaloft_fi.errors import InputError, ScaloftError, did_you_mean
 from scaloft_fi.marks import MOST, Bounds, Called, Choices, Examples, Given, MoreThanZero, Needed, Reads, Size
 from scaloft_fi.model import read
 from scaloft_fi.mutants.mutant import EVERY_SEAM
-from scaloft_fi.outside.border import BORDERS, PORTS, Border, BorderError, Topic
+from scaloft_fi.outside.border import BORDERS, PORTS, Border, BorderError, BorderName, Topic
 from scaloft_fi.outside.exchange import DONE, Command, Processes
 from scaloft_fi.stack.declaration import Declaration, Seam, Wire
 from scaloft_fi.stack.messages import Stamp
@@ -85,7 +85,6 @@ def _of_type(*types: str) -> Callable[[Mapping[str, Collection[str]]], dict[str,
 
 
 Word = Annotated[Text, Reads(_text, _of_type("string", "number"))]
-BorderName = Annotated[str, Choices(BORDERS.keys)]
 
 
 @dataclass(frozen=True)

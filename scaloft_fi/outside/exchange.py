@@ -22,7 +22,7 @@ from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.marks import MOST, Bounds, Choices, Examples, Pattern, Scalar, Size
 from scaloft_fi.outside import guard
-from scaloft_fi.outside.border import BORDERS, PORTS, Border, BorderError, Topic
+from scaloft_fi.outside.border import BORDERS, PORTS, Border, BorderError, BorderName, Topic
 from scaloft_fi.stack.declaration import Wire
 
 START_S, STOP_S = 10.0, 5.0
@@ -264,7 +264,7 @@ class OutsideConfig:
         version: of the programs outside the study, in words; another one means other flights.
     """
 
-    border: Annotated[str, Choices(BORDERS.keys)]
+    border: BorderName
     below: Annotated[str, Choices(_orders)]
     processes: tuple[Command, ...]
     seams: Annotated[Mapping[str, SeamConfig], Size(1, MOST, "a seam, at least")]

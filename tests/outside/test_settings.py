@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.outside.border import BORDERS
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[2]
@@ -57,6 +58,17 @@ def test_settings_that_do_not_fit_are_refused_with_their_place(folder: Path, old
     with pytest.raises(InputError) as refused:
         _ = Study.open(folder).stack
     assert sentence in str(refused.value)
+    assert str(refused.value).startswith(f"{path}:")
+
+
+def test_a_border_of_a_package_that_is_not_installed_is_told_with_the_command_that_installs_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delitem(BORDERS._entries, "ros1", raising=False)  # tests of the package add it
+    path = folder / "sim" / "stack.yaml"
+    path.write_text(path.read_text().replace("border: lines", "border: ros1"))
+    with pytest.raises(InputError, match=r"border='ros1' is of a package .*: pip install \./examples/ros1") as refused:
+        _ = Study.open(folder).stack
     assert str(refused.value).startswith(f"{path}:")
 
 
