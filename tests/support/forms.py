@@ -11,6 +11,32 @@ from jsonschema import Draft202012Validator
 
 from scaloft_fi.reference import output_of
 
+READERS: tuple[tuple[str, ...], ...] = (
+    ("matrix",),
+    ("matrix", "--grid"),
+    ("matrix", "--cell", "LATE-human"),
+    ("matrix", "--margins", "--parameter", "human"),
+    ("mutants", "--cell", "LATE-human"),
+    ("mutants", "--check"),
+    ("signals",),
+    ("signals", "speed_mps"),
+    ("seams",),
+    ("operators",),
+    ("axes",),
+    ("axes", "--grid", "search"),
+    ("status",),
+    ("score",),
+    ("kills",),
+    ("kills", "--show", "suite", "--situation", "T0O0W0D0H?"),
+    ("kills", "--show", "subsumption"),
+    ("coverage",),
+    ("dispositions",),
+    ("worksheet",),
+    ("diff", "CAMPAIGN", "CAMPAIGN"),
+    ("doctor", "--no-flight"),
+)
+"""Verbs that print tables and fly nothing, on a campaign."""
+
 
 def of_form(verb: str, text: str) -> dict[str, Any]:
     """The JSON that a verb printed, which has the verb's form."""

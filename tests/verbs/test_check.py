@@ -57,14 +57,6 @@ def test_programs_get_records_of_the_published_form(call: Call, small: Path, tmp
     assert (tmp_path / "tables" / "findings.csv").read_text().count("\n") == 3
 
 
-@pytest.mark.parametrize("style", ["markdown", "csv", "latex"])
-def test_other_formats_have_a_row_for_each_finding(call: Call, small: Path, style: str) -> None:
-    _break(small)
-    done = call("check", "--format", style, study=small, campaign=False)
-    assert done.exit_code == 2
-    assert "must be" in done.stdout
-
-
 @pytest.mark.flight
 def test_a_flight_shows_which_seams_the_stack_polls(call: Call, small: Path) -> None:
     done = call("check", "--fly", "--format", "json", study=small, campaign=False)

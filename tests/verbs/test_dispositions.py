@@ -3,31 +3,51 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
+from datetime import date
 from pathlib import Path
-from typing import Any
 
 import pytest
-from click.testing import Result
+from click.testing import CliRunner, Result
+from paper_flyer import Paper
+
+from scaloft_fi.analysis.survivor import Disposition, Judged, Standing
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.cli import main
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.dispositions import complaint
 
 Call = Callable[..., Result]
+STUDY = Path(__file__).parents[2]
 FLOWN = ("--situation", "T0O0W0D0H*", "--seeds", "3", "--jobs", "1", "--quiet")
 
 
-@pytest.fixture
-def flown(call: Call, copy: Path, paper: Any, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A campaign in which LATE-human is detected, MORE-goal survives in two situations, NO-goal changes nothing."""
-    fly = type(paper).__call__
+class Mild(Paper):
+    """LATE-human is detected, MORE-goal survives in two situations, NO-goal changes nothing."""
 
-    def flying(self: Any, study: Any, flight: Any, baseline: Any = None) -> Any:
-        outcome = fly(self, study, flight, baseline)
+    def __call__(self, study: Study, flight: Flight, baseline: Outcome | None = None) -> Outcome:
+        outcome = super().__call__(study, flight, baseline)
         mild = flight.subject.guideword == "MORE"
         return replace(outcome, altered=3, infected_at_s=1.0, digest=flight.name) if mild else outcome
 
-    monkeypatch.setattr(type(paper), "__call__", flying)
-    words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--mutant", "NO-goal")
-    assert call("run", *words, *FLOWN, study=copy).exit_code == 0
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("dispositions") / "campaign"
+    words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--mutant", "NO-goal", "--campaign", str(folder))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("scaloft_fi.campaign.runs.run.Physics", Mild)
+        assert CliRunner().invoke(main, ["run", *words, *FLOWN, "--study", str(STUDY)]).exit_code == 0
+    return folder
+
+
+@pytest.fixture
+def flown(campaign: Path, copy: Path, tmp_path: Path) -> Path:
+    """A study of one's own with that campaign."""
+    shutil.copytree(campaign, tmp_path / "campaign")
     return copy
 
 
@@ -76,55 +96,36 @@ def test_writing_keeps_what_stands_there_with_its_comments(call: Call, flown: Pa
     assert "\nMORE-goal@0.6m:\n" in path.read_text()
 
 
-def test_a_date_that_is_none_is_refused(call: Call, flown: Path) -> None:
-    done = call("dispositions", "--today", "2099-02-30", study=flown)
-    assert done.exit_code == 2
-    assert "'2099-02-30' is not a date" in done.stderr
-
-
 def test_the_rest_of_the_study_works_beside_a_file_that_is_not_filled_in(call: Call, flown: Path) -> None:
     assert call("dispositions", "--write", study=flown).exit_code == 0
     assert call("run", "--mutant", "LATE-human", *FLOWN, study=flown).exit_code == 0
     assert call("score", study=flown).exit_code == 0
+    assert call("score", "--ratchet", study=flown).exit_code == 2
+    assert "'2099-02-30' is not a date" in call("dispositions", "--today", "2099-02-30", study=flown).stderr
 
 
-def test_the_ratchet_fails_on_a_survivor_that_nobody_accepted(call: Call, flown: Path) -> None:
-    done = call("score", "--ratchet", study=flown)
-    assert done.exit_code == 3
-    assert "ratchet: MORE-goal@0.6m is not detected (tested in T0O0W0D0H0, T0O0W0D0H1) and not accepted" in done.stderr
+@pytest.mark.parametrize(
+    ("accepted", "more", "words", "code", "said"),
+    [
+        ((), "", (), 3, "ratchet: MORE-goal@0.6m is not detected (tested in T0O0W0D0H0, T0O0W0D0H1) and not accepted"),
+        (("MORE-goal",), "", (), 0, ""),
+        (("MORE-goal",), "", ("--today", "2099-01-01"), 0, ""),
+        (("MORE-goal",), "", ("--today", "2099-01-02"), 3, "its disposition expired on 2099-01-01"),
+        (("MORE-goal",), ", situations: [T0O0W0D0H0]", (), 3, "survives in T0O0W0D0H1, which its disposition does not"),
+        (("MORE-goal", "LATE-human"), "", (), 0, "warning: LATE-human@3s is detected now; its disposition can go"),
+        (("MORE-goal",), "", ("--fail-under", "1"), 3, "below --fail-under 1"),
+    ],
+)
+def test_the_ratchet_fails_on_a_survivor_that_nobody_accepts_today(
+    call: Call, flown: Path, accepted: tuple[str, ...], more: str, words: tuple[str, ...], code: int, said: str
+) -> None:
+    for mutant in accepted:
+        accept(flown, mutant, more=more)
+    done = call("score", "--ratchet", *words, study=flown)
+    assert done.exit_code == code
+    assert said in done.stderr
     assert "would have been shown" in done.stdout
-
-
-def test_the_ratchet_passes_what_is_accepted_until_its_day(call: Call, flown: Path) -> None:
-    accept(flown, "MORE-goal")
-    assert call("score", "--ratchet", study=flown).exit_code == 0
-    assert call("score", "--ratchet", "--today", "2099-01-01", study=flown).exit_code == 0
-    done = call("score", "--ratchet", "--today", "2099-01-02", study=flown)
-    assert done.exit_code == 3
-    assert "its disposition expired on 2099-01-01" in done.stderr
-
-
-def test_the_ratchet_fails_on_a_survival_in_a_new_situation(call: Call, flown: Path) -> None:
-    accept(flown, "MORE-goal", more=", situations: [T0O0W0D0H0]")
-    done = call("score", "--ratchet", study=flown)
-    assert done.exit_code == 3
-    assert "survives in T0O0W0D0H1, which its disposition does not name" in done.stderr
-
-
-def test_the_ratchet_says_which_dispositions_can_go_and_passes(call: Call, flown: Path) -> None:
-    accept(flown, "MORE-goal")
-    accept(flown, "LATE-human")
-    done = call("score", "--ratchet", study=flown)
-    assert done.exit_code == 0
-    assert "warning: LATE-human@3s is detected now; its disposition can go" in done.stderr
-
-
-def test_the_ratchet_and_the_threshold_fail_each_for_itself(call: Call, flown: Path) -> None:
-    accept(flown, "MORE-goal")
-    done = call("score", "--ratchet", "--fail-under", "1", study=flown)
-    assert done.exit_code == 3
-    assert "below --fail-under 1" in done.stderr
-    assert "ratchet" not in done.stderr
+    assert ("ratchet: " in done.stderr) == (code == 3 and "--fail-under" not in words)
 
 
 def test_a_campaign_in_which_nothing_was_tested_passes_no_ratchet(call: Call, flown: Path) -> None:
@@ -164,6 +165,9 @@ def test_without_a_pool_it_is_refused_and_the_command_is_named_that_flies_one(
     assert not (flown / "hazop" / "dispositions.yaml").exists()
 
 
-def test_a_file_that_is_not_filled_in_fails_the_ratchet_as_bad_input(call: Call, flown: Path) -> None:
-    assert call("dispositions", "--write", study=flown).exit_code == 0
-    assert call("score", "--ratchet", study=flown).exit_code == 2
+def test_every_sentence_names_the_mutant_and_what_to_do() -> None:
+    known = Disposition("LATE-human@3s", "me", "why", date(2027, 1, 31), ("D0",), "f.yaml:3")
+    for state in Standing:
+        judged = Judged("LATE-human@3s", state, ("D0", "D1"), None if state is Standing.OPEN else known)
+        assert "LATE-human@3s" in complaint(judged)
+        assert state is Standing.OPEN or "f.yaml:3" in complaint(judged)

@@ -12,7 +12,6 @@ from forms import of_form
 from scaloft_fi.campaign.runs.gates import published
 from scaloft_fi.campaign.store.origin import fingerprint
 from scaloft_fi.errors import GateError
-from scaloft_fi.verbs.options import FORMATS
 
 Call = Callable[..., Result]
 
@@ -97,10 +96,3 @@ def test_a_folder_that_is_no_study_is_bad_input(call: Call, answer: object, tmp_
     result = call("doctor", study=tmp_path, campaign=False)
     assert result.exit_code == 2
     assert "it lacks hazop/" in result.stderr
-
-
-@pytest.mark.parametrize("style", FORMATS)
-def test_every_format_is_printed(call: Call, answer: object, style: str) -> None:
-    result = call("doctor", "--format", style, campaign=False)
-    assert result.exit_code == 0
-    assert fingerprint()["numpy"] in result.stdout

@@ -11,10 +11,9 @@ from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import Background
-from scaloft_fi.console import PIPED, wrapped
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
-from scaloft_fi.verbs.first_screen import LEGEND, MANY_SHOWN, SHOWN, WITH_FIND, first_screen, screen_text
-from scaloft_fi.verbs.verdict import MOST_NAMED, NAMES, answers, command
+from scaloft_fi.verbs.first_screen import MANY_SHOWN, SHOWN, WITH_FIND, first_screen, screen_text
+from scaloft_fi.verbs.verdict import MOST_NAMED, answers, command
 from scaloft_fi.views.table import Table
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
@@ -40,13 +39,6 @@ def screen(outcomes: list[Outcome], *, whole: bool = False, roster: Roster = ROS
 
 def told(outcomes: list[Outcome]) -> dict[str, str]:
     return {answer.name: answer.text for answer in answers(score(outcomes, ROSTER, GRID), ROSTER)}
-
-
-def test_the_four_questions_have_a_named_line_each() -> None:
-    assert NAMES == ("Shown", "Not shown", "How sure", "What next")
-    lines = screen_text(screen(CAMPAIGN)).splitlines()
-    for name in NAMES:
-        assert sum(line.startswith(f"{name}  ") for line in lines) == 1
 
 
 def test_the_answers_say_how_many_how_sure_and_what_next() -> None:
@@ -84,11 +76,6 @@ def test_a_command_names_every_mutant_that_it_flies_unless_they_are_all_that_a_r
     assert command("default", scored.mutants, 3, ids) == "scaloft-fi run --seeds 3"
 
 
-def test_a_name_in_a_command_is_never_broken_at_its_hyphen() -> None:
-    lines = screen_text(screen([one for one in CAMPAIGN if one.mutant != BASELINE or one.seed == 0])).splitlines()
-    assert not any(line.endswith(("LATE-", "NO-", "MORE-")) for line in lines)
-
-
 def test_without_a_pool_the_answers_have_counts_and_the_command_and_no_percentage() -> None:
     said = told([one for one in CAMPAIGN if one.mutant != BASELINE or one.seed == 0])
     assert "%" not in "".join(said.values()).replace(NO, "")
@@ -102,37 +89,6 @@ def test_without_a_pool_the_answers_have_counts_and_the_command_and_no_percentag
 def test_a_campaign_of_another_name_is_named_in_the_command() -> None:
     found = answers(score(CAMPAIGN, ROSTER, GRID), ROSTER, "mine")
     assert "scaloft-fi run --campaign mine " in found[-1].text
-
-
-def test_each_group_tells_what_is_its_to_tell() -> None:
-    tables = {table.title: table for table in screen(CAMPAIGN)}
-    assert tables["Detected: 1"].records() == [
-        {
-            "mutant": LATE,
-            "killed in": "3/3",
-            "firm": "pool",
-            "by": "SR2 3/3",
-            "where": "human",
-            "first": "12.3",
-            "effect": "no contact",
-        }
-    ]
-    assert tables["Undecided: 1"].records() == [
-        {
-            "mutant": NO,
-            "seen": "SR1 in 1/1",
-            "where": "wherever tested",
-            "first": "14.0",
-            "effect": "strikes person",
-            "next": "--seeds 5",
-        }
-    ]
-    assert tables["Not detected: 1"].records() == [
-        {"mutant": GOAL, "tested in": "4", "effect": "flies otherwise", "next": "try MORE-goal@1m or an oracle"}
-    ]
-    assert tables["Controls, in no ratio: 1 of 1 show that faults reach the drone"].records() == [
-        {"mutant": "REVERSE-human", "shows itself by": "OP1", "effect": "breaks OP1"}
-    ]
 
 
 def test_a_detected_mutant_without_a_kill_says_so() -> None:
@@ -216,12 +172,6 @@ def test_a_pool_that_is_missing_comes_before_finds() -> None:
     assert "flies the baseline pool" in said
 
 
-def test_the_legend_has_at_most_five_lines() -> None:
-    for legend in (LEGEND, WITH_FIND):
-        assert len("\n".join(wrapped(note, PIPED) for note in legend).splitlines()) <= 5
-    assert " ".join(" ".join(LEGEND).split()) in " ".join(screen_text(screen(CAMPAIGN)).split())
-
-
 def many(count: int) -> list[Outcome]:
     ids = [f"LATE-{parameter}@{n}s" for parameter in ("human", "depth") for n in range(count // 2)]
     return [*pool(*HUMAN), *(outcome(id_, key) for id_ in ids for key in HUMAN)]
@@ -260,8 +210,3 @@ def test_a_terminal_has_names_titles_verdicts_and_commands_marked_and_the_same_w
     assert "\x1b[31m\x1b[1mNot detected: 1\x1b[0m\x1b[0m\n" in text
     assert "\x1b[36m`scaloft-fi run " in text
     assert unstyle(text) == screen_text(screen(CAMPAIGN), width=80, marked=False)
-
-
-def test_a_narrow_terminal_has_the_name_of_an_answer_above_it() -> None:
-    lines = screen_text(screen(CAMPAIGN), width=60).splitlines()
-    assert lines[:2] == ["Shown", "  1 of 3 faults (33 %) would have been shown by your safety"]

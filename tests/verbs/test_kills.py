@@ -1,3 +1,5 @@
+"""Where mutants are killed: tables of kills, and the verb."""
+
 from __future__ import annotations
 
 import json
@@ -6,35 +8,142 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import Result
+from builders import GRID, ROSTER, outcome, pool, seeded, thrice
+from click.testing import CliRunner, Result
 from forms import one_table
+from hypothesis import given, settings
+from paper_flyer import Paper
 from refusal import sentence
 
+from scaloft_fi.analysis.kill_matrix import KillMatrix, kill_matrix
+from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.suite import (
+    chosen_kills,
+    interactions,
+    minimal_suite,
+    orders,
+    redundancies,
+    situation_kills,
+    subsumption,
+)
+from scaloft_fi.cli import main
+from scaloft_fi.console import PIPED
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.verbs.kills import (
+    chosen_table,
+    interaction_table,
+    order_table,
+    redundancy_table,
+    situation_table,
+    subsumption_table,
+    suite_table,
+    with_detected,
+)
+from scaloft_fi.views.table import Format, Table, render
+
+STUDY = Path(__file__).parents[2]
+LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
+HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T0O0W0D1H0"
+
+
+def matrix_of(outcomes: list[Outcome]) -> KillMatrix:
+    return kill_matrix(score(outcomes, ROSTER, GRID), ROSTER, GRID)
+
+
+def all_tables(outcomes: list[Outcome]) -> list[Table]:
+    matrix = matrix_of(outcomes)
+    found, graph, situations = interactions(matrix), subsumption(matrix.kills), situation_kills(matrix)
+    suite = minimal_suite(matrix.kills, matrix.flown)
+    return [
+        interaction_table(found),
+        order_table(orders(found, GRID)),
+        *(situation_table(situations, GRID, short=short) for short in (True, False)),
+        suite_table(suite, matrix),
+        *(subsumption_table(graph, short=short) for short in (True, False)),
+        redundancy_table(redundancies(graph)),
+        chosen_table(chosen_kills(matrix, [HUMAN, DARK])),
+    ]
+
+
+KILLS = {(LATE, HUMAN), (NO, HUMAN), (NO, DARK), (GOAL, NOBODY)}
+CAMPAIGN = [
+    *pool(HUMAN, NOBODY, DARK),
+    *(
+        flight
+        for mutant in (LATE, NO, GOAL)
+        for key in (HUMAN, NOBODY, DARK)
+        for flight in thrice(mutant, key, violated={"SR2": 9.0} if (mutant, key) in KILLS else {})
+    ),
+    *pool("T1O0W0D1H0", red=10, violated={"SR1": 30.0}, struck="bar"),
+    outcome(LATE, "T1O0W0D1H0"),
+]
+
+
+def test_a_situation_tells_what_it_alone_kills() -> None:
+    rows = {entry.situation: entry for entry in situation_kills(matrix_of(CAMPAIGN))}
+    assert rows[HUMAN].killed == (NO, LATE)
+    assert rows[HUMAN].alone == (LATE,)
+    assert rows[DARK].alone == ()
+    assert (rows[HUMAN].tested, rows["T1O0W0D1H0"].tested) == (3, 0)
+    # LATE and MORE-goal are the minimal ones
+    assert [str(rows[key].minimal) for key in (HUMAN, DARK)] == ["1/2 = 50 %", "0/2 = 0 %"]
+
+
+def test_some_situations_are_scored_with_and_without_redundant_mutants() -> None:
+    found = chosen_kills(matrix_of(CAMPAIGN), [HUMAN, DARK])
+    assert (str(found.killed), str(found.dominator_score)) == ("2/3 = 67 %", "1/2 = 50 %")
+    assert found.lost == (GOAL,)
+    whole = chosen_kills(matrix_of(CAMPAIGN), GRID.point)
+    assert (whole.killed.value, whole.dominator_score.value, whole.lost) == (1.0, 1.0, ())
+
+
+def test_the_first_table_names_what_is_detected_without_a_kill() -> None:
+    keys = [key for key, _ in GRID.points[:8]]
+    spread = [outcome(LATE, key, 1, violated={"SR2": 9.0}) for key in keys]
+    calm = [outcome(LATE, key, seed) for key in keys for seed in (0, 2)]
+    matrix = matrix_of([*pool(*keys), *spread, *calm])
+    shown = with_detected([interaction_table(interactions(matrix))] * 2, matrix)
+    assert f"Detected without a kill, so in no table of kills: {LATE}." in shown[0].notes[-1]
+    assert shown[1].notes == interaction_table(()).notes
+    assert (
+        f"Detected mutants: 1, of them 0 firmly: whichever one seed is left out.  Not firm: {LATE}." in shown[0].notes
+    )
+    assert with_detected([], matrix) == []
+    assert not any("without a kill" in note for note in with_detected(shown[1:], matrix_of(CAMPAIGN))[0].notes)
+
+
+def test_a_greedy_suite_says_at_most() -> None:
+    matrix = matrix_of(CAMPAIGN)
+    suite = minimal_suite(matrix.kills, matrix.flown, most_entries=0)
+    assert "at most 2;" in render([suite_table(suite, matrix)], Format.TABLE)
+
+
+@settings(deadline=None, max_examples=12)
+@given(seeded())
+def test_every_table_of_every_campaign_fits_a_terminal_and_every_node_is_listed_once(outcomes: list[Outcome]) -> None:
+    text = render(all_tables(outcomes), Format.TABLE)
+    assert max(len(line) for line in text.splitlines()) <= PIPED
+    graph = subsumption(matrix_of(outcomes).kills)
+    listed = [str(row[0]).replace("> ", "") for row in subsumption_table(graph).rows]
+    assert sorted(listed) == sorted(", ".join(node.mutants) for node in graph.nodes)
+
+
 Call = Callable[..., Result]
-LATE = "LATE-human@3s"
 
 
-@pytest.fixture
-def flown(call: Call) -> Call:
-    """A campaign of LATE-human, which the paper flyer lets violate SR2 where a person is, and of a survivor."""
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory: pytest.TempPathFactory) -> Call:
+    """A verb on a campaign of LATE-human, which the paper flyer lets violate SR2 where a person is, and a survivor."""
+    where = ("--study", str(STUDY), "--campaign", f"{tmp_path_factory.mktemp('kills')}/campaign")
+
+    def telling(*words: str) -> Result:
+        return CliRunner().invoke(main, [*words, *where], catch_exceptions=False)
+
     words = ("--mutant", "LATE-human", "--mutant", "EARLY-human", "--situation", "T0O?W0D0H?", "--seeds", "3")
-    assert call("run", *words, "--quiet").exit_code == 0
-    return call
-
-
-def test_it_tells_where_a_mutant_is_killed_and_what_situations_keep_every_kill(flown: Call) -> None:
-    result = flown("kills")
-    assert result.exit_code == 0
-    text = " ".join(result.stdout.split())
-    assert f"{LATE} 2 1-4 human" in text
-    assert "Fewest situations that keep every kill: 1, proved; sets of that size: 2." in text
-    assert "EARLY-human@3s" in text.partition("Survivors")[2]
-
-
-def test_a_part_is_shown_at_length(flown: Call) -> None:
-    result = flown("kills", "--show", "survivors", "--format", "markdown")
-    assert "| EARLY-human@3s | delay | not tested | infect | situation |" in " ".join(result.stdout.split())
-    assert "Killed where" not in result.stdout
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("scaloft_fi.campaign.runs.run.Physics", Paper)
+        assert telling("run", *words, "--quiet").exit_code == 0
+    return telling
 
 
 def test_every_part_is_a_csv_file_of_its_own(flown: Call, tmp_path: Path) -> None:
@@ -69,15 +178,6 @@ def test_what_one_seed_shows_is_undecided_and_says_how_many_seeds_decide(call: C
     assert json.loads(call("kills", "--format", "json").stdout)["conditions"] == []
 
 
-def test_seeds_that_were_asked_for_later_spend_alpha_by_looks(call: Call) -> None:
-    """Two situations of three seeds: detected at a quarter of alpha too; of one alone they are not."""
-    words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
-    for seeds in ("1", "3"):
-        assert call("run", *words, "--seeds", seeds).exit_code == 0
-    (survivor,) = json.loads(call("kills", "--show", "survivors", "--format", "json").stdout)["survivors"]
-    assert (survivor["verdict"], "alpha 0.0025" in survivor["why"]) == ("undecided", True)
-
-
 def test_what_some_situations_kill_is_told(flown: Call) -> None:
     lone = json.loads(flown("kills", "--situation", "T0O0W0D0H0", "--show", "suite", "--format", "json").stdout)
     assert lone["chosen"]["lost"] == [LATE]
@@ -107,7 +207,3 @@ def test_all_are_drawn_as_the_subsumption_graph(flown: Call, tmp_path: Path, suf
 )
 def test_what_cannot_be_is_refused_in_asentence(flown: Call, words: tuple[str, ...], said: str) -> None:
     assert said in sentence(flown("kills", *words))
-
-
-def test_without_a_campaign_it_says_so(call: Call) -> None:
-    assert "no campaign was flown here" in sentence(call("kills"))

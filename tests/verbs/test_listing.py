@@ -1,15 +1,18 @@
-"""The lists of what the reference study has: nothing is missing, and every formula and example is true."""
+"""The lists of what a study has: nothing is missing, and every formula and example is true."""
 
 from __future__ import annotations
 
-import csv
-import io
 import json
+import shutil
+import sys
+from importlib import util
 from pathlib import Path
+from typing import Any
 
 import pytest
-from jsonschema import Draft202012Validator
+from plugins import ROOT, call, install_project
 
+from scaloft_fi.cli import main
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.bounds import bounds_of, check_caps, ranges_of, verdict
 from scaloft_fi.judge.stl import Formula
@@ -17,12 +20,10 @@ from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.log import SIGNALS, TRUTH_NAMES
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.axes import axis_list
-from scaloft_fi.verbs.listing import Listing, shown
+from scaloft_fi.verbs.listing import Listing
 from scaloft_fi.verbs.operators import operator_list, sample_text
 from scaloft_fi.verbs.seams import acted_on, seam_list
 from scaloft_fi.verbs.signals import BOTH, FACTS, REALISED, TO_ASK, signal_list
-from scaloft_fi.views.output import csv_tables
-from scaloft_fi.views.table import Format
 
 STUDY = Path(__file__).parents[2]
 
@@ -150,26 +151,6 @@ def test_a_free_axis_tells_its_range_distribution_and_with_what_it_goes() -> Non
     assert records["Du"]["also"] == [{"path": "world.happenings.dust.active", "value": True}]
 
 
-@pytest.mark.parametrize("name", ["signals", "seams", "operators", "axes"])
-@pytest.mark.parametrize("how", [Format.TABLE, Format.MARKDOWN, Format.LATEX])
-def test_every_list_comes_in_every_format(lists: dict[str, Listing], name: str, how: Format) -> None:
-    listing = lists[name]
-    text = shown(listing, how, whole=False)
-    assert all(one in text.replace("\\", "") for one in listing.names)
-    if how is Format.TABLE:
-        assert max(map(len, text.splitlines())) <= 100
-    assert shown(listing.chosen(listing.names[:2]), how, whole=True)
-
-
-@pytest.mark.parametrize("name", ["signals", "seams", "operators", "axes"])
-def test_every_list_is_of_its_declared_form(lists: dict[str, Listing], name: str) -> None:
-    listing = lists[name]
-    whole = json.loads(listing.form.json(listing.values))
-    Draft202012Validator(listing.form.schema).validate(whole)
-    rows = list(csv.DictReader(io.StringIO(csv_tables(listing.form, listing.values)[name])))
-    assert [row["name"] for row in rows] == [record["name"] for record in whole[name]] == list(listing.names)
-
-
 def test_a_pattern_shows_what_it_fits_and_a_miss_names_the_nearest(lists: dict[str, Listing]) -> None:
     chosen = lists["signals"].chosen(["clearance_b*", "mode", "mode"])
     assert chosen.names == ("clearance_bar_m", "mode")
@@ -177,3 +158,80 @@ def test_a_pattern_shows_what_it_fits_and_a_miss_names_the_nearest(lists: dict[s
         lists["seams"].chosen(["presson"])
     with pytest.raises(InputError, match="no operator 'zz"):
         lists["operators"].chosen(["zz*"])
+
+
+VERBS = ("signals", "seams", "operators", "axes")
+
+
+def listed(capsys: pytest.CaptureFixture[str], verb: str, *words: str | Path) -> dict[str, Any]:
+    with pytest.raises(SystemExit) as left:
+        main([verb, "--format", "json", *map(str, words)])
+    told = capsys.readouterr()
+    assert left.value.code == 0, told.err
+    return {record["name"]: record for record in json.loads(told.out)[verb]}
+
+
+def script(path: Path) -> Any:
+    """A script of the examples as a module."""
+    spec = util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = util.module_from_spec(spec)
+    sys.modules[path.stem] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_a_study_whose_stack_sensor_and_operator_come_from_a_package(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    install_project(site, ROOT / "examples" / "own_stack")
+    study = ROOT / "examples" / "own_stack" / "study"
+    told: dict[str, dict[str, Any]] = {}
+    for verb in VERBS:
+        done = call(site, "-m", "scaloft_fi", verb, "--format", "json", "--study", study, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        told[verb] = {record["name"]: record for record in json.loads(done.stdout)[verb]}
+    assert told["operators"]["echo"]["package"] == "hopper"
+    assert told["operators"]["echo"]["seams"] == ["range"]
+    assert told["operators"]["delay"]["package"] == "scaloft-fi"
+    assert [field["unit"] for field in told["seams"]["range"]["fields"]] == ["s", "m"]
+    assert "belief of the stack hopper" in {record["origin"] for record in told["signals"].values()}
+
+
+def test_a_study_whose_stages_run_outside(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "study"
+    script(ROOT / "examples" / "outside_planner" / "make_study.py").make_study(folder, source=ROOT)
+    seams = listed(capsys, "seams", "--study", folder)
+    assert seams["drive"]["edge"] == "/cmd_vel -> our drone"
+    assert seams["drive"]["canary"]
+    assert "imu" in seams
+    assert listed(capsys, "signals", "est_x_m", "--study", folder)["est_x_m"]["origin"] == "belief of the stack outside"
+    assert "drive" in listed(capsys, "operators", "delay", "--study", folder)["delay"]["seams"]
+    assert listed(capsys, "axes", "H", "--study", folder)["H"]["values"][1]["title"] == "human"
+
+
+def test_a_study_that_a_command_flies_tells_where_the_record_has_each_signal(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "study"
+    script(ROOT / "examples" / "own_simulator" / "copy_study.py").copy_study(folder, ROOT)
+    record = folder / "sim" / "record.yaml"
+    record.write_text(record.read_text() + "  pitch_deg: {column: pitch}\n")
+    signals = listed(capsys, "signals", "--study", folder)
+    assert signals["x_m"]["recorded"] == "column east"
+    assert signals["home_m"]["recorded"] == "follows from others"
+    assert signals["vx_mps"]["recorded"] == "not in the record"
+    assert (signals["pitch_deg"]["origin"], signals["pitch_deg"]["unit"]) == ("sim/record.yaml", "deg")
+    assert listed(capsys, "seams", "--study", folder)["person"]["carried"].startswith("the command")
+    assert listed(capsys, "axes", "--study", folder)
+
+
+def test_an_optional_signal_that_the_world_lists_is_a_signal_like_any_other(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    assert listed(capsys, "signals", "--study", tmp_path)["takeoff_charge"]["used_in"] == "neither yet"
+    world = tmp_path / "sim" / "world.yaml"
+    world.write_text(world.read_text() + "signals: [takeoff_charge]\n")
+    assert listed(capsys, "signals", "--study", tmp_path)["takeoff_charge"]["used_in"] == "requirements, axes"

@@ -1,10 +1,7 @@
 from __future__ import annotations
 
-import csv
-import io
 import json
 import os
-import shutil
 import subprocess
 import sys
 import time
@@ -18,7 +15,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.console import PIPED
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.load import FOLDERS, load_matrix
+from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Guideword, Matrix, Parameter
 from scaloft_fi.hazop.render import overview, sheet
 from scaloft_fi.stack.reference.declaration import REFERENCE
@@ -89,30 +86,9 @@ def test_a_cell_that_is_not_meaningful_tells_its_reason_and_no_fault() -> None:
     assert "operator" not in text
 
 
-@pytest.mark.parametrize("cell", MATRIX, ids=lambda cell: cell.name)
-def test_every_cell_fits_the_terminal(cell: Cell) -> None:
-    assert max(map(len, sheet(MATRIX, cell, {}, PIPED).splitlines())) <= PIPED
-
-
-@pytest.mark.parametrize("arguments", [(), ("--grid",), ("--cell", "NO-depth")], ids=["all", "grid", "cell"])
-@pytest.mark.parametrize("style", ["table", "markdown", "csv", "json", "latex"])
-def test_every_form_prints_in_every_format(arguments: tuple[str, ...], style: str) -> None:
-    assert printed("--format", style, *arguments).strip()
-
-
-def test_json_holds_every_cell_with_its_mutants() -> None:
-    cells = json.loads(printed("--format", "json"))["cells"]
-    assert len(cells) == 156
-    late = next(cell for cell in cells if cell["cell"] == "LATE-human")
-    assert late["default_mutant"] == "LATE-human@3s"
-    assert late["faults"][0]["mutants"] == ["LATE-human@0.5s", "LATE-human@1s", "LATE-human@3s", "LATE-human@5s"]
-
-
-def test_csv_is_a_worksheet_with_a_row_for_each_cell() -> None:
-    rows = list(csv.DictReader(io.StringIO(printed("--format", "csv"))))
-    assert len(rows) == 156
-    assert rows[0]["cell"] == "NO-human"
-    assert rows[0]["magnitudes"] == "share = 25 %, 50 %, 75 %, 100 %*  (times 0.01; * default)"
+def test_every_cell_fits_the_terminal() -> None:
+    for cell in MATRIX:
+        assert max(map(len, sheet(MATRIX, cell, {}, PIPED).splitlines())) <= PIPED, cell.name
 
 
 BAD = [
@@ -141,25 +117,6 @@ def process(*arguments: str, **extra: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, *arguments]
     environment = os.environ | {"PYTHONPATH": str(CHECKOUT)} | extra
     return subprocess.run(command, capture_output=True, text=True, cwd=CHECKOUT, env=environment, check=False)
-
-
-def test_a_missed_cell_ends_with_2_and_one_sentence() -> None:
-    ended = process("-m", "scaloft_fi", "matrix", "--cell", "LATE-humna")
-    assert (ended.returncode, ended.stdout) == (2, "")
-    assert ended.stderr == "error: no cell 'LATE-humna'; did you mean 'LATE-human'?\n"
-
-
-def test_a_broken_cell_ends_with_2_and_its_file_and_line(tmp_path: Path) -> None:
-    for name in FOLDERS:
-        (tmp_path / name).mkdir()
-    shutil.copytree(CHECKOUT / "hazop", tmp_path / "hazop", dirs_exist_ok=True)
-    path = tmp_path / "hazop" / "matrix" / "human.yaml"
-    lines = path.read_text().splitlines()
-    at = next(number for number, line in enumerate(lines, 1) if "default: 3}" in line)
-    path.write_text("\n".join(lines).replace("default: 3}", "default: 4}", 1))
-    ended = process("-m", "scaloft_fi", "matrix", "--study", str(tmp_path))
-    assert (ended.returncode, ended.stdout) == (2, "")
-    assert ended.stderr == f"error: {path}:{at}: default=4 must be on the ladder: 1, 3, 5\n"
 
 
 def test_the_matrix_is_printed_without_numpy_in_under_half_a_second() -> None:

@@ -140,23 +140,19 @@ def test_a_program_reads_what_was_written_and_what_to_do_next(
     assert shlex.split(told["next"][-1])[:2] == ["scaloft-fi", "run"]
 
 
-def test_it_prints_the_next_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("new", tmp_path / "my mine") == 0
-    told = capsys.readouterr().out.splitlines()
-    commands = [shlex.split(line) for line in told if line.startswith("  ")]
-    assert commands[0] == ["cd", str(tmp_path / "my mine")]
-    assert [words[0] for words in commands[1:]] == ["scaloft-fi", "scaloft-fi"]
-
-
-def test_where_one_stands_already_there_is_no_way_to_go(
+def test_it_prints_the_next_commands_without_a_way_where_one_stands_already(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run("new", ".") == 0
-    assert [line.split()[1] for line in capsys.readouterr().out.splitlines() if line.startswith("  ")] == [
-        "check",
-        "run",
-    ]
+    def commands(folder: Path | str) -> list[list[str]]:
+        assert run("new", folder) == 0
+        return [shlex.split(line) for line in capsys.readouterr().out.splitlines() if line.startswith("  ")]
+
+    way, *others = commands(tmp_path / "my mine")
+    assert way == ["cd", str(tmp_path / "my mine")]
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    assert [words[:2] for words in commands(".")] == [words[:2] for words in others]
+    assert [words[:2] for words in others] == [["scaloft-fi", "check"], ["scaloft-fi", "run"]]
 
 
 @pytest.mark.parametrize("options", [(), ("--plugin", "--name", "fine")])
@@ -175,11 +171,6 @@ def test_a_file_in_its_place_is_refused(tmp_path: Path, capsys: pytest.CaptureFi
     assert run("new", tmp_path / "note.txt" / "below") == 2
     assert capsys.readouterr().err.count("\n") == 2
     assert (tmp_path / "note.txt").read_text() == "mine"
-
-
-def test_an_empty_folder_is_filled(tmp_path: Path) -> None:
-    assert run("new", tmp_path) == 0
-    assert (tmp_path / "sim" / "world.yaml").is_file()
 
 
 def test_after_a_failure_nothing_is_left(
@@ -247,18 +238,13 @@ def test_two_packages_can_be_installed_together(plugin: Path, tmp_path: Path) ->
     assert done.returncode == 0, done.stderr
 
 
-def test_the_study_of_the_package_is_current(site: Path, plugin: Path) -> None:
-    done = call(site, "-m", "scaloft_fi", "mutants", "--check", "--study", "study", cwd=plugin)
-    assert done.returncode == 0, done.stderr
-    assert "21 mutants of 5 cells" in done.stdout
-
-
 @pytest.mark.flight
 def test_the_tests_of_the_package_pass(site: Path, plugin: Path) -> None:
     done = call(site, "-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=plugin)
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.release
 @pytest.mark.flight
 def test_a_run_of_its_study_is_green(site: Path, plugin: Path) -> None:
     words = ("run", "--study", "study", "--situation", "O0H0", "--quiet", "--jobs", "1")

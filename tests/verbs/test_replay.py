@@ -1,13 +1,19 @@
+"""`replay`: what it says of a flight and its record, and the file for players of logs."""
+
 from __future__ import annotations
 
+import io
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import Result
 from forms import of_form
+from mcap.reader import make_reader
 
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.store.archive import STORE_NAME
@@ -16,9 +22,9 @@ from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Reading
-from scaloft_fi.sim.log import NEVER_S, Ending, FlightLog
+from scaloft_fi.sim.log import NEVER_S, Ending, Event, FlightLog
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.replay import REPLAY, Comparison, Likeness, LoggedFlight, compared, replay_values
+from scaloft_fi.verbs.replay import REPLAY, Comparison, Likeness, LoggedFlight, compared, mcap, replay_values
 from scaloft_fi.views.table import Format, render
 
 STUDY = Path(__file__).parents[2]
@@ -141,3 +147,39 @@ def test_replay_of_a_stack_that_is_not_deterministic_says_what_it_cannot_do_and_
     assert said.startswith("the stack is not deterministic, so this is another flight than that in ")
     ending = Ending(replayed.outcome.ending).sentence
     assert f"which {ending} after {replayed.outcome.duration_s:.2f} s: " in said
+
+
+NAMES = ("elapsed_s", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw", "speed_mps", "told_person")
+
+
+def log() -> FlightLog:
+    signals = {name: np.linspace(0.0, 1.0, 21) for name in NAMES}
+    events = (Event(0.3, "person", "person reported"), Event(0.72, "contact", "struck <wall>"))
+    return FlightLog(signals, Ending.STRUCK, "wall", 0.72, "", {}, 60.0, events)
+
+
+def test_a_reader_of_mcap_gets_back_pose_signals_and_events_in_the_order_of_time() -> None:
+    reader = make_reader(io.BytesIO(mcap(log(), "LATE-human@3s/T0/0")))
+    times, by_topic = [], dict[str, list[dict[str, object]]]()
+    for schema, channel, message in reader.iter_messages():
+        content = json.loads(message.data)
+        jsonschema.validate(content, json.loads(schema.data))
+        times.append(message.log_time)
+        by_topic.setdefault(channel.topic, []).append(content)
+    assert times == sorted(times)
+    assert {topic: len(found) for topic, found in by_topic.items()} == {
+        "/path": 1,
+        "/pose": 21,
+        "/signals": 21,
+        "/events": 2,
+    }
+    assert by_topic["/signals"][10] == dict.fromkeys(NAMES, 0.5)
+    assert by_topic["/pose"][20]["timestamp"] == {"sec": 1, "nsec": 0}
+    assert [event["message"] for event in by_topic["/events"]] == ["person reported", "struck <wall>"]
+    assert [event["level"] for event in by_topic["/events"]] == [2, 3]
+
+
+def test_the_file_says_which_flight_it_is() -> None:
+    reader = make_reader(io.BytesIO(mcap(log(), "LATE-human@3s/T0/0")))
+    (about,) = reader.iter_metadata()
+    assert about.metadata == {"name": "LATE-human@3s/T0/0", "digest": log().digest, "ending": "struck"}

@@ -1,4 +1,4 @@
-"""The verb `seek`, and what `run --grid paper+found` and `score` make of its finds, without physics."""
+"""The verb `seek`, what it prints, and what `run --grid paper+found` and `score` make of its finds, without physics."""
 
 from __future__ import annotations
 
@@ -15,14 +15,16 @@ from reading import embedded
 from refusal import sentence
 
 import scaloft_fi
-from scaloft_fi.analysis.seeking import Breach, Signature
+from scaloft_fi.analysis.seeking import Breach, Effort, Signature
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.seeking.finds import anew, interrupted, saver
+from scaloft_fi.campaign.seeking.seek import SeekReport, Sought
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Violation
 from scaloft_fi.sim.found import read_finds
 from scaloft_fi.study import Study
+from scaloft_fi.verbs.seek import seek_tables, why_not
 
 Call = Callable[..., Result]
 LATE, MORE = "LATE-human@3s", "MORE-goal@0.6m"
@@ -239,3 +241,27 @@ def test_a_replication_that_cannot_be_is_refused(
 ) -> None:
     assert text in sentence(call("seek", "--replicate", *words, study=copy))
     assert not (copy / "sim" / "found.yaml").exists()
+
+
+NEAR = Effort(5, 4, 3, 2, 0, 0.83, "SR1", "T1O0W0D0H1")
+
+
+@pytest.mark.parametrize(
+    ("effort", "candidates", "why"),
+    [
+        (Effort(), 0, "not flown"),
+        (Effort(5), 0, "its seam carried no sample"),
+        (Effort(5, 4), 0, "it changed no sample"),
+        (Effort(5, 4, 3), 0, "it changed samples in 3, and the drone flew the same to the bit"),
+        (Effort(5, 4, 3, 2), 0, "no safety requirement is held with room in the 3 where it changed samples"),
+        (NEAR, 0, "it kept 83% of the robustness of SR1 in T1O0W0D0H1"),
+        (Effort(5, 4, 3, 2, 1, -0.1, "SR1", "T1"), 0, "it violated SR1 in 1, not with every seed of the search"),
+        (Effort(5, 4, 3, 2, 1, -0.1, "SR1", "T1"), 1, "1 candidate that fresh seeds did not confirm"),
+        (NEAR, 2, "2 candidates that fresh seeds did not confirm"),
+    ],
+)
+def test_a_mutant_without_a_find_says_where_it_stopped(effort: Effort, candidates: int, why: str):
+    sought = Sought("LATE-depth@0.4s", "", 0, candidates, 0.005 * candidates, effort)
+    assert why_not(sought) == why
+    _, lacking = seek_tables(SeekReport((), (sought,), 9, 9, spent=True, alpha=0.01, anyhow=False), "paper")
+    assert lacking.rows == (("LATE-depth@0.4s", effort.situations, why),)

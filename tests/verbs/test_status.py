@@ -7,7 +7,6 @@ from contextlib import closing
 from pathlib import Path
 
 from click.testing import Result
-from refusal import sentence
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.platforms import claim
@@ -18,13 +17,6 @@ from scaloft_fi.verbs.snapshot import snapshot
 STUDY = Path(__file__).parents[2]
 
 Call = Callable[..., Result]
-
-
-def test_status_counts_flights(call: Call) -> None:
-    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
-    out = call("status").stdout
-    assert "revealed" in out
-    assert "stale" in out
 
 
 def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_invalid(call: Call, tmp_path: Path) -> None:
@@ -38,11 +30,6 @@ def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_inval
     assert counted["waiting"] == sum(row["situation"] == "T0O0W0D0H1" for row in rows) >= 2
     assert "invalid" not in counted
     assert "waiting for their baseline" in call("status").stdout
-
-
-def test_there_is_no_status_of_a_campaign_that_was_never_flown(call: Call, tmp_path: Path) -> None:
-    assert "no campaign was flown here" in sentence(call("status"))
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_every_verb_that_shows_a_campaign_of_two_platforms_says_so(call: Call, tmp_path: Path) -> None:

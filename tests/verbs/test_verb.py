@@ -1,3 +1,5 @@
+"""What each verb declares: examples, options, sections, help, its part of the reference."""
+
 from __future__ import annotations
 
 import re
@@ -7,8 +9,9 @@ from pathlib import Path
 import click
 import pytest
 
-from scaloft_fi.cli import VERBS, command_of, main
+from scaloft_fi.cli import GROUPS, VERBS, command_of, main
 from scaloft_fi.mutants.catalogue import select
+from scaloft_fi.reference import command_reference
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.verb import REST, HelpPage, Page, Verb, verb
 
@@ -71,15 +74,15 @@ def test_a_verb_of_many_options_has_each_in_a_section(name: str) -> None:
         assert REST not in sections
 
 
-@pytest.mark.parametrize("columns", [40, 60, 80, 100, 160])
 @pytest.mark.parametrize("name", VERBS)
-def test_help_fits_the_terminal_and_breaks_no_option(name: str, columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", str(columns))
+def test_help_fits_the_terminal_and_breaks_no_option(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     command = _command(name)
-    text = command.get_help(_page(name))
-    for line in text.splitlines():
-        lone = len(line.split()) == 1 or line.strip() in {example.command for example in command.examples}
-        assert len(line) <= min(columns, 100) or lone or re.match(r" *-", line), line
+    for columns in (160, 80, 40):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        text = command.get_help(_page(name))
+        for line in text.splitlines():
+            lone = len(line.split()) == 1 or line.strip() in {example.command for example in command.examples}
+            assert len(line) <= min(columns, 100) or lone or re.match(r" *-", line), line
     for heading, rows in command.sections(_page(name)):
         assert f"{heading}:" in text
         for names, _ in rows:
@@ -115,3 +118,33 @@ def test_an_option_that_no_section_names_comes_last() -> None:
         (REST, ["--fast", "--help"]),
     ]
     assert isinstance(Page(fly, info_name="fly").make_formatter(), HelpPage)
+
+
+@pytest.fixture(scope="module")
+def reference() -> str:
+    return command_reference()
+
+
+def test_every_group_and_verb_has_a_heading_in_their_order(reference: str) -> None:
+    headings = [line for line in reference.splitlines() if line.startswith("#")]
+    wanted = [
+        title for group, verbs in GROUPS.items() for title in (group, *(f"`scaloft-fi {verb}`" for verb in verbs))
+    ]
+    assert [heading.lstrip("# ") for heading in headings] == wanted
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_every_option_and_example_of_a_verb_stands_in_its_part(name: str, reference: str) -> None:
+    command = command_of(name)
+    assert isinstance(command, Verb)
+    part = reference.split(f"### `scaloft-fi {name}`\n")[1].split("\n#")[0]
+    for heading, rows in command.sections(Page(command, info_name=name, help_option_names=["-h", "--help"])):
+        assert f"**{heading}**" in part
+        for names, _ in rows:
+            assert f"- `{names}`: " in part
+    for example in command.examples:
+        assert f"\n{example.command}\n" in part
+
+
+def test_marks_of_markdown_in_a_help_are_literal(reference: str) -> None:
+    assert r"a pattern with \*, ? or \[ over names and ids" in reference

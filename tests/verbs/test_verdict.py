@@ -1,20 +1,39 @@
-"""What the line about a verdict says, case by case, and that every line is true of its mutant."""
+"""What is said of a verdict and what to do next, case by case, and that every line is true of its mutant."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import pytest
-from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
+from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
 from effort import usually
-from finding import flies, found, known
+from finding import flies as command
+from finding import found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.analysis.detection import Spending, Verdict
-from scaloft_fi.analysis.score import Score, score
+from scaloft_fi.analysis.kill_matrix import kill_matrix
+from scaloft_fi.analysis.score import MutantScore, Score, score
+from scaloft_fi.analysis.survivor import Background
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.verbs.verdict import next_command, verdict, why, would_decide
+from scaloft_fi.sim.found import Again
+from scaloft_fi.verbs.survivors import survivors
+from scaloft_fi.verbs.verdict import (
+    Next,
+    facts,
+    flies,
+    flown_in_vain,
+    next_command,
+    next_find,
+    next_steps,
+    short_step,
+    verdict,
+    why,
+    would_decide,
+)
 
 M = "LATE-human@3s"
 HERE, THERE, RED = "T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H1"
@@ -131,7 +150,7 @@ def test_the_find_of_a_mutant_is_the_next_command_before_any_seeds() -> None:
     for flights in (flown(seeds=1), flown(altered=0)):
         found_ = scored(*pool(HERE), *flights)
         said = next_command(found_.mutants[0], found_.lacking, "mine", "", known(found("LATE-human@3s")))
-        assert said == flies("LATE-human@3s")
+        assert said == command("LATE-human@3s")
 
 
 @settings(deadline=None, max_examples=usually(25, release=50))
@@ -147,3 +166,89 @@ def test_every_line_begins_with_the_verdict_and_only_an_open_one_says_what_would
         assert bool(would_decide(mutant, found.lacking)) == (mutant.verdict is Verdict.UNDECIDED)
         assert ("killed" in said) == bool(mutant.kills)
         assert next_command(mutant, found.lacking, "c").startswith("scaloft-fi ")
+
+
+LATE, NO = "LATE-human@3s", "NO-human@100%"
+HUMAN, NOBODY = "T0O0W0D0H1", "T0O0W0D0H0"
+FIND = found(LATE)
+
+
+def scored_late(*flights: Outcome) -> MutantScore:
+    return next(mutant for mutant in score([*pool(HUMAN), *flights], ROSTER, GRID).mutants if mutant.subject.id == LATE)
+
+
+def test_the_find_of_a_mutant_that_is_not_detected_is_to_be_flown_whatever_its_verdict() -> None:
+    undecided, tested, untested = outcome(LATE, HUMAN), thrice(LATE, HUMAN), outcome(LATE, HUMAN, altered=0)
+    for flights in ([undecided], tested, [untested]):
+        assert next_find(scored_late(*flights), known(found(NO), FIND)) == FIND
+
+
+def test_a_detected_mutant_or_one_that_no_flight_counts_for_has_nothing_to_fly() -> None:
+    assert next_find(scored_late(*thrice(LATE, HUMAN, violated={"SR2": 7.0})), known(FIND)) is None
+    assert next_find(scored_late(outcome(LATE, HUMAN, invalid="the worker died")), known(FIND)) is None
+    assert next_find(scored_late(*thrice(LATE, HUMAN)), known(found(NO))) is None
+
+
+def test_a_find_that_was_flown_here_with_as_many_seeds_is_not_flown_again() -> None:
+    here = found(LATE, HUMAN)
+    few, enough = [outcome(LATE, HUMAN, seed) for seed in range(5)], [outcome(LATE, HUMAN, seed) for seed in range(6)]
+    assert next_find(scored_late(*few), known(here)) == here
+    assert flown_in_vain(scored_late(*few), known(here)) == ()
+    assert next_find(scored_late(*enough), known(here)) is None
+    assert flown_in_vain(scored_late(*enough), known(here)) == (here,)
+    other = found(NO, others=(LATE,))
+    assert next_find(scored_late(*enough), known(here, other)) == other
+
+
+def test_the_command_names_grid_mutant_situation_and_seeds_and_the_campaign_over_that_grid() -> None:
+    finds = known(FIND)
+    assert flies(FIND, LATE, finds, "default") == command(LATE)
+    assert flies(FIND, LATE, finds, "mine", "wide") == command(LATE)
+    assert flies(FIND, LATE, finds, "paper+found", "paper+found") == command(LATE)
+    assert flies(FIND, LATE, finds, "mine", "paper+found") == command(LATE, campaign="mine")
+    named = replace(FIND, name="a person's walk")
+    assert "--situation 'a person'\"'\"'s walk' --seeds 6" in flies(named, LATE, finds, "default")
+
+
+def test_the_facts_are_the_situation_in_words_what_is_struck_and_the_evidence() -> None:
+    assert facts(found(LATE, struck="person"), LATE) == (
+        f"a search found a situation that shows it, shows-{LATE} (human walks, cruise speed 0.8 m/s): it violates SR2 "
+        "and strikes person there, in 6 of 6 flights (p = 0.00025); the unmutated drone holds SR2 in 10 of 10 by more "
+        "than its spread.  It is not replicated yet (`scaloft-fi seek --replicate`)."
+    )
+    again = replace(FIND.shows[LATE], again=Again(100_000, 0.0001, 9, 10, 30, 30, 29))
+    replicated = facts(replace(FIND, shows={LATE: again}), LATE)
+    assert replicated.endswith("On seeds that nothing before used it held again: 9 of 10 (p = 0.0001).")
+
+
+WEAK, LAST = Background("person", ("SR2",), stronger=("LATE-human@5s",), laddered=True), Background("person", ("SR2",))
+
+
+def _known(outcomes: list[Outcome], background: Background) -> Mapping[str, Background]:
+    return dict.fromkeys([flight.mutant for flight in outcomes], background)
+
+
+@settings(deadline=None, max_examples=usually(25, release=100))
+@given(
+    st.one_of(campaigns(), seeded()),
+    st.sampled_from([WEAK, LAST, Background("person", ("OP1",)), Background("person", expected="declared")]),
+)
+def test_kills_the_first_screen_and_the_exports_agree(outcomes: list[Outcome], background: Background) -> None:
+    scored, known = score(outcomes, ROSTER, GRID), _known(outcomes, background)
+    told = survivors(outcomes, scored, kill_matrix(scored, ROSTER, GRID), known, {})
+    mutants = {mutant.subject.id: mutant for mutant in scored.mutants}
+    for survivor in told:
+        mutant = mutants[survivor.mutant]
+        steps = next_steps(mutant, scored, known[survivor.mutant])
+        assert survivor.next in steps
+        assert short_step(mutant, steps, background)
+        flies = next_command(mutant, scored.lacking, "c").startswith("scaloft-fi run")
+        assert flies == (survivor.next in (Next.POOL, Next.SEEDS))
+
+
+@pytest.mark.parametrize(("background", "step"), [(WEAK, Next.MAGNITUDE), (LAST, Next.SITUATION)])
+def test_more_seeds_are_not_asked_of_a_fault_that_flies_the_same_to_the_bit(background: Background, step: Next) -> None:
+    scored = score([*pool(HUMAN), outcome(LATE, HUMAN, digest="clean")], ROSTER, GRID)
+    (mutant,) = scored.mutants
+    assert mutant.safety.needed
+    assert next_steps(mutant, scored, background) == (step,)
