@@ -1,20 +1,26 @@
-"""What each format makes of a survivor that somebody accepted, before and after its last day."""
+"""What each format makes of a survivor that somebody accepted, and of one that has a find; the rows as a table."""
 
 from __future__ import annotations
 
+import io
 from datetime import date
 from typing import Any
 from xml.etree import ElementTree as ET
 
+import pyarrow.parquet
 import pytest
 import yaml
-from builders import outcome, pool
+from builders import GRID, KINDS, ROSTER, campaigns, outcome, pool
 from dossiers import dossier
+from finding import flies, found, known
+from hypothesis import given
 
 from scaloft_fi.analysis.survivor import Disposition
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.verbs.export.assurance import gsn, to_markdown, verification_log
 from scaloft_fi.verbs.export.ci import junit, mutation_testing, sarif, summary
-from scaloft_fi.verbs.export.dossier import Dossier
+from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, parquet
+from scaloft_fi.verbs.export.rows import columns, export_rows
 
 LATE, MORE, NO = "LATE-human@3s", "MORE-goal@0.6m", "NO-human@100%"
 LAST = date(2027, 1, 31)
@@ -122,3 +128,37 @@ def test_what_is_detected_or_not_tested_is_no_accepted_survivor() -> None:
     made = _dossier(LAST, *more)
     assert set(made.accepted) == {MORE}
     assert made.without_accepted.short == "1/2"
+
+
+HERE = "T0O0W0D0H0"
+FLIGHTS = [*pool(HERE), *(outcome(id_, HERE, seed) for id_ in (LATE, NO) for seed in range(3))]
+
+
+@pytest.mark.parametrize(
+    ("style", "next_"),
+    [("mutation-testing", "; next: "), ("markdown", "; next: "), ("sarif", "Next: "), ("junit", "; next: ")],
+)
+def test_the_find_is_the_next_step_of_its_survivor_which_needs_no_search(style: str, next_: str) -> None:
+    text = FORMATS[style].content(dossier(FLIGHTS, known(found(LATE)))).decode().replace("\\", "")
+    bare = FORMATS[style].content(dossier(FLIGHTS)).decode()
+    assert f"{next_}{flies(LATE)}" in text
+    assert flies(LATE) not in bare
+    if style in ("sarif", "junit"):
+        assert f"scaloft-fi seek {NO}" in text
+        assert (f"scaloft-fi seek {LATE}" in bare, f"scaloft-fi seek {LATE}" in text) == (True, False)
+
+
+@given(campaigns())
+def test_a_data_frame_gets_back_every_row_of_the_export(outcomes: list[Outcome]) -> None:
+    names = list(KINDS)
+    rows = export_rows(outcomes, ROSTER, GRID, names)
+    table = pyarrow.parquet.read_table(io.BytesIO(parquet(rows, columns(rows, names))))
+    assert table.column_names == columns(rows, names)
+    assert table.to_pylist() == rows
+
+
+def test_a_list_stays_a_list_and_a_seed_a_whole_number() -> None:
+    schema = pyarrow.parquet.read_table(io.BytesIO(parquet([], columns([], list(KINDS))))).schema
+    assert str(schema.field("violated").type) == "list<element: string>"
+    assert str(schema.field("seed").type) == "int64"
+    assert str(schema.field("rho_SR1").type) == "double"
