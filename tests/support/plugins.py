@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -36,3 +37,27 @@ def call(site: Path, *words: str | Path, cwd: Path) -> subprocess.CompletedProce
     environment = os.environ | {"PYTHONPATH": path}
     command = [sys.executable, *map(str, words)]
     return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, check=False)
+
+
+_RUNNER = """
+import contextlib, io, json, sys
+from scaloft_fi.cli import main
+
+told = []
+for words in json.loads(sys.argv[1]):
+    printed = io.TextIOWrapper(io.BytesIO(), write_through=True)
+    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
+        try:
+            main.main(words)
+        except SystemExit as ended:
+            told.append([ended.code, printed.buffer.getvalue().decode()])
+print("told", json.dumps(told))
+"""
+
+
+def called(site: Path, *verbs: Sequence[str], cwd: Path) -> list[tuple[int, str]]:
+    """Exit code and output of each verb, called one after another in one process that sees the packages of `site`."""
+    done = call(site, "-c", _RUNNER, json.dumps(verbs), cwd=cwd)
+    last = next((line for line in done.stdout.splitlines() if line.startswith("told ")), None)
+    assert last, done.stdout + done.stderr
+    return [(code, printed) for code, printed in json.loads(last.removeprefix("told "))]

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-import pty
-import re
-import select
 import shutil
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,16 +15,13 @@ from click.testing import CliRunner, Result
 from plugins import install
 from refusal import sentence
 
-from scaloft_fi.campaign.runs.request import STRATEGIES
 from scaloft_fi.cli import VERBS, main
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.axes import axis_list
-from scaloft_fi.verbs.completion import COMPLETION, SHELLS, answered
-from scaloft_fi.verbs.export.dossier import FORMATS
+from scaloft_fi.verbs.completion import COMPLETION, answered
 from scaloft_fi.verbs.listing import Listing
 from scaloft_fi.verbs.names import OPERATOR, declared
 from scaloft_fi.verbs.operators import operator_list
-from scaloft_fi.verbs.schema import DOCUMENTS
 from scaloft_fi.verbs.seams import seam_list
 from scaloft_fi.verbs.signals import signal_list
 
@@ -119,18 +112,6 @@ def test_what_a_study_has_is_completed_without_reading_more_than_texts(
     assert sorted(complete(f"{verb} ")) == sorted(set(LISTS[verb](Study.open(STUDY)).names) - of_other_stacks)
 
 
-def test_axes_of_a_grid_documents_formats_and_forms_of_numbers_are_completed(
-    complete: Callable[[str], list[str]],
-) -> None:
-    assert complete("axes --grid wide C") == ["C"]
-    assert complete("schema ") == list(DOCUMENTS)
-    assert complete("export --format ") == sorted(FORMATS)
-    assert complete("map T1O1W1D1H") == ["T1O1W1D1H0", "T1O1W1D1H1"]
-    assert complete("run --seeds ") == ["1", "3", "5", "10"]
-    for how in complete("run --choose "):
-        assert any(re.fullmatch(one.pattern, how) for one in STRATEGIES.values()), how
-
-
 def test_what_an_installed_package_declares_is_completed_and_not_imported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -163,11 +144,7 @@ def test_what_bash_takes_for_an_earlier_word_is_left_out(monkeypatch: pytest.Mon
 @needs_bash
 @pytest.mark.parametrize(
     ("line", "replies"),
-    [
-        ("scaloft-fi run --mutant LATE-human@3", ["3s"]),
-        ("scaloft-fi run --situation T1O1W1D1", ["T1O1W1D1H0", "T1O1W1D1H1"]),
-        ("scaloft-fi wor", ["worksheet"]),
-    ],
+    [("scaloft-fi run --mutant LATE-human@3", ["3s"]), ("scaloft-fi wor", ["worksheet"])],
 )
 def test_a_bash_that_sourced_the_script_completes(tmp_path: Path, line: str, replies: list[str]) -> None:
     assert _in_bash(tmp_path, line, STUDY).splitlines() == replies
@@ -232,33 +209,6 @@ def test_a_fish_that_sourced_the_script_completes(tmp_path: Path) -> None:
     assert done.stderr == ""
 
 
-@pytest.mark.skipif(shutil.which("zsh") is None, reason="there is no zsh")
-def test_a_zsh_that_sourced_the_script_completes_what_is_typed(tmp_path: Path) -> None:
-    env = _sourced(tmp_path, "zsh") | {"PS1": "ready> ", "TERM": "dumb", "COLUMNS": "120"}
-    pid, terminal = pty.fork()
-    if pid == 0:
-        os.chdir(STUDY)
-        os.execvpe("zsh", ["zsh", "-f", "-i"], env)
-    try:
-        _typed(terminal, "", "ready> ")
-        _typed(terminal, "autoload -U compinit; compinit -u -D; source $SCRIPT; print don''e\n", "done\r\n")
-        _typed(terminal, "scaloft-fi run --mutant LATE-human@3\t", "LATE-human@3s ")
-        _typed(terminal, "\x15scaloft-fi replay PLA\tT0O0W0D0H1\t", "PLACEBO/T0O0W0D0H1/0 ")
-    finally:
-        os.close(terminal)
-        os.waitpid(pid, 0)
-
-
-def _typed(terminal: int, keys: str, awaited: str) -> None:
-    """Press keys, and wait for what the shell shows then."""
-    os.write(terminal, keys.encode())
-    shown, until_s = "", time.monotonic() + 60
-    while awaited not in shown:
-        assert time.monotonic() < until_s, shown
-        if select.select([terminal], [], [], 0.2)[0]:
-            shown += os.read(terminal, 65536).decode(errors="replace")
-
-
 @pytest.mark.parametrize("spoilt", ["mutants/catalogue.jsonl", "sim/situations.yaml", "sim/found.yaml"])
 def test_a_broken_study_has_no_names_and_nothing_is_said_of_it(
     small: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], spoilt: str
@@ -301,10 +251,3 @@ def test_a_shell_that_is_not_known_is_refused() -> None:
 
 def _call(shell: str) -> Result:
     return CliRunner().invoke(main, ["completion", shell])
-
-
-@pytest.mark.parametrize("shell", SHELLS)
-def test_the_script_names_the_program_and_the_question(shell: str) -> None:
-    text = _call(shell).stdout
-    assert COMPLETION in text
-    assert "scaloft-fi" in text

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from plugins import ROOT, call, install_project
+from plugins import ROOT, called, install_project
 
 from scaloft_fi.cli import main
 from scaloft_fi.errors import InputError
@@ -78,13 +78,6 @@ def test_a_capped_signal_tells_what_it_reads_beyond_and_what_to_compare_it_with(
     assert (wall["most"], wall["compare"], wall["origin"]) == (1.0, "with less than 1 m", "ground truth, wall")
     (pixels,) = lists["signals"].chosen(["obstacle_pixels"]).records
     assert pixels["most"] == 64 * 48
-
-
-def test_the_signals_of_a_grid_s_happenings_name_the_happening(wide: Study) -> None:
-    (walked, wind) = signal_list(wide).chosen(["person_y_m", "wind_x_mps"]).records
-    assert walked["origin"].startswith("happening miner")
-    assert "realised` is false" in walked["unknown"]
-    assert wind["unit"] == "m/s"
 
 
 def test_every_fault_of_the_matrix_stands_at_its_seam_and_its_operator(study: Study, lists: dict[str, Listing]) -> None:
@@ -183,14 +176,13 @@ def script(path: Path) -> Any:
 
 
 def test_a_study_whose_stack_sensor_and_operator_come_from_a_package(tmp_path: Path) -> None:
-    site = tmp_path / "site"
-    install_project(site, ROOT / "examples" / "own_stack")
-    study = ROOT / "examples" / "own_stack" / "study"
+    install_project(tmp_path / "site", ROOT / "examples" / "own_stack")
+    where = ("--study", str(ROOT / "examples" / "own_stack" / "study"))
+    done = called(tmp_path / "site", *((verb, "--format", "json", *where) for verb in VERBS), cwd=tmp_path)
     told: dict[str, dict[str, Any]] = {}
-    for verb in VERBS:
-        done = call(site, "-m", "scaloft_fi", verb, "--format", "json", "--study", study, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        told[verb] = {record["name"]: record for record in json.loads(done.stdout)[verb]}
+    for verb, (code, printed) in zip(VERBS, done, strict=True):
+        assert code == 0, printed
+        told[verb] = {record["name"]: record for record in json.loads(printed)[verb]}
     assert told["operators"]["echo"]["package"] == "hopper"
     assert told["operators"]["echo"]["seams"] == ["range"]
     assert told["operators"]["delay"]["package"] == "scaloft-fi"

@@ -18,11 +18,27 @@ HUMAN = ("--situation", "T0O0W0D0H1", "--jobs", "1", "--quiet")
 THRICE = ("--seeds", "3", *HUMAN)
 
 
-def test_a_fault_that_is_killed_at_every_magnitude_is_told_as_such(call: Call) -> None:
-    done = call("margin", "LATE-human", *THRICE)
-    assert done.exit_code == 0
-    assert "<= 0.0625 s" in done.stdout
-    assert "always((trigger implies speed_mps / 0.25 <= 1)" in " ".join(done.stdout.split())
+def test_a_fault_that_is_killed_at_every_magnitude_is_told_as_such_in_every_format(call: Call) -> None:
+    told = of_form("margin", call("margin", "LATE-human", *THRICE, "--format", "json").stdout)
+    (fault,), (situation,) = told["faults"], told["situations"]
+    assert (fault["cell"], fault["unit"], fault["phase_s"]) == ("LATE-human", "s", 0.0)
+    assert (situation["survives"], situation["kills"], situation["monotone"]) == (None, 0.0625, True)
+    assert [entry["magnitude"] for entry in told["tried"]] == [0.0625, 0.125, 0.25, 0.5, 1.0, 3.0, 5.0]
+    assert situation["requirements"] == ["SR2"]
+    for style in ("table", "markdown", "latex"):
+        text = call("margin", "LATE-human", *THRICE, "--format", style).stdout
+        assert "T0O0W0D0H1" in text
+        assert "0.0625 s" in text
+    shown = call("matrix", "--margins", "--format", "csv").stdout
+    rows = {row["parameter"]: row for row in csv.DictReader(io.StringIO(shown))}
+    assert (rows["human"]["LATE"], rows["human"]["NO"]) == ("<= 0.0625 s", "?")
+    assert (rows["collision"]["EARLY"], rows["human"]["REVERSE"]) == ("-", "CONTROL")
+    text = call("matrix", "--margins").stdout
+    assert "<= 0.0625 s" in text
+    assert max(map(len, text.splitlines())) <= 120
+    cells = of_form("matrix", call("matrix", "--margins", "--parameter", "human", "--format", "json").stdout)["cells"]
+    ((late,),) = [cell["margins"] for cell in cells if cell["cell"] == "LATE-human"]
+    assert (late["unit"], late["survives"], late["kills"]) == ("s", None, 0.0625)
 
 
 def test_one_seed_in_one_situation_is_seen_and_says_how_many_seeds_decide(call: Call) -> None:
@@ -32,44 +48,11 @@ def test_one_seed_in_one_situation_is_seen_and_says_how_many_seeds_decide(call: 
     assert re.search(r"`scaloft-fi margin --campaign .+ LATE-human@0\.0625s --seeds 5`", told)
 
 
-def test_json_has_the_ends_as_numbers_and_every_magnitude_tried(call: Call) -> None:
-    told = of_form("margin", call("margin", "LATE-human", *THRICE, "--format", "json").stdout)
-    (fault,), (situation,) = told["faults"], told["situations"]
-    assert (fault["cell"], fault["unit"], fault["phase_s"]) == ("LATE-human", "s", 0.0)
-    assert (situation["survives"], situation["kills"], situation["monotone"]) == (None, 0.0625, True)
-    assert [entry["magnitude"] for entry in told["tried"]] == [0.0625, 0.125, 0.25, 0.5, 1.0, 3.0, 5.0]
-    assert situation["requirements"] == ["SR2"]
-
-
-@pytest.mark.parametrize("style", ["table", "markdown", "latex"])
-def test_every_format_names_the_situation_and_the_margin(call: Call, style: str) -> None:
-    text = call("margin", "LATE-human", "MORE-goal", *HUMAN, "--format", style).stdout
-    assert "T0O0W0D0H1" in text
-    assert "0.0625 s" in text
-    assert "MORE-goal" in text
-
-
 @pytest.mark.parametrize(("words", "told"), [((), 0), (("--warnings",), 7)])
 def test_violations_are_counted_and_told_only_when_asked(call: Call, words: tuple[str, ...], told: int) -> None:
     said = call("margin", "LATE-human", *HUMAN[:-1], *words).stderr.splitlines()
     assert sum(line.startswith("warning: SR2 violated at ") for line in said) == told
     assert any(line.startswith("violations: ") for line in said)
-
-
-def test_the_matrix_shows_margins_in_its_cells_and_the_rest_as_untold(call: Call) -> None:
-    assert call("margin", "LATE-human", *THRICE).exit_code == 0
-    shown = call("matrix", "--margins", "--format", "csv").stdout
-    rows = {row["parameter"]: row for row in csv.DictReader(io.StringIO(shown))}
-    assert rows["human"]["LATE"] == "<= 0.0625 s"
-    assert rows["human"]["NO"] == "?"
-    assert rows["collision"]["EARLY"] == "-"
-    assert rows["human"]["REVERSE"] == "CONTROL"
-    text = call("matrix", "--margins").stdout
-    assert "<= 0.0625 s" in text
-    assert max(map(len, text.splitlines())) <= 120
-    cells = of_form("matrix", call("matrix", "--margins", "--parameter", "human", "--format", "json").stdout)["cells"]
-    ((late,),) = [cell["margins"] for cell in cells if cell["cell"] == "LATE-human"]
-    assert (late["unit"], late["survives"], late["kills"]) == ("s", None, 0.0625)
 
 
 def test_operability_has_margins_of_its_own(call: Call) -> None:

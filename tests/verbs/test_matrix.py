@@ -76,16 +76,6 @@ def test_one_cell_is_told_whole() -> None:
         assert fragment in text
 
 
-def test_one_cell_tells_what_is_expected_beforehand() -> None:
-    assert "not_infected at z: the goal test of the baseline already leaves z out" in printed("--cell", "PARTOF-goal")
-
-
-def test_a_cell_that_is_not_meaningful_tells_its_reason_and_no_fault() -> None:
-    text = printed("--cell", "EARLY-imu")
-    assert "A sensor cannot deliver the future" in text
-    assert "operator" not in text
-
-
 def test_every_cell_fits_the_terminal() -> None:
     for cell in MATRIX:
         assert max(map(len, sheet(MATRIX, cell, {}, PIPED).splitlines())) <= PIPED, cell.name

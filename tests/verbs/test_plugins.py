@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from plugins import ROOT, call, install
+from plugins import ROOT, called, install
 
 STACK = """
 from dataclasses import replace
@@ -56,53 +56,46 @@ def study(tmp_path: Path) -> Path:
     return folder
 
 
-def _told(tmp_path: Path, study: Path, source: str, *words: str) -> tuple[int, str]:
-    """Exit code and last line of the verb, with one module as the plugin 'odd' of package 'odd-ware'."""
+def _told(tmp_path: Path, study: Path, source: str, *verbs: tuple[str, ...]) -> list[tuple[int, str]]:
+    """Exit code and last line of each verb, with one module as the plugin 'odd' of package 'odd-ware'."""
     site = tmp_path / "site"
     install(site, "odd-ware", {"odd": "odd_ware"})
     (site / "odd_ware.py").write_text(source)
-    done = call(site, "-m", "scaloft_fi", *words, "--study", study, cwd=tmp_path)
-    return done.returncode, done.stderr.strip().splitlines()[-1]
+    done = called(site, *((*words, "--study", str(study)) for words in verbs), cwd=tmp_path)
+    return [(code, said.strip().splitlines()[-1]) for code, said in done]
 
 
-FLOWN = ("run", "--situation", "T0O0W0D0H0", "--baseline-seeds", "1", "--jobs", "1", "--quiet")
 ODD = "error: plugin 'odd' of package 'odd-ware'"
-IMPORTS = {
-    "import nowhere": "ModuleNotFoundError: No module named 'nowhere'",
-    "raise RuntimeError('not today')": "RuntimeError: not today",
-    "import sys; sys.exit('no')": "SystemExit: no",
-    "from scaloft_fi.sim.stacks import STACKS\nSTACKS.declare('reference', None)": (
-        "ValueError: stack 'reference' is declared twice"
-    ),
-}
 
 
-@pytest.mark.parametrize("source", IMPORTS)
-def test_a_plugin_that_cannot_be_imported_is_named(source: str, tmp_path: Path, study: Path) -> None:
-    sentence = f"{ODD} cannot be loaded: {IMPORTS[source]}; mend or uninstall it"
-    assert _told(tmp_path, study, source, "mutants", "--check") == (2, sentence)
+@pytest.mark.parametrize(
+    ("source", "why"),
+    [
+        ("import nowhere", "ModuleNotFoundError: No module named 'nowhere'"),
+        ("import sys; sys.exit('no')", "SystemExit: no"),
+    ],
+)
+def test_a_plugin_that_cannot_be_imported_is_named(source: str, why: str, tmp_path: Path, study: Path) -> None:
+    sentence = f"{ODD} cannot be loaded: {why}; mend or uninstall it"
+    assert _told(tmp_path, study, source, ("mutants", "--check")) == [(2, sentence)]
 
 
 @pytest.mark.flight
-def test_a_stack_that_cannot_be_made_is_named(tmp_path: Path, study: Path) -> None:
-    settings = study / "sim" / "stack.yaml"
-    settings.write_text(settings.read_text().replace("name: reference", "name: dear"))
-    code, line = _told(tmp_path, study, STACK, "replay", "baseline/T0O0W0D0H0/0")
-    assert (code, line) == (70, f"{ODD}: LookupError: no licence (SCALOFT_DEBUG=1 shows where)")
+@pytest.mark.parametrize(("source", "why"), [(STACK, "no licence"), (SENSOR, "no light")])
+def test_a_stack_or_a_sensor_that_raises_is_named(source: str, why: str, tmp_path: Path, study: Path) -> None:
+    if source == STACK:
+        settings = study / "sim" / "stack.yaml"
+        settings.write_text(settings.read_text().replace("name: reference", "name: dear"))
+    told = _told(tmp_path, study, source, ("replay", "baseline/T0O0W0D0H0/0"))
+    assert told == [(70, f"{ODD}: LookupError: {why} (SCALOFT_DEBUG=1 shows where)")]
 
 
 def test_the_operators_of_a_stack_that_cannot_be_imported_are_named(tmp_path: Path, study: Path) -> None:
     settings = study / "sim" / "stack.yaml"
     settings.write_text(settings.read_text().replace("name: reference", "name: dear"))
-    code, line = _told(tmp_path, study, STACK_OF_BAD_OPERATORS, "mutants", "--check")
+    ((code, line),) = _told(tmp_path, study, STACK_OF_BAD_OPERATORS, ("mutants", "--check"))
     assert code == 2
     assert "stack 'dear': its operators in 'no_such_module' cannot be loaded: ModuleNotFoundError" in line
-
-
-@pytest.mark.flight
-def test_a_sensor_that_raises_is_named(tmp_path: Path, study: Path) -> None:
-    code, line = _told(tmp_path, study, SENSOR, "replay", "baseline/T0O0W0D0H0/0")
-    assert (code, line) == (70, f"{ODD}: LookupError: no light (SCALOFT_DEBUG=1 shows where)")
 
 
 @pytest.mark.flight
@@ -111,31 +104,18 @@ def test_an_operator_that_raises_is_named(tmp_path: Path, study: Path) -> None:
     cells.write_text(
         cells.read_text().replace("operator: scale\n      arguments: {field: all, factor: 0}", "operator: break")
     )
-    site = tmp_path / "site"
-    install(site, "odd-ware", {"odd": "odd_ware"})
-    (site / "odd_ware.py").write_text(OPERATOR)
-
-    def verb(*words: str) -> tuple[int, str]:
-        done = call(site, "-m", "scaloft_fi", *words, "--study", study, cwd=tmp_path)
-        return done.returncode, done.stdout + done.stderr
-
-    assert verb("mutants", "--write")[0] == 0
-    tapped = "TapError: tap on stamps at 0.000 s: AttributeError: 'Stamps' object has no attribute 'nothing'"
-    code, told = verb("replay", "NO-clock/T0O0W0D0H0/0")
-    assert (code, told.strip().splitlines()[-1]) == (70, f"{ODD}: {tapped.removeprefix('TapError: ')}")
-    code, told = verb(
-        "run", "--mutant", "NO-clock", "--situation", "T0O0W0D0H0", "--baseline-seeds", "1", "--jobs", "1"
-    )
-    assert code == 4
-    assert f"plugin 'odd' of package 'odd-ware': {tapped}" in told
+    here = ("--situation", "T0O0W0D0H0", "--baseline-seeds", "1", "--jobs", "1")
+    verbs = (("mutants", "--write"), ("replay", "NO-clock/T0O0W0D0H0/0"), ("run", "--mutant", "NO-clock", *here))
+    written, replayed, run = _told(tmp_path, study, OPERATOR, *verbs)
+    tapped = "tap on stamps at 0.000 s: AttributeError: 'Stamps' object has no attribute 'nothing'"
+    assert written[0] == 0
+    assert replayed == (70, f"{ODD}: {tapped}")
+    assert run[0] == 4
+    assert f"plugin 'odd' of package 'odd-ware': TapError: {tapped}" in run[1]
 
 
-@pytest.mark.flight
-def test_an_export_format_that_raises_is_named(tmp_path: Path, study: Path) -> None:
-    assert (
-        call(tmp_path, "-m", "scaloft_fi", *FLOWN, "--mutant", "PLACEBO", "--study", study, cwd=tmp_path).returncode
-        == 0
-    )
-    code, line = _told(tmp_path, study, FORMAT, "export", "--format", "broken")
+def test_an_export_format_that_raises_is_named(folder: Path, tmp_path: Path) -> None:
+    words = ("export", "--format", "broken", "--campaign", str(folder))
+    ((code, line),) = _told(tmp_path, ROOT, FORMAT, words)
     assert code == 70
     assert line.startswith(f"{ODD}: AttributeError: 'Dossier' object has no attribute 'nothing'")

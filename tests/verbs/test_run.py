@@ -99,10 +99,6 @@ def test_bad_words_are_one_sentence_and_nothing_is_written(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_that_is_no_study_is_onesentence(call: Call, tmp_path: Path) -> None:
-    assert "--study=" in sentence(call("run", study=tmp_path))
-
-
 def test_results_that_cannot_be_written_are_onesentence(call: Call, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     words = ("--campaign", str(tmp_path / "file" / "c"))
@@ -134,13 +130,6 @@ def test_an_edited_number_flies_again_and_an_edited_comment_does_not(call: Call,
     assert told["reasons"] == [{"why": "sim/ changed", "flights": 3}]
 
 
-def test_an_axis_value_that_a_situation_does_not_have_does_not_fly_it_again(call: Call, copy: Path) -> None:
-    words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?")
-    call(*words, study=copy)
-    _edit(copy / "sim" / "situations.yaml", "set: {light: 0.003}", "set: {light: 0.004}")
-    assert "flown" not in call(*words, study=copy).stderr
-
-
 def test_chosen_situations_are_flown_and_the_choice_is_kept(call: Call, tmp_path: Path) -> None:
     done = call(
         "run", "--mutant", "LATE-human", "--choose", "2-way", "--choose-seed", "1", "--quiet", "--format", "json"
@@ -151,13 +140,6 @@ def test_chosen_situations_are_flown_and_the_choice_is_kept(call: Call, tmp_path
     assert covered["t_way"]["2"]["part"] == 40
     with Store(tmp_path / "campaign" / "outcomes.sqlite", create=False) as store:
         assert [(one.text, one.seed) for one in remembered(store)] == [("2-way", 1)]
-
-
-def test_draws_are_counted_beside_distinct_situations(call: Call) -> None:
-    done = call("run", "--mutant", "LATE-human", "--choose", "draws:40", "--quiet", "--format", "json")
-    covered = json.loads(done.stdout)["coverage"]
-    assert covered["draws"] - covered["pool"] == 40
-    assert covered["situations"]["part"] < 32
 
 
 def test_a_run_whose_time_is_up_names_what_it_left(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:

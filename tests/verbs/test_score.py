@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Callable
 from dataclasses import replace
@@ -52,15 +50,6 @@ def tables(outcomes: list[Outcome], by: By | None = None) -> dict[str, Table]:
     return {table.title: table for table in found}
 
 
-def test_the_ratios_name_their_population_and_the_false_detections_expected() -> None:
-    table = tables(CAMPAIGN)["Mutation score"]
-    assert table.rows[3][:2] == ("mutation score", "2/3 = 67 %")
-    assert all(row[2] for row in table.rows)
-    assert table.rows[4][0] == "firm"
-    assert "0.03 at most" in table.notes[0]
-    assert table.notes[1].startswith("No redraws:")
-
-
 def test_the_pairs_that_put_no_fault_to_the_test_say_why() -> None:
     table = tables(CAMPAIGN)["Pairs that put no fault to the test"]
     assert [row[:4] for row in table.rows] == [
@@ -89,16 +78,6 @@ def test_of_many_mutants_the_stages_are_summed_by_parameter() -> None:
 def test_every_table_of_every_campaign_fits_a_terminal(by: By | None, outcomes: list[Outcome]) -> None:
     text = render(list(tables(outcomes, by).values()), Format.TABLE)
     assert max(len(line) for line in text.splitlines()) <= PIPED
-
-
-def test_json_and_csv_hold_the_cells() -> None:
-    table = Table("T", ("a", "b"), (("x", 1), ("y, z", None)), ("note",))
-    assert json.loads(render([table], Format.JSON)) == [
-        {"title": "T", "rows": [{"a": "x", "b": 1}, {"a": "y, z", "b": None}], "notes": ["note"]}
-    ]
-    lines = render([table], Format.CSV).splitlines()
-    assert lines[0] == "# T"
-    assert list(csv.reader(io.StringIO("\n".join(lines[1:])))) == [["a", "b"], ["x", "1"], ["y, z", ""]]
 
 
 def test_a_table_too_wide_narrows_the_column_that_costs_the_fewest_lines() -> None:

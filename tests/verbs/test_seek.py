@@ -70,14 +70,6 @@ def test_a_find_is_printed_written_and_flown_beside_the_papers_situations(
     assert asked["finds_shows"]["mutant"].tolist() == [LATE]
 
 
-def test_a_score_over_the_papers_situations_alone_is_not_selected(sought: Result, call: Call, copy: Path) -> None:
-    words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--jobs", "1", "--quiet")
-    done = call("run", *words, study=copy)
-    assert done.exit_code == 0, done.output
-    assert "Selected" not in done.stdout
-    assert json.loads(call("score", "--format", "json", study=copy).stdout)["selected"] == []
-
-
 def test_by_default_the_mutants_are_sought_that_neither_the_campaign_nor_a_find_shows(
     ruled: Ruled, call: Call, copy: Path
 ) -> None:

@@ -1,15 +1,16 @@
-"""The found situations of the page: the evidence, what stands there, a pair of flights, the command."""
+"""The found situations of the page, and those that break the unmutated drone: evidence, map, flights, the command."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 from browsing import Opened
-from finding import flies, found
+from finding import BAR, flies, found
 from papers import STUDY
 from reading import embedded
 
@@ -19,7 +20,7 @@ from scaloft_fi.sim.found import Find
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.study import KnownFinds, Study
 from scaloft_fi.verbs.report.analyses import Evidence
-from scaloft_fi.verbs.report.finds import STEP_M
+from scaloft_fi.verbs.report.finds import STEP_M, broken
 from scaloft_fi.verbs.report.finds import found as told_finds
 from scaloft_fi.verbs.report.page import html
 
@@ -28,7 +29,7 @@ HERE, ELSEWHERE = "T0O0W0D0H1", "T1O1W0D0H2Cs=0.8"
 FINDS = (found(LATE, HERE, others=(LESS,)), found(MORE, ELSEWHERE, struck="person"))
 
 
-def told(evidence: Evidence, *finds: Find, grid: str | None = None) -> dict[str, Any]:
+def finds_told(evidence: Evidence, *finds: Find, grid: str | None = None) -> dict[str, Any]:
     """What the page has of finds, in a study with this grid."""
     study = Study.open(STUDY, grid)
     names = {"lost": "it is gone"}
@@ -38,7 +39,7 @@ def told(evidence: Evidence, *finds: Find, grid: str | None = None) -> dict[str,
 
 @pytest.fixture(scope="module")
 def both(evidence: Evidence) -> dict[str, Any]:
-    return told(evidence, *FINDS)
+    return finds_told(evidence, *FINDS)
 
 
 def test_each_find_has_its_words_evidence_scene_and_command(both: dict[str, Any]) -> None:
@@ -70,14 +71,14 @@ def test_flights_of_the_campaign_are_a_pair_that_shows_the_find(both: dict[str, 
         assert (rows[0][0], rows[-1][0]) == (0.0, 40.0)
         assert all(math.dist(a[1:], b[1:]) >= STEP_M - 0.015 for a, b in pairwise(rows[:-1]))
         assert 50 < len(rows) < 200
-    (other,) = told(evidence, found("NO-depth@3s", HERE, others=(LESS,)))["finds"]
+    (other,) = finds_told(evidence, found("NO-depth@3s", HERE, others=(LESS,)))["finds"]
     assert other["flights"][0]["mutant"] == "NO-depth@3s", "its own mutant first, though it violates nothing"
-    (other,) = told(evidence, found("NO-goal", HERE, others=(LATE,)))["finds"]
+    (other,) = finds_told(evidence, found("NO-goal", HERE, others=(LATE,)))["finds"]
     assert other["flights"][0]["mutant"] == LATE
 
 
 def test_flights_over_another_grid_are_of_other_situations_whatever_their_keys(evidence: Evidence) -> None:
-    (find,) = told(evidence, FINDS[0], grid="wide")["finds"]
+    (find,) = finds_told(evidence, FINDS[0], grid="wide")["finds"]
     assert find["flights"] is None
 
 
@@ -88,7 +89,7 @@ def test_a_find_whose_values_do_not_go_together_any_more_is_named_and_left_out(
         raise InputError("the person would stand in the wall")
 
     monkeypatch.setattr("scaloft_fi.verbs.report.finds.scene", refuse)
-    both = told(evidence, *FINDS)
+    both = finds_told(evidence, *FINDS)
     assert (both["finds"], both["misfits"]) == ([], ["lost", *(find.name for find in FINDS)])
 
 
@@ -128,3 +129,41 @@ def test_the_page_draws_each_find_and_survivors_lead_to_theirs(
     first.locator("dl a").click()
     page.wait_for_selector("#sheet .map")
     assert seen.hash() == f"#flight=LATE-human%403s/{HERE}/0"
+
+
+FLIES = f"scaloft-fi run --grid search --mutant PLACEBO --situation {BAR.name} --baseline-seeds 10"
+BLIND = replace(BAR, name="breaks-SR2", requirement="SR2", struck="", near="home", leg="corner to home", belief="")
+KNOWN = KnownFinds((), {}, "paper+found", load_grid(STUDY / "sim", "search"), (BAR, BLIND))
+
+
+def test_each_break_has_its_words_place_belief_scene_and_command():
+    first, second = broken(KNOWN, [])
+    assert (first["name"], first["words"]) == (BAR.name, "corner, dark, cruise speed 0.8 m/s")
+    assert (first["where"], first["belief"]) == ("corner to end", "obstacle map, 0.58 m")
+    assert (second["where"], second["belief"]) == ("near home, corner to home", "none")
+    assert first["command"] == FLIES
+    assert first["place"] == [-1.614, 7.714]
+    assert first["scene"]["bodies"]
+
+
+def test_a_break_whose_values_do_not_go_together_any_more_is_left_out(monkeypatch: pytest.MonkeyPatch):
+    def refuse(*_: object) -> None:
+        raise InputError("the person would stand in the wall")
+
+    monkeypatch.setattr("scaloft_fi.verbs.report.finds.scene", refuse)
+    assert broken(KNOWN, []) == []
+
+
+def test_the_page_draws_each_break_with_the_place_of_the_violation(visit: Opened, text: str, tmp_path: Path):
+    figures = embedded(text, "figures")
+    assert figures["breaks"] == []
+    assert visit().page.locator("#breaks").count() == 0
+    mines = figures["scenes"]["mines"]
+    file = tmp_path / "breaks.html"
+    file.write_text(html(figures | {"breaks": broken(KNOWN, mines)}, embedded(text, "flights")), encoding="utf-8")
+    section = visit(file=file).page.locator("#breaks")
+    assert section.locator("svg.map path.route").count() == section.locator("svg.map path.violation").count() == 2
+    assert section.locator(".command code").first.inner_text() == FLIES
+    row = section.locator("tbody tr").first.inner_text()
+    assert "violates SR1, strikes bar" in row
+    assert "obstacle map, 0.58 m" in row

@@ -1,19 +1,37 @@
-"""The packs of flights: every flight once, tracks shared, less of them by a rule that is said."""
+"""The packs of flights: every flight once, tracks to half a quantum, less of them by a rule that is said."""
 
 from __future__ import annotations
 
+import math
 import zlib
 from array import array
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from papers import column
 from reading import unpacked
 
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, unpack_track
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK_COLUMNS, Outcome, unpack_track
+from scaloft_fi.sim.log import FAR_M
 from scaloft_fi.verbs.report.analyses import Evidence
-from scaloft_fi.verbs.report.flights import DETAILS, Detail, columns, packs, record, rows_of
+from scaloft_fi.verbs.report.flights import (
+    DETAILS,
+    FAR,
+    Detail,
+    coded,
+    columns,
+    packs,
+    quantised,
+    quantum,
+    record,
+    rows_of,
+    shared,
+    thinned,
+)
 
 NAMES = ("SR1", "SR2", "SR2-literal", "OP1")
 
@@ -30,7 +48,7 @@ def test_every_flight_but_placebo_is_there_once(evidence: Evidence) -> None:
 
 def test_a_track_of_the_page_is_the_flights_to_half_a_step(evidence: Evidence) -> None:
     read = _read(evidence, DETAILS[0])
-    for outcome in evidence.outcomes:
+    for outcome in evidence.outcomes[::7]:
         if outcome.mutant == PLACEBO_ID or not outcome.track:
             continue
         (flight,) = (f for f in read[outcome.situation] if (f["mutant"], f["seed"]) == (outcome.mutant, outcome.seed))
@@ -102,3 +120,64 @@ def test_a_reading_that_tests_nothing_has_no_robustness(evidence: Evidence) -> N
     idle = replace(flown, readings=tuple(replace(r, rho=24.0, triggered=0) for r in flown.readings[:1]))
     told = record(idle, None, NAMES)["readings"]
     assert told == [[None, None, "vacuous", 0], None, None, None]
+
+
+values = st.floats(-150, 150, width=32)
+rows = st.lists(st.tuples(*[values] * len(TRACK_COLUMNS)), min_size=1, max_size=12)
+wholes = st.lists(st.tuples(*[st.integers(-FAR, FAR)] * 3), min_size=1, max_size=12)
+
+
+@given(rows, st.integers(1, 3))
+def test_a_value_comes_back_to_half_a_quantum_or_as_nothing_to_measure(
+    track: list[tuple[float, ...]], coarse: int
+) -> None:
+    for row, whole in zip(track, quantised(track, TRACK_COLUMNS, coarse).tolist(), strict=True):
+        for name, value, number in zip(TRACK_COLUMNS, row, whole, strict=True):
+            if name in ("clearance_m", "person_sight_m") and value >= FAR_M:
+                assert number == FAR
+            else:
+                assert abs(number * quantum(name, coarse) - value) <= quantum(name, coarse) / 2 + 1e-9
+
+
+def test_what_is_no_number_is_nothing_to_measure() -> None:
+    assert quantised([(math.nan,), (math.inf,)], ("speed_mps",)).tolist() == [[FAR], [FAR]]
+
+
+@given(wholes, st.data())
+def test_two_planes_of_bytes_hold_the_rows_after_the_shared_ones(
+    track: list[tuple[int, ...]], data: st.DataObject
+) -> None:
+    whole = np.array(track, dtype=np.int32)
+    same = data.draw(st.integers(0, len(track)))
+    code = coded(whole, same)
+    own = len(track) - same
+    assert len(code) == 2 * 3 * own
+    back = []
+    for place in range(3):
+        value = track[same - 1][place] if same else 0
+        for row in range(own):
+            low, high = code[place * own + row], code[3 * own + place * own + row]
+            word = low + 256 * high
+            value = (value + (word >> 1 ^ -(word & 1)) + 32768) % 65536 - 32768
+            back.append((row, place, value))
+    assert back == [(row, column, track[same + row][column]) for column in range(3) for row in range(own)]
+
+
+@given(wholes, wholes)
+def test_shared_counts_the_rows_before_the_first_that_differs(
+    one: list[tuple[int, ...]], other: list[tuple[int, ...]]
+) -> None:
+    common = 0
+    while common < min(len(one), len(other)) and one[common] == other[common]:
+        common += 1
+    assert shared(np.array(one, dtype=np.int32), np.array(other, dtype=np.int32)) == common
+
+
+@given(rows, st.integers(1, 5))
+def test_a_thinned_track_keeps_its_ends_and_its_extremes(track: list[tuple[float, ...]], every: int) -> None:
+    kept = thinned(track, every)
+    assert kept[0] == track[0]
+    assert kept[-1][0] == track[-1][0]
+    fastest, nearest = TRACK_COLUMNS.index("speed_mps"), TRACK_COLUMNS.index("clearance_m")
+    assert max(row[fastest] for row in kept) == max(row[fastest] for row in track)
+    assert min(row[nearest] for row in kept) == min(row[nearest] for row in track)
