@@ -1,3 +1,5 @@
+"""A study: where it is found, what its keys are made of, what it accepts."""
+
 from __future__ import annotations
 
 import re
@@ -5,17 +7,22 @@ import shutil
 import subprocess
 import sys
 from dataclasses import replace
+from datetime import date
 from importlib import import_module
 from pathlib import Path
 
 import pytest
+from builders import GRID
 
+from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroundings
 from scaloft_fi.sim.world import ROLES
 from scaloft_fi.sources import closure
-from scaloft_fi.study import PACKAGE, Study
+from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.study import PACKAGE, Study, draft, load_dispositions
 
 ROOT = Path(__file__).parents[1]
 
@@ -265,43 +272,64 @@ print(*(name for name in sys.modules if name.startswith("scaloft_fi.")))
     assert imported <= closure([*study.flying_modules, *made]).keys() | closure(declared).keys()
 
 
-def test_a_requirement_that_no_cell_can_name_is_told_with_file_and_line(copy: Path) -> None:
-    _edit(copy / "hazop" / "matrix" / "human.yaml", "requirements: [SR2]", "requirements: [SR3]")
-    with pytest.raises(InputError, match=re.escape("human.yaml") + r":\d+: 'SR3' of \S+ is no requirement"):
-        Study(copy).check()
+MATRIX = load_matrix(Path(__file__).parents[1] / "hazop", REFERENCE.by_name)
+KEYS = [key for key, _ in GRID.points]
+GOOD = """\
+LATE-human:
+  status: accepted
+  owner: A. Engineer
+  reason: walking pace is slow enough there
+  expires: 2027-01-31
+  situations: [T0O0W0D0H1]
+"""
+DAY = date(2027, 1, 31)
 
 
-def test_a_predicate_about_an_unknown_signal_is_refused(copy: Path) -> None:
-    _edit(copy / "sim" / "situations.yaml", "eventually(x_m < -1)", "eventually(x_mm < -1)")
-    with pytest.raises(InputError, match=r"situations\.yaml:\d+: realised .*x_mm"):
-        Study(copy).check()
+def loaded(folder: Path, text: str) -> tuple[Disposition, ...]:
+    path = folder / "dispositions.yaml"
+    path.write_text(text, encoding="utf-8")
+    return load_dispositions(path, MATRIX, KEYS)
+
+
+def test_a_study_without_the_file_has_accepted_nothing(tmp_path: Path) -> None:
+    assert load_dispositions(tmp_path / "dispositions.yaml", MATRIX, KEYS) == ()
+
+
+def test_a_bare_cell_is_its_default_and_the_place_is_remembered(tmp_path: Path) -> None:
+    (only,) = loaded(tmp_path, GOOD)
+    assert (only.mutant, only.expires, only.situations) == ("LATE-human@3s", DAY, ("T0O0W0D0H1",))
+    assert only.place.endswith("dispositions.yaml:1")
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "place"),
+    ("old", "new", "says"),
     [
-        ("clearance_m > 0)", "clearance_m > 1)", r":\d+: formula compares clearance_m with 1 m"),
-        ("remaining_s < 0.05", "person_range_m < 100", r":\d+: trigger compares person_range_m with 100 m"),
-        (
-            "near: person_sight_m / 3 <= 1",
-            "near: person_sight_m / 7 <= 1",
-            r":13: near compares person_sight_m with 7 m",
-        ),
+        ("LATE-human:", "LATE-humna:", "did you mean 'LATE-human'?"),
+        ("LATE-human:", "EARLY-collision:", "not meaningful"),
+        ("owner: A. Engineer", "owner: ''", "owner='' must be a text"),
+        ("2027-01-31", "2027-02-30", "expires='2027-02-30' cannot be read: day is out of range"),
+        ("2027-01-31", "'2027-02-30'", "must be a date such as 2027-01-31"),
+        ("T0O0W0D0H1", "T0O0W0D0H2", "did you mean 'T0O0W0D0H"),
+        ("[T0O0W0D0H1]", "[]", "must be a list of at least one"),
     ],
 )
-def test_a_requirement_that_asks_beyond_a_cap_is_refused_where_it_is_read_and_where_it_is_proved(
-    copy: Path, old: str, new: str, place: str
-) -> None:
-    _edit(copy / "sim" / "requirements.yaml", old, new)
-    with pytest.raises(InputError, match=rf"requirements\.yaml{place}"):
-        _ = Study(copy).requirements
-    with pytest.raises(InputError, match=rf"requirements\.yaml{place}"):
-        Study(copy).check()
+def test_what_it_does_not_understand_it_refuses_with_the_place(tmp_path: Path, old: str, new: str, says: str) -> None:
+    with pytest.raises(InputError) as error:
+        loaded(tmp_path, GOOD.replace(old, new))
+    assert says in str(error.value)
+    assert "dispositions.yaml:" in str(error.value)
 
 
-def test_a_predicate_that_asks_beyond_a_cap_is_refused_with_its_line(copy: Path) -> None:
-    _edit(copy / "sim" / "situations.yaml", "waypoint_wall_m <= 0.5", "waypoint_wall_m < 1")
-    with pytest.raises(
-        InputError, match=r"situations\.yaml:33: realised of W1 compares waypoint_wall_m with 1 m .* it"
-    ):
-        _ = Study(copy).grid
+@pytest.mark.parametrize("again", ["LATE-human", "LATE-human@3s", "LATE-human@3.0s"])
+def test_a_mutant_that_stands_twice_is_refused_however_it_is_written(tmp_path: Path, again: str) -> None:
+    with pytest.raises(InputError, match=r"twice|already at"):
+        loaded(tmp_path, GOOD + GOOD.replace("LATE-human", again))
+
+
+def test_a_draft_is_refused_until_it_is_filled_in_and_then_loads(tmp_path: Path) -> None:
+    text = draft(["LATE-human@3s", "NO-human@100%"])
+    with pytest.raises(InputError, match="owner='' must be a text"):
+        loaded(tmp_path, text)
+    filled = text.replace('owner: ""', "owner: me").replace('reason: ""', "reason: why")
+    entries = loaded(tmp_path, filled.replace('expires: ""', "expires: 2027-01-31"))
+    assert [entry.mutant for entry in entries] == ["LATE-human@3s", "NO-human@100%"]

@@ -1,12 +1,16 @@
-"""The enumerations whose values tables, screens, files of results or the report print."""
+"""What tables, screens, files of results or the report print: values of enumerations, headings."""
 
 from __future__ import annotations
 
 import importlib
+import itertools
 import pkgutil
+import re
+from collections.abc import Iterator
 from enum import StrEnum
 
 import scaloft_fi
+from scaloft_fi.views.glossary import term
 
 FOLDERS = {"analysis", "campaign", "hazop", "judge", "sim", "verbs", "views"}
 NOT_PRINTED = {
@@ -30,3 +34,16 @@ def printed_enumerations() -> list[type[StrEnum]]:
             importlib.import_module(module.name)
     ours = (one for one in StrEnum.__subclasses__() if one.__module__.startswith("scaloft_fi."))
     return [one for one in ours if not {one.__name__, f"{one.__module__}.{one.__name__}"} & set(NOT_PRINTED)]
+
+
+def headings(markdown: str) -> Iterator[str]:
+    """The headings of the tables of a page in Markdown."""
+    lines = markdown.splitlines()
+    for line, rule in itertools.pairwise(lines):
+        if re.fullmatch(r"\|[-:| ]+\|", rule):
+            yield from (re.sub(r"\\(.)", r"\1", cell.strip()) for cell in re.split(r"(?<!\\)\|", line)[1:-1])
+
+
+def no_terms(markdown: str) -> list[str]:
+    """The headings that no term of the glossary explains."""
+    return [head for head in headings(markdown) if head and term(head) is None]

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from functools import cache
 from itertools import count
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
 from crafted import ONE, Crafted, campaign, crafted, sql
+from refusal import sentence
 
 from scaloft_fi.campaign.store.record import MOST_FLIGHTS
 from scaloft_fi.cli import main
@@ -62,13 +64,9 @@ def read(good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callabl
     return calling
 
 
-_studies: list[Study] = []
-
-
+@cache
 def _study() -> Study:
-    if not _studies:
-        _studies.append(Study.open(STUDY))
-    return _studies[0]
+    return Study.open(STUDY)
 
 
 def _content(folder: Path) -> dict[str, bytes]:
@@ -92,7 +90,7 @@ def test_a_crafted_store_is_read_or_refused_with_a_sentence_and_left_alone(
     path = tmp_path / "crafted" / NAME
     store.make(path)
     before = _content(path.parent)
-    for words in (*FIXED, OTHERS[next(turn) % len(OTHERS)], OTHERS[next(turn) % len(OTHERS)]):
+    for words in (FIXED[next(turn) % 2], OTHERS[next(turn) % len(OTHERS)]):
         _ends_well(read(*words), path)
     if store.says:
         result = read(*store.by)
@@ -114,7 +112,7 @@ def test_a_verb_that_reads_changes_nothing_and_creates_nothing(
     assert read(*words).exit_code == 2
     assert _content(folder) == {NAME: b""}
     shutil.rmtree(folder)
-    assert read(*words).exit_code == 2
+    assert "no campaign was flown here" in sentence(read(*words))
     assert not folder.exists()
     assert {path.name for path in tmp_path.iterdir()} <= {"out"}
 

@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner, Result
 from forms import READERS, of_form, one_table
 from jsonschema import Draft202012Validator, ValidationError
+from printed import no_terms
 from refusal import sentence
 
 import scaloft_fi
@@ -29,6 +30,7 @@ def test_json_has_the_form_that_the_verb_declares_and_csv_is_one_table(told: Cal
     text = told(*words, "--format", "csv").stdout
     assert one_table(text) or words[0] == "diff"
     assert not text.startswith("#")
+    assert no_terms(told(*words, "--format", "markdown").stdout) == [] or words[0] in ("matrix", "diff")
 
 
 def test_a_run_answers_in_the_form_of_the_score(folder: Path, told: Call) -> None:

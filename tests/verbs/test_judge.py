@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 from forms import of_form
+from printed import no_terms
 
 from scaloft_fi.campaign.flights.command import judged_record, known_of, mapping_of
 from scaloft_fi.campaign.flights.fly import fly_log, judged
@@ -61,7 +62,8 @@ def test_a_situation_gives_route_and_time_limit_to_a_record_without_them(tmp_pat
     assert refused.exit_code == 2
     assert "requirement OP1 needs the signal 'remaining_s'" in refused.stderr
     assert refused.stderr.count("\n") == 1
-    assert judge(record, "--record", mapping, "--situation", "T0O0W0D0H0").exit_code == 0
+    done = judge(record, "--record", mapping, "--situation", "T0O0W0D0H0", "--format", "markdown")
+    assert (done.exit_code, no_terms(done.stdout)) == (0, [])
 
 
 @pytest.mark.parametrize(

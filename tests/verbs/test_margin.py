@@ -11,6 +11,7 @@ from collections.abc import Callable
 import pytest
 from click.testing import Result
 from forms import of_form
+from printed import no_terms
 from refusal import sentence
 
 Call = Callable[..., Result]
@@ -29,6 +30,7 @@ def test_a_fault_that_is_killed_at_every_magnitude_is_told_as_such_in_every_form
         text = call("margin", "LATE-human", *THRICE, "--format", style).stdout
         assert "T0O0W0D0H1" in text
         assert "0.0625 s" in text
+        assert no_terms(text) == []
     shown = call("matrix", "--margins", "--format", "csv").stdout
     rows = {row["parameter"]: row for row in csv.DictReader(io.StringIO(shown))}
     assert (rows["human"]["LATE"], rows["human"]["NO"]) == ("<= 0.0625 s", "?")
@@ -72,6 +74,7 @@ def test_when_a_fault_is_killed_is_shown_of_the_flights_of_a_campaign(call: Call
     assert call("run", "--mutant", "NO-velcmd@1s#*", *only).exit_code == 0
     for style in ("table", "markdown", "latex", "json"):
         text = call("margin", "NO-velcmd", "--when", "--format", style).stdout.replace("\\", "")
+        assert no_terms(text) == []
         assert all(phase in text for phase in ("#5s", "#10s", "#15s", "#sight", "#waypoint", "#recoil"))
     phases = of_form("margin", call("margin", "NO-velcmd", "--when", "--format", "json").stdout)["phases"]
     assert {phase["verdict"] for phase in phases} == {"not_tested"} or len(phases) > 4

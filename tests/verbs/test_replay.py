@@ -14,6 +14,7 @@ import pytest
 from click.testing import Result
 from forms import of_form
 from mcap.reader import make_reader
+from printed import no_terms
 
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.store.archive import STORE_NAME
@@ -68,7 +69,9 @@ def test_a_requirement_that_the_flight_did_not_put_to_the_test_has_no_robustness
         Reading("SR2", Kind.SAFETY, 24.0, None, 0, open=False),
     )
     flown = Outcome(flight.subject, "T0O0W0D0H0", 0, ending="landed", readings=readings)
-    facts = render((LoggedFlight(study, flight, LOG, flown).facts(),), Format.TABLE)
+    shown = (LoggedFlight(study, flight, LOG, flown).facts(),)
+    assert no_terms(render(shown, Format.MARKDOWN)) == []
+    facts = render(shown, Format.TABLE)
     said = [" ".join(line.split()) for line in facts.splitlines()]
     assert "SR1 held, robustness 0.300" in said
     assert "SR2 vacuous" in said

@@ -11,6 +11,7 @@ import pytest
 from click.testing import Result
 from finding import SMALL, Ruled, fast, flies, found
 from forms import of_form
+from printed import no_terms
 from reading import embedded
 from refusal import sentence
 
@@ -25,6 +26,7 @@ from scaloft_fi.judge.outcome import Violation
 from scaloft_fi.sim.found import read_finds
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.seek import seek_tables, why_not
+from scaloft_fi.views.table import Format, render
 
 Call = Callable[..., Result]
 LATE, MORE = "LATE-human@3s", "MORE-goal@0.6m"
@@ -60,6 +62,7 @@ def test_a_find_is_printed_written_and_flown_beside_the_papers_situations(
     record = json.loads(call("score", "--format", "json", study=copy).stdout)
     assert record["selected"] == [find["situation"]]
     assert record["mutants"][0]["kills"][0]["situation"] == find["situation"]
+    assert no_terms(call("seek", "LATE-human", "--quiet", "--format", "markdown", study=copy).stdout) == []
     again = call("seek", "LATE-human", "--jobs", "1", "--quiet", study=copy)
     table = " ".join(again.stdout.split())
     assert "Found: 1 of 1 mutants, 1 situations" in table
@@ -152,6 +155,7 @@ def test_what_breaks_the_unmutated_drone_is_printed_and_written(
     written = read_finds(copy / "sim")
     assert written is not None
     assert [one.situation for one in written.breaks] == [found["situation"]]
+    assert no_terms(call("seek", *words, "--quiet", "--format", "markdown", study=copy).stdout) == []
     again = call("seek", *words, "--quiet", study=copy)
     table = " ".join(again.stdout.split())
     assert "The unmutated drone breaks in 1 way" in table
@@ -255,5 +259,6 @@ NEAR = Effort(5, 4, 3, 2, 0, 0.83, "SR1", "T1O0W0D0H1")
 def test_a_mutant_without_a_find_says_where_it_stopped(effort: Effort, candidates: int, why: str):
     sought = Sought("LATE-depth@0.4s", "", 0, candidates, 0.005 * candidates, effort)
     assert why_not(sought) == why
-    _, lacking = seek_tables(SeekReport((), (sought,), 9, 9, spent=True, alpha=0.01, anyhow=False), "paper")
-    assert lacking.rows == (("LATE-depth@0.4s", effort.situations, why),)
+    tables = seek_tables(SeekReport((), (sought,), 9, 9, spent=True, alpha=0.01, anyhow=False), "paper")
+    assert tables[1].rows == (("LATE-depth@0.4s", effort.situations, why),)
+    assert no_terms(render(tables, Format.MARKDOWN)) == []

@@ -1,48 +1,406 @@
-"""The verb `worksheet` on the reference study without physics, with a study that is hostile."""
+"""The worksheet filled back: what its columns say, and that every format says it literally."""
 
 from __future__ import annotations
 
+import csv
+import io
+import json
+import re
+import shutil
+import subprocess
+import zipfile
 from collections.abc import Callable
+from dataclasses import replace
+from datetime import date
 from pathlib import Path
 
 import pytest
+from builders import GRID, campaigns, outcome, pool, seeded
 from click.testing import Result
+from effort import usually
+from finding import flies, found, known
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from openpyxl import load_workbook
 from refusal import sentence
 
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.survivor import Disposition
+from scaloft_fi.console import line, printable
+from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.hazop.matrix import CellStatus, Matrix
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.mutants.catalogue import derive
+from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.verbs.worksheet import (
+    COLUMNS,
+    FINDINGS,
+    LONGEST,
+    TEAM,
+    SheetRow,
+    population,
+    sheet_rows,
+    survivors,
+    to_csv,
+    to_latex,
+    to_markdown,
+    to_text,
+    to_xlsx,
+    worksheet_values,
+)
+from scaloft_fi.views.table import FORMULA, latex, markdown
+
+WHOLE = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
+MATRIX = WHOLE.only(["LATE", "NO", "EARLY", "REVERSE"], ["human", "collision"])
+ROSTER = Roster.of(MATRIX, [mutant.id for mutant in derive(MATRIX)])
+HUMAN, DARK, NOBODY = "T0O0W0D0H1", "T0O0W0D1H1", "T0O0W0D0H0"
+SEEDS = range(3)
+FLOWN = [
+    *pool(HUMAN, DARK, NOBODY),
+    *(outcome("LATE-human@3s", HUMAN, seed, violated={"SR2": 8.0}) for seed in SEEDS),
+    *(outcome("LATE-human@3s", DARK, seed, digest="clean") for seed in SEEDS),
+    *(outcome("LATE-human@3s", NOBODY, seed, altered=0, carried=0) for seed in SEEDS),
+    *(outcome("LATE-human@1s", HUMAN, seed) for seed in SEEDS),
+]
+HOSTILE = (
+    "<script>alert(1)</script>",
+    "\"quotes\" 'single'",
+    "=cmd|' /C calc'!A0",
+    "+1-1",
+    "-2+3",
+    "@SUM(A1)",
+    "人が検出されない Ürümqi",
+    "a|b||c",
+    r"\input{x} $y_1^2$ 100 % #1 & ~ {}",
+    "one\ntwo\r\nthree\tfour",
+    "\x1b[31mred\x07",
+    "_x0041_ x",
+    "long " * 8000,
+)
+hostile = st.text(min_size=1, max_size=30) | st.sampled_from(HOSTILE)
+
+
+def rows(
+    outcomes: list[Outcome], matrix: Matrix = MATRIX, dispositions: tuple[Disposition, ...] = ()
+) -> tuple[SheetRow, ...]:
+    return sheet_rows(matrix, outcomes, score(outcomes, ROSTER, GRID), GRID, dispositions)
+
+
+def named(found: tuple[SheetRow, ...], cell: str) -> SheetRow:
+    return next(row for row in found if row.cell.name == cell)
+
+
+def with_text(text: str) -> Matrix:
+    """The matrix with a text of the study in every field that takes one."""
+    cells = {
+        key: replace(cell, reason=text)
+        if cell.status is CellStatus.NOT_MEANINGFUL
+        else replace(cell, deviation=text, causes=(text, "b"), effect=text, predicted=text)
+        for key, cell in MATRIX.cells.items()
+    }
+    parameters = tuple(replace(p, title=text, intent=text, node=text) for p in MATRIX.parameters)
+    return Matrix(MATRIX.guidewords, parameters, cells)
+
+
+def test_a_row_says_what_its_default_mutant_did() -> None:
+    values = named(rows(FLOWN), "LATE-human").values
+    assert (values["situations_flown"], values["reached"], values["infected"]) == (3, 2, 2)
+    assert (values["verdict"], values["operability"]) == ("detected", "not detected")
+    assert (values["kill_rate"], values["killed_by"]) == ("1 of 2", "SR2 1/2")
+    assert (values["p"], values["needed"]) == ("SR1 1, SR2 0.007", None)
+    assert values["margin"] == "1-3 s"
+    assert values["killing"] == HUMAN
+    assert values["where"] == "human & light"
+    assert values["stopped_at"] == "masked 1, not_reached 1"
+    assert values["requirements"] == "SR2"
+    assert values["node"] == "person detector -> speed limit"
+
+
+def test_an_undecided_row_says_what_would_decide_and_where_a_violation_was_seen() -> None:
+    flown = [*pool(HUMAN, DARK), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0}), outcome("LATE-human@3s", DARK)]
+    values = named(rows(flown), "LATE-human").values
+    assert (values["verdict"], values["kill_rate"], values["p"]) == ("undecided", "0 of 2", "SR1 1, SR2 0.18")
+    assert (values["needed"], values["where"]) == ("5 seeds", "light")
+    assert values["stopped_at"] == "revealed 1, survived 1"
+
+
+def test_a_row_that_was_not_tested_has_neither_kills_nor_p() -> None:
+    red = pool(DARK, red=10, violated={"SR1": 20.0, "SR2": 20.0})
+    flown = [*red, *(outcome("LATE-human@3s", DARK, seed, violated={"SR2": 8.0}) for seed in SEEDS)]
+    values = named(rows(flown), "LATE-human").values
+    assert (values["verdict"], values["kill_rate"], values["p"]) == ("not tested", None, None)
+
+
+def test_without_a_pool_the_sheet_says_what_would_decide_and_what_to_call() -> None:
+    found = rows([outcome(situation=HUMAN), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})])
+    values = named(found, "LATE-human").values
+    assert (values["verdict"], values["kill_rate"]) == ("undecided", None)
+    assert values["needed"] == "10 baseline flights in each situation"
+    assert "No verdict: no situation in which a mutant changes a sample has 10 baseline flights" in population(found)
+    assert "No verdict" not in population(rows(FLOWN))
+
+
+def test_a_cell_that_was_not_flown_says_nothing_of_flights() -> None:
+    row = named(rows(FLOWN), "NO-human")
+    assert all(row.values[column.key] is None for column in FINDINGS)
+    assert row.values["mutant"] == "NO-human@100%"
+
+
+def test_the_teams_columns_are_empty_in_every_row() -> None:
+    assert all(row.values[column.key] is None for row in rows(FLOWN) for column in TEAM)
+
+
+def test_an_accepted_survivor_stands_with_owner_day_and_reason() -> None:
+    accepted = Disposition("NO-human@100%", "A. Engineer", "cannot happen", date(2027, 1, 31))
+    values = named(rows(FLOWN, dispositions=(accepted,)), "NO-human").values
+    assert values["disposition"] == "accepted by A. Engineer until 2027-01-31: cannot happen"
+
+
+def test_a_survivor_with_a_find_names_it_and_the_command_that_flies_it_in_every_format() -> None:
+    survivor, finds = "NO-human@100%", known(found("NO-human@100%", struck="person"), found("LATE-human@3s"))
+    flown = [*FLOWN, *(outcome(survivor, HUMAN, seed) for seed in SEEDS)]
+    told = sheet_rows(MATRIX, flown, score(flown, ROSTER, GRID), GRID, (), finds, "mine")
+    said = "shows-NO-human@100%: human walks, cruise speed 0.8 m/s (violates SR2 and strikes person)"
+    values = named(told, "NO-human").values
+    assert (values["find"], values["flies_find"]) == (said, flies(survivor))
+    assert named(told, "LATE-human").values["find"] is None, "it is detected"
+    line_, *_ = [line for line in to_markdown(told).splitlines() if line.startswith("| NO-human ")]
+    assert markdown(said) in line_
+    assert markdown(flies(survivor)) in line_
+    assert latex(flies(survivor)) in to_latex(told)
+    (from_csv,) = [entry for entry in read_csv(told) if entry["cell"] == "NO-human"]
+    assert (from_csv["find"], from_csv["flies_find"]) == (said, flies(survivor))
+    (record,) = [entry for entry in worksheet_values(told)["rows"] if entry["cell"] == "NO-human"]
+    assert (record["find"], record["flies_find"]) == (said, flies(survivor))
+    texts = [cell.value for line in load_workbook(io.BytesIO(to_xlsx(told))).active.iter_rows() for cell in line]
+    assert {said, flies(survivor)} <= set(texts)
+    terminal = " ".join(to_text(told).partition("Finds for survivors")[2].partition("Deviations not")[0].split())
+    assert all(word in terminal for word in flies(survivor).split())
+
+
+def test_pages_have_no_columns_for_finds_where_there_are_none() -> None:
+    found_ = rows(FLOWN)
+    for text in (to_text(found_), to_markdown(found_), to_latex(found_)):
+        assert "Flies it" not in text
+    assert "flies_find" in read_csv(found_)[0]
+
+
+def test_deviations_that_are_not_credible_are_in_a_log_with_their_reason() -> None:
+    found = rows(FLOWN)
+    row = named(found, "EARLY-collision")
+    assert row.values["rationale"] == row.cell.reason
+    for text in (to_text(found), to_markdown(found), to_latex(found)):
+        log = text[text.index("Deviations not credible") :]
+        assert "EARLY-collision" in log or r"EARLY{-}collision" in log
+    book = load_workbook(io.BytesIO(to_xlsx(found)))
+    assert [cell.value for cell in book["Deviations not credible"]["A"]][1:] == [
+        row.cell.name for row in found if row.cell.status is CellStatus.NOT_MEANINGFUL
+    ]
+
+
+@given(st.one_of(campaigns(), seeded()))
+@settings(max_examples=25, deadline=None)
+def test_every_figure_is_the_scores(outcomes: list[Outcome]) -> None:
+    scored = score(outcomes, ROSTER, GRID)
+    flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
+    records = {record["cell"]: record for record in worksheet_values(rows(outcomes))["rows"]}
+    assert set(records) == {cell.name for cell in MATRIX}
+    for row in rows(outcomes):
+        found = records[row.cell.name]["results"]
+        mutant = flown.get(str(row.values["mutant"]))
+        assert (found is None) == (mutant is None)
+        if found and mutant:
+            assert (found["kill_rate"]["part"], found["kill_rate"]["whole"]) == (
+                mutant.kill_rate.part,
+                mutant.kill_rate.whole,
+            )
+            assert found["killing"] == list(mutant.killing)
+            assert (found["verdict"], found["p"]) == (mutant.verdict, dict(mutant.safety.p) if mutant.tested else {})
+            assert found["situations_flown"] == mutant.kill_rate_flown.whole
+            assert found["infected"] <= found["reached"] <= found["situations_flown"]
+
+
+def read_csv(found: tuple[SheetRow, ...]) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(to_csv(found), newline="")))
+
+
+@given(hostile)
+@settings(max_examples=usually(25, release=40), deadline=None)
+def test_what_a_study_says_appears_literally_in_every_format(text: str) -> None:
+    found = rows(FLOWN, with_text(text))
+    row = named(found, "LATE-human")
+    (from_csv,) = [entry for entry in read_csv(found) if entry["cell"] == "LATE-human"]
+    assert from_csv["deviation"].removeprefix("'") == printable(text).removeprefix("'")
+    assert not from_csv["deviation"].startswith(FORMULA)
+    (record,) = [
+        entry for entry in json.loads(json.dumps(worksheet_values(found)))["rows"] if entry["cell"] == "LATE-human"
+    ]
+    assert record["deviation"] == text
+    assert f"| {markdown(text)} |" in to_markdown(found)
+    assert f" & {latex(text)} & " in to_latex(found)
+    assert row.values["deviation"] == text
+    said = "".join(line(text).split())
+    assert said[:20] in "".join(to_text(found).split()) or len(said) > 20
+    for shown in (to_markdown(found), to_latex(found), to_text(found), to_csv(found)):
+        assert "\x1b" not in shown
+
+
+@given(hostile)
+@settings(max_examples=15, deadline=None)
+def test_the_workbook_read_back_is_the_sheet(text: str) -> None:
+    found = rows(FLOWN, with_text(text))
+    raw = to_xlsx(found)
+    page = load_workbook(io.BytesIO(raw))["HAZOP worksheet"]
+    lines = [[cell.value for cell in line] for line in page.iter_rows(min_row=2)]
+    credible = [row for row in found if row.cell.status is not CellStatus.NOT_MEANINGFUL]
+    assert [cell.value for cell in page[1]] == [column.title for column in COLUMNS]
+    assert len(lines) == len(credible)
+    for row, read in zip(credible, lines, strict=True):
+        for column, value in zip(COLUMNS, read, strict=True):
+            assert in_excel(value) == cut(row.values[column.key])
+    assert all(cell.data_type != "f" for line in page.iter_rows() for cell in line)
+    with zipfile.ZipFile(io.BytesIO(raw)) as archive:
+        assert not any(b"<f>" in archive.read(name) for name in archive.namelist() if "sheet" in name)
+
+
+def in_excel(value: object) -> object:
+    """A value as Excel shows it: `_x005F_` is an underscore."""
+    return re.sub(r"_x005F_", "_", value) if isinstance(value, str) else value
+
+
+def cut(value: object) -> object:
+    """What a cell can hold; openpyxl reads an empty text as nothing."""
+    if not isinstance(value, str) or not value:
+        return value or (None if value == "" else value)
+    shown = printable(value)
+    return shown if len(shown) <= LONGEST else shown[: LONGEST - 6] + " [cut]"
+
+
+def test_the_workbook_is_made_to_be_worked_with_and_carries_no_clock() -> None:
+    found = rows(FLOWN)
+    raw = to_xlsx(found)
+    assert raw == to_xlsx(found)
+    page = load_workbook(io.BytesIO(raw))["HAZOP worksheet"]
+    assert page.freeze_panes == "B2"
+    assert page.auto_filter.ref.startswith("A1:")
+    assert page["B2"].alignment.wrap_text
+    assert all(page.column_dimensions[cell.column_letter].width >= 9 for cell in page[1])
+
+
+def test_a_formula_stays_a_text_when_somebody_edits_its_cell() -> None:
+    found = rows(FLOWN, with_text("=1+1"))
+    page = load_workbook(io.BytesIO(to_xlsx(found)))["HAZOP worksheet"]
+    formulas = [cell for line in page.iter_rows(min_row=2) for cell in line if str(cell.value).startswith("=")]
+    assert formulas
+    assert all(cell.quotePrefix and cell.data_type == "s" for cell in formulas)
+
+
+def test_every_row_of_the_markdown_has_as_many_cells_as_its_header() -> None:
+    for block in to_markdown(rows(FLOWN, with_text("a|b\\|c\nd"))).split("\n\n"):
+        lines = [line for line in block.splitlines() if line.startswith("|")]
+        assert len({len(re.findall(r"(?<!\\)(?:\\\\)*\|", line)) for line in lines}) <= 1
+
+
+def test_a_cell_with_a_class_has_it_in_every_format_and_survivors_stand_by_class() -> None:
+    early = MATRIX.cell("EARLY-human").default_id
+    silent = [outcome(id_, HUMAN, seed) for id_ in ("NO-human@100%", early) for seed in SEEDS]
+    found = rows([*FLOWN, *silent])
+    assert [(row.cell.name, row.values["severity"]) for row in survivors(found)] == [
+        ("NO-human", "injury"),
+        ("EARLY-human", "delay"),
+    ]
+    assert {row["severity"] for row in read_csv(found) if row["cell"] == "LATE-human"} == {"injury"}
+    assert {row["severity"] for row in worksheet_values(found)["rows"] if row["cell"] == "EARLY-human"} == {"delay"}
+    assert "| EARLY-human | " in to_markdown(found).partition("Survivors, worst class first")[2]
+    page = load_workbook(io.BytesIO(to_xlsx(found)))["Survivors, worst class first"]
+    assert [cell.value for cell in page["A"]][1:] == ["NO-human", "EARLY-human"]
+
+
+def test_a_study_without_classes_has_no_column_of_severity_on_a_page_and_no_list_of_survivors() -> None:
+    found = rows(FLOWN, with_text("plain"))
+    for text in (to_text(found), to_markdown(found), to_latex(found)):
+        assert "Severity" not in text
+        assert "worst class" not in text
+    assert {row["severity"] for row in read_csv(found)} == {""}
+
+
+ENGINES = {
+    "pdflatex": r"\usepackage[T1]{fontenc}",
+    "pdflatex, old fonts": "",
+    "xelatex": r"\usepackage{fontspec}",
+    "lualatex": r"\usepackage{fontspec}",
+}
+LATIN = (
+    "<script>alert(1)</script>",
+    "\"quotes\" 'single' `grave` --- ?` !` << >>",
+    "[option] of the line before",
+    "*starred",
+    "a|b||c",
+    r"\input{/etc/passwd} $y_1^2$ 100 % #1 & ~ {} \end{longtable} \write18{id}",
+    "one\ntwo\r\nthree\tfour",
+    "\x1b[31mred\x07",
+    "Überprüfung größer als 3 m",
+)
+OTHERS = ("人が検出されない", "Детектор", "≤ 3 m")
+
+
+def latex_sheet(matrix: Matrix) -> str:
+    roster = Roster.of(matrix, [mutant.id for mutant in derive(matrix)])
+    flown = pool(*(key for key, _ in GRID.points))
+    flown += [outcome("LATE-human@3s", HUMAN, seed, violated={"SR2": 8.0}) for seed in SEEDS]
+    return to_latex(sheet_rows(matrix, flown, score(flown, roster, GRID), GRID, ()))
+
+
+def compiled(fragments: list[str], engine: str, folder: Path) -> str:
+    """The log of the engine; the document must compile."""
+    command = engine.split(",", maxsplit=1)[0]
+    if shutil.which(command) is None:
+        pytest.skip(f"{command} is not installed; nothing else needs it")
+    packages = ENGINES[engine] + r"\usepackage{longtable,booktabs,array,pdflscape}"
+    text = "\n".join(
+        [r"\documentclass[a4paper]{article}", packages, r"\begin{document}", *fragments, r"\end{document}"]
+    )
+    (folder / "sheet.tex").write_text(text, encoding="utf-8")
+    words = [command, "-no-shell-escape", "-interaction=nonstopmode", "-halt-on-error", "sheet.tex"]
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True, errors="replace", timeout=120, check=False)
+    said = (folder / "sheet.log").read_text(encoding="utf-8", errors="replace")
+    if "not found" in said and "LaTeX Error: File" in said:
+        pytest.skip(f"{command} lacks a package: " + re.findall(r"File `(.*?)' not found", said)[0])
+    assert done.returncode == 0, said[-3000:]
+    return said
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_reference_studys_worksheet_compiles_and_no_column_runs_into_the_next(engine: str, tmp_path: Path) -> None:
+    said = compiled([latex_sheet(WHOLE)], engine, tmp_path)
+    too_wide = [float(found) for found in re.findall(r"Overfull \\hbox \(([\d.]+)pt too wide\)", said)]
+    assert [width for width in too_wide if width > 1.0] == []
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_hostile_texts_compile_as_texts(engine: str, tmp_path: Path) -> None:
+    compiled([latex_sheet(with_text(text)) for text in LATIN], engine, tmp_path)
+
+
+@pytest.mark.parametrize("engine", ["xelatex", "lualatex"])
+def test_letters_that_are_not_latin_compile_in_a_unicode_engine(engine: str, tmp_path: Path) -> None:
+    compiled([latex_sheet(with_text(text)) for text in OTHERS], engine, tmp_path)
+
+
 Call = Callable[..., Result]
-ASKED = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H*", "--seeds", "3", "--jobs", "1", "--quiet")
 
 
-@pytest.fixture
-def flown(call: Call) -> Call:
-    assert call(*ASKED).exit_code == 0
-    return call
-
-
-def test_xlsx_goes_into_a_file_only(flown: Call, tmp_path: Path) -> None:
-    refused = flown("worksheet", "--format", "xlsx")
+def test_a_file_has_what_would_be_printed_and_bad_input_is_refused(told: Call, tmp_path: Path) -> None:
+    refused = told("worksheet", "--format", "xlsx")
     assert refused.exit_code == 2
     assert "name it with --output" in refused.stderr
-    path = tmp_path / "sheet.xlsx"
-    assert flown("worksheet", "--format", "xlsx", "--output", str(path)).exit_code == 0
-    assert load_workbook(path).sheetnames == ["HAZOP worksheet", "Deviations not credible", "About"]
-
-
-@pytest.mark.parametrize("style", ["table", "markdown", "csv", "json", "latex"])
-def test_a_file_has_what_would_be_printed(flown: Call, tmp_path: Path, style: str) -> None:
     path = tmp_path / "sheet"
-    done = flown("worksheet", "--format", style, "--output", str(path))
-    assert (done.exit_code, done.stdout) == (0, "")
-    assert path.read_text(encoding="utf-8") == flown("worksheet", "--format", style).stdout
-
-
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (("--output", "/nowhere/sheet.csv"), "there is no folder"),
-        (("--format", "xls"), "'xls'"),
-    ],
-)
-def test_bad_input_is_refused_in_one_sentence(flown: Call, words: tuple[str, ...], says: str) -> None:
-    assert says in sentence(flown("worksheet", *words))
+    assert told("worksheet", "--format", "xlsx", "--output", str(path)).exit_code == 0
+    assert load_workbook(io.BytesIO(path.read_bytes())).sheetnames[0] == "HAZOP worksheet"
+    for style in ("table", "csv", "json"):
+        done = told("worksheet", "--format", style, "--output", str(path))
+        assert (done.exit_code, done.stdout) == (0, "")
+        assert path.read_text(encoding="utf-8") == told("worksheet", "--format", style).stdout
+    assert "there is no folder" in sentence(told("worksheet", "--output", "/nowhere/sheet.csv"))
+    assert "'xls'" in sentence(told("worksheet", "--format", "xls"))
