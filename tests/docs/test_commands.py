@@ -29,7 +29,7 @@ ELSEWHERE = {
     "CONTRIBUTING.md": "they are the tests themselves",
     "cluster.md": "it needs several machines; tests/campaign/workers flies with a scheduler and workers on one",
     "index.md": "it is README's first command",
-    "install.md": "tests/packaging installs the wheel and the clone",
+    "install.md": "tests/packaging installs the wheel, README's test command the clone",
     "outside.md": "tests/outside/test_outside_flights.py flies this study",
     "outside_ros1.md": "it needs ROS 1; tests/examples/test_testbed.py flies this study where it is installed",
     "outside_ros2.md": "it needs ROS 2; tests/outside/test_ros2.py flies this study where it is installed",

@@ -20,16 +20,16 @@ print("flown", log.ending.value, round(max(log.signals["y_m"]), 1), repr(log.sta
 """
 
 
-@pytest.fixture
-def site(tmp_path: Path) -> Path:
-    folder = tmp_path / "site"
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("site")
     install_project(folder, EXAMPLE)
     return folder
 
 
-@pytest.fixture
-def study(site: Path, tmp_path: Path) -> Path:
-    folder = tmp_path / "study"
+@pytest.fixture(scope="module")
+def study(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("planner") / "study"
     done = call(site, EXAMPLE / "copy_study.py", folder, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     return folder

@@ -97,12 +97,12 @@ def test_the_documents_of_the_guides_can_be_read(
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize("guide", ["judge", pytest.param("own_simulator", marks=pytest.mark.release)])
-def test_the_commands_of_the_guides_run(guide: str, tmp_path: Path) -> None:
+@pytest.mark.release
+def test_the_commands_of_the_guide_run(tmp_path: Path) -> None:
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     for name in ("hazop", "mutants", "sim"):
         shutil.copytree(ROOT / name, tmp_path / name)
-    commands = re.findall(r"^\$ (.*)$", (ROOT / "docs" / f"{guide}.md").read_text(), re.MULTILINE)
+    commands = re.findall(r"^\$ (.*)$", (ROOT / "docs" / "own_simulator.md").read_text(), re.MULTILINE)
     assert commands
     for command in commands:
         program, *words = shlex.split(command)

@@ -153,3 +153,37 @@ def test_what_its_beliefs_mark_is_on_the_map(told: dict[str, tuple[int, str]], s
 @pytest.mark.flight
 def test_a_merged_campaign_has_the_same_flights(told: dict[str, tuple[int, str]]) -> None:
     assert "0 differ" in told["diff default whole"][1]
+
+
+TWO = """
+import json, sys
+from scaloft_fi.campaign.flights.fly import fly_log
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.mutants.catalogue import realise
+from scaloft_fi.study import Study
+
+def digest(study, mutant, situation):
+    return fly_log(study, Flight(realise(study.matrix, mutant), study.grid.situation(situation), 0)).digest
+
+own, reference = Study.open(sys.argv[1]), Study.open(sys.argv[2])
+print(json.dumps({
+    "seams": [sorted(own.stack.by_name), sorted(reference.stack.by_name)],
+    "before": digest(own, "LATE-range", "O1D0"),
+    "between": digest(reference, "LATE-human", "T0O0W0D0H1"),
+    "after": digest(own, "LATE-range", "O1D0"),
+    "again": digest(reference, "LATE-human", "T0O0W0D0H1"),
+}))
+"""
+
+
+@pytest.mark.flight
+def test_two_stacks_in_one_process_fly_as_each_does_alone(tmp_path: Path) -> None:
+    install_project(tmp_path, EXAMPLE)
+    done = call(tmp_path, "-c", TWO, EXAMPLE / "study", ROOT, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout.splitlines()[-1])
+    own, reference = answer["seams"]
+    assert not set(own) & set(reference)
+    assert answer["before"] == answer["after"]
+    assert answer["between"] == answer["again"]
+    assert answer["before"] != answer["between"]

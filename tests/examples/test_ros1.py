@@ -19,7 +19,10 @@ from scaloft_fi.outside.guard import descendants
 from scaloft_fi.stack.messages import Bumper
 
 LACKING = unimportable(("rospy", "rosmaster", "rosgraph_msgs", "geometry_msgs"))
-pytestmark = pytest.mark.skipif(bool(LACKING), reason=f"the Python of ROS 1 lacks {', '.join(LACKING)}")
+pytestmark = [
+    pytest.mark.release,
+    pytest.mark.skipif(bool(LACKING), reason=f"the Python of ROS 1 lacks {', '.join(LACKING)}"),
+]
 
 TOPICS = (
     Topic("contact", "/contact", Bumper, outward=True),

@@ -102,6 +102,7 @@ def left(mark: str) -> list[str]:
 
 
 @needs_ros
+@pytest.mark.release
 @pytest.mark.flight
 def test_a_mission_over_ros_1_slows_for_the_person_and_lands_at_home(flown: Callable[..., Any]) -> None:
     outcome, first = flown("baseline", "H1", EXAMPLE / "own_mission.py")
@@ -112,6 +113,7 @@ def test_a_mission_over_ros_1_slows_for_the_person_and_lands_at_home(flown: Call
 
 
 @needs_ros
+@pytest.mark.release
 @pytest.mark.flight
 def test_a_late_person_delays_the_slow_order_by_three_seconds(flown: Callable[..., Any]) -> None:
     outcome, first = flown("LATE-human@3s", "H1", EXAMPLE / "own_mission.py")
@@ -120,6 +122,7 @@ def test_a_late_person_delays_the_slow_order_by_three_seconds(flown: Callable[..
 
 
 @needs_ros
+@pytest.mark.release
 @pytest.mark.flight
 def test_a_false_contact_ends_the_mission_before_it_lands(flown: Callable[..., Any]) -> None:
     outcome, first = flown("UNINTENDED-collision@5s", "H0", EXAMPLE / "own_mission.py")
@@ -129,6 +132,7 @@ def test_a_false_contact_ends_the_mission_before_it_lands(flown: Callable[..., A
 
 
 @needs_ros
+@pytest.mark.release
 @pytest.mark.flight
 def test_a_script_that_fails_is_the_drones_with_its_last_words(flown: Callable[..., Any], tmp_path: Path) -> None:
     script = tmp_path / "failing.py"

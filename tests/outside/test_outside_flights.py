@@ -122,7 +122,6 @@ def test_placebo_outside_flies_as_the_baseline_and_a_late_person_is_shown(outsid
         ("print('no route'); sys.exit(3)", "faulty.py ended with code 3; its last lines: ready / no route"),
         ("import os; os.kill(os.getpid(), 11)", "faulty.py was ended by SIGSEGV; its last lines: ready"),
         ("time.sleep(60)", "no answer on /cmd_vel for 5 ticks in a row, for 0.02 s each; its last lines: ready"),
-        ("border._socket.close(); time.sleep(60)", "no answer on /cmd_vel for 5 ticks in a row"),
         ("order['turn_radps'] = float('nan')", "NaN is no number of JSON"),
         ("order['velocity'] = 'fast'", "/cmd_vel: data.velocity must be a list of 3 numbers"),
         (

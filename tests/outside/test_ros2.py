@@ -1,4 +1,4 @@
-"""The border over ROS 2, in processes with the wheels of ROS 2; without these the tests say so."""
+"""The border over ROS 2; with `--release` in processes with the wheels of ROS 2, and without these it says so."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from effort import usually
 from ros2_wheels import python_with_ros2
 
 from scaloft_fi.errors import InputError
@@ -41,6 +40,7 @@ def told(python: str) -> dict[str, Any]:
     return read
 
 
+@pytest.mark.release
 def test_two_borders_are_in_two_domains_and_do_not_hear_each_other(told: dict[str, Any]) -> None:
     first, second = told["domains"]
     assert first != second
@@ -50,11 +50,13 @@ def test_two_borders_are_in_two_domains_and_do_not_hear_each_other(told: dict[st
     assert told["lacking"] == ""
 
 
+@pytest.mark.release
 def test_a_border_listens_on_loopback_only(told: dict[str, Any]) -> None:
     assert LOOPBACK in told["addresses"]
     assert set(told["addresses"]) <= {LOOPBACK, MULTICAST}
 
 
+@pytest.mark.release
 def test_samples_go_out_as_the_usual_messages_with_their_own_stamps(told: dict[str, Any]) -> None:
     assert told["stamp"] == [1, 250_000_000]
     assert told["position"] == [1.0, 2.0]
@@ -65,12 +67,14 @@ def test_samples_go_out_as_the_usual_messages_with_their_own_stamps(told: dict[s
     assert told["mapped"] == 0.5
 
 
+@pytest.mark.release
 def test_an_order_answers_its_tick_and_one_that_came_before_the_clock_does_not(told: dict[str, Any]) -> None:
     assert told["order"] == {"came": True, "speed": 0.5, "count": 1, "refused": ""}
     assert told["late"]["came"] is False
     assert told["late"]["speed"] == pytest.approx(0.6)
 
 
+@pytest.mark.release
 def test_nonsense_is_refused_with_a_sentence_and_a_flood_is_bounded(told: dict[str, Any]) -> None:
     assert told["nan"]["came"] is False
     assert told["nan"]["refused"] == "/cmd: data.velocity[0]=nan must be finite"
@@ -114,7 +118,7 @@ def test_without_rclpy_a_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyP
         Ros2Border.need()
 
 
-FLIGHTS = (("baseline", KEY), ("LATE-human", KEY), *usually((), release=(("baseline", "T0O0W0D0H0"),)))
+FLIGHTS = (("baseline", KEY), ("LATE-human", KEY), ("baseline", "T0O0W0D0H0"))
 FLY = """
 import json, sys
 import scaloft_fi
@@ -124,6 +128,7 @@ print(json.dumps([[flight.mutant, flight.situation, flight.ending, [*flight.viol
 """
 
 
+@pytest.mark.release
 @pytest.mark.flight
 def test_the_example_over_ros_2_agrees_with_the_same_planner_over_lines(python: str, tmp_path: Path) -> None:
     facts = {}

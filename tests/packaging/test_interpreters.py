@@ -51,6 +51,7 @@ def _venv(python: str, folder: Path, *packages: str) -> Path:
     return own
 
 
+@pytest.mark.release
 def test_the_matrix_and_the_operators_load_on_the_other_python_with_the_newest_libraries(tmp_path: Path) -> None:
     python = _interpreter()
     if python is None:

@@ -12,7 +12,6 @@ from paper_flyer import Paper
 
 import scaloft_fi
 from scaloft_fi.cli import main
-from scaloft_fi.verbs.export.dossier import FORMATS
 
 STUDY = Path(__file__).parents[2]
 
@@ -51,9 +50,8 @@ def test_a_script_and_the_verb_fly_the_same_and_export_the_same_bytes(
     theirs = ("--campaign", f"{tmp_path}/verb/c")
     ran = _verb("run", *words, "--baseline-seeds", "0-9", "--jobs", "1", "--quiet", "--format", "json", *theirs)
     assert score.record() == json.loads(ran)
-    for name in sorted(FORMATS):
-        if FORMATS[name].text:
-            assert campaign.export(name) == _verb("export", "--format", name, *theirs), name
+    for name in ("csv", "junit", "sace"):
+        assert campaign.export(name) == _verb("export", "--format", name, *theirs), name
     by_parameter = _verb("score", "--by", "parameter", "--format", "json", *theirs)
     assert campaign.score().record(by="parameter") == json.loads(by_parameter)
     ours = f"{tmp_path}/script/c"
