@@ -1,14 +1,13 @@
 """Measure the savings by sharing and the speed of a second process on a sample of the default catalogue.
 
-    python benchmarks/campaign.py [--json] [--situation KEY|GLOB]... [--every N] [--whole]
+    python benchmarks/campaign.py [--situation KEY|GLOB]... [--every N] [--whole]
 
 sim_s_shared: simulated seconds when mutants share their baseline up to the first altered sample, counted in the flight
 loop of every process.  sim_s_unavoidable: simulated seconds of baselines and PLACEBO, and of each other flight from its
 first altered sample on.  sim_s_brute: simulated seconds when every flight is flown whole.  digests_equal: whether both
 ways give the same outcomes, field for field.  flights_per_s and efficiency: outcomes per second of wall time with 1 and
 with 2 processes, the faster of two runs each, in turn (of one run with --whole).  cpu_s: processor time of these runs,
-which is comparable on a busy machine.  peak_rss_mib: peak memory of a worker and of its largest forked process, after
-100 and after 1,000 flights.
+which is comparable on a busy machine.
 """
 
 from __future__ import annotations
@@ -18,7 +17,6 @@ import checkout  # noqa: F401 - first: it sets the path and the threads
 # isort: split
 
 import argparse
-import json
 import mmap
 import resource
 import struct
@@ -28,26 +26,20 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from operator import itemgetter
 from typing import Any
+from unittest.mock import patch
 
-from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flight import Batch
 from scaloft_fi.campaign.flights.fly import Worker, left_of, lost
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import alone, plan, together
 from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.mutants.catalogue import defaults, realise
+from scaloft_fi.mutants.catalogue import defaults
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.sim import flight as flight_module
 from scaloft_fi.study import Study
 
 SITUATIONS = ("T0O0W0D0H1", "T0O1W0D1H0")
-SHORTEST = "T0O0W0D0H0"
-QUICK = (
-    *("OTHERTHAN-imu@0.5s", "OTHERTHAN-imu@0.5s#5s", "OTHERTHAN-imu@0.5s#10s", "OTHERTHAN-imu@0.5s#15s"),
-    *("REVERSE-imu", "REVERSE-velcmd", "PARTOF-goal@y", "OTHERTHAN-goal", "UNINTENDED-goal@20s"),
-)
-"""Mutants whose flights end within seconds after they leave their baseline, so that ten flights take little time."""
-RSS_FLIGHTS = (100, 1000)
 ROUNDS = 2
 """Number of runs of which the fastest counts, because other load can only slow a run down."""
 
@@ -66,8 +58,7 @@ class TickCounter:
     @contextmanager
     def counting(self) -> Iterator[None]:
         """Count every tick in this context; one process flies at a time."""
-        name = "tick"
-        tick: Callable[[Any], bool] = getattr(flight_module.FlightLoop, name)
+        tick: Callable[[Any], bool] = flight_module.FlightLoop.tick
 
         def counted(flight: Any) -> bool:
             goes_on = tick(flight)
@@ -75,11 +66,8 @@ class TickCounter:
                 self._memory[:8] = struct.pack("q", self.ticks + 1)
             return goes_on
 
-        setattr(flight_module.FlightLoop, name, counted)
-        try:
+        with patch.object(flight_module.FlightLoop, "tick", counted):
             yield
-        finally:
-            setattr(flight_module.FlightLoop, name, tick)
 
 
 def flown(study: Study, batches: Sequence[Batch], jobs: int) -> tuple[dict[str, Outcome], float, float]:
@@ -105,36 +93,6 @@ def unavoidable_s(outcomes: Sequence[Outcome]) -> float:
         elif outcome.infected_at_s is not None:
             total_s += outcome.duration_s - outcome.infected_at_s
     return total_s
-
-
-def peak_rss(study: Study) -> dict[str, dict[str, float]]:
-    """Peak memory of one worker after 100 and after 1,000 flights, each forked off a baseline [MiB]."""
-    situation = study.grid.situation(SHORTEST)
-    subjects = (None, *(realise(study.matrix, name) for name in QUICK))
-    batches = [
-        Batch(tuple(Flight(subject, situation, seed) for subject in subjects), shared=True)
-        for seed in range(RSS_FLIGHTS[-1] // len(subjects))
-    ]
-
-    def work(batches: Sequence[Batch], report: Callable[[tuple[int, float, float]], None]) -> None:
-        fly, count = Worker(study, Physics()), 0
-        for batch in batches:
-            fly(batch, lambda _outcome: None)
-            count += len(batch.flights)
-            if count in RSS_FLIGHTS:
-                report((count, peak_mib(resource.RUSAGE_SELF), peak_mib(resource.RUSAGE_CHILDREN)))
-
-    pool: ProcessPool[Sequence[Batch], tuple[int, float, float]] = ProcessPool(
-        work, 1, left=lambda _task, _results: None, lost=lambda _task, _how: [], patience_s=86400.0
-    )
-    with pool:
-        return {str(count): {"worker": own, "split_off": child} for count, own, child in pool.map([batches])}
-
-
-def peak_mib(who: int) -> float:
-    """Peak resident memory [MiB]."""
-    unit = 1024**2 if sys.platform == "darwin" else 1024
-    return round(resource.getrusage(who).ru_maxrss / unit, 1)
 
 
 def measure(study: Study, keys: Sequence[str], every: int, rounds: int) -> dict[str, Any]:
@@ -178,23 +136,15 @@ def measure(study: Study, keys: Sequence[str], every: int, rounds: int) -> dict[
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--situation", action="append", default=[], help="key or glob, repeatable")
     parser.add_argument("--every", type=int, default=4, help="fly every N-th default mutant (default: 4)")
     parser.add_argument("--whole", action="store_true", help="every default in every situation: an hour and a half")
-    parser.add_argument("--no-rss", action="store_true", help="leave the memory of 1,000 flights out")
     options = parser.parse_args()
     study = Study.open(None)
     Physics().prepare(study, lambda text: print(text, file=sys.stderr))
     keys = options.situation or ([] if options.whole else SITUATIONS)
-    # before anything else is in the memory that a worker begins with
-    memory = {} if options.no_rss else {"peak_rss_mib": peak_rss(study)}
     every, rounds = (1, 1) if options.whole else (options.every, ROUNDS)
-    figures = measure(study, keys, every, rounds) | memory
-    if options.json:
-        json.dump(figures, sys.stdout, indent=2)
-        print()
-        return
+    figures = measure(study, keys, every, rounds)
     for name, figure in figures.items():
         print(f"{name:28} {figure}")
 

@@ -1,6 +1,6 @@
 """Measure the speed of flights: CPU time of the 32 baselines of seed 0, beside a bare PyBullet loop in the same mine.
 
-    python benchmarks/flight.py [--json] [--situation GLOB ...]
+    python benchmarks/flight.py [--situation GLOB ...]
 
 `sim_s_per_cpu_s`: simulated seconds per CPU second of one core: scenario, flight and requirements, kernels compiled.
 `bare_pybullet_sim_s_per_cpu_s`: a loop that reads the state, applies forces, steps at 240 Hz and renders the same
@@ -17,13 +17,12 @@ import checkout  # noqa: F401 - first: it sets the path and the threads
 # isort: split
 import argparse
 import functools
-import json
-import sys
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 
@@ -96,26 +95,10 @@ class Clock:
 @contextmanager
 def instrumented(clock: Clock) -> Iterator[None]:
     """Time the probed functions."""
-    originals = [(owner, name, getattr(owner, name)) for owner, name, _ in PROBES]
-    for (owner, name, part), (_, _, original) in zip(PROBES, originals, strict=True):
-        setattr(owner, name, clock.probe(original, part))
-    try:
+    with ExitStack() as patches:
+        for owner, name, part in PROBES:
+            patches.enter_context(patch.object(owner, name, clock.probe(getattr(owner, name), part)))
         yield
-    finally:
-        for owner, name, original in originals:
-            setattr(owner, name, original)
-
-
-@contextmanager
-def server_only() -> Iterator[None]:
-    """Let the physics server make every step."""
-    name = "agrees"
-    original = getattr(flight_module, name)
-    setattr(flight_module, name, lambda: False)
-    try:
-        yield
-    finally:
-        setattr(flight_module, name, original)
 
 
 def flights(study: Study, situations: list[Any], clock: Clock | None = None) -> tuple[float, float]:
@@ -189,14 +172,13 @@ def normals(triangles: Any) -> Any:
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--situation", action="append", default=[], help="key or glob, repeatable (default: all)")
     options = parser.parse_args()
     study = Study.open(None)
     situations = list(study.sim.grid.select(options.situation))
     flights(study, situations[:1])
     simulated_s, cpu_s = flights(study, situations)
-    with server_only():
+    with patch.object(flight_module, "agrees", lambda: False):  # so that the physics server makes every step
         server_simulated_s, server_s = flights(study, situations)
     clock = Clock()
     with instrumented(clock):
@@ -214,10 +196,6 @@ def main() -> None:
         "bare_pybullet_sim_s_per_cpu_s": round(bare_simulated_s / bare_s, 1),
         "ms_per_sim_s": {part: round(spent * scale, 2) for part, spent in sorted(parts.items(), key=lambda p: -p[1])},
     }
-    if options.json:
-        json.dump(figures, sys.stdout, indent=2)
-        print()
-        return
     for name, figure in figures.items():
         print(f"{name:32} {figure}")
 

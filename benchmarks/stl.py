@@ -1,4 +1,4 @@
-"""Measure what formulas cost: parsing, evaluation over a flight's log, import, beside RTAMT; processor time, in turn.
+"""Measure what formulas cost: parsing, evaluation over a flight's log, beside RTAMT; processor time, in turn.
 
     python benchmarks/stl.py [--rounds N]
 
@@ -14,9 +14,6 @@ import checkout  # first: it sets the path and the threads
 # isort: split
 import argparse
 import logging
-import resource
-import subprocess
-import sys
 import time
 import warnings
 from collections.abc import Callable
@@ -31,7 +28,6 @@ from scaloft_fi.judge.requirement import TRIGGER, judge_signals
 from scaloft_fi.judge.stl import Formula, inside_always
 from scaloft_fi.judge.stl.parse import parse
 
-MODULES = ("scaloft_fi.judge.stl", "scaloft_fi.judge.stl.evaluate", "numpy", "rtamt")
 Texts = list[tuple[str, str]]
 """Formulas of a requirement in the order of their evaluation, each with the name under which later ones read it."""
 
@@ -58,9 +54,6 @@ def main() -> None:
         times = [(_cpu_s(ours), _cpu_s(theirs)) for _ in range(rounds)]
         mine, rtamts = (1000 * median(column) for column in zip(*times, strict=True))
         print(f"{name}: {mine:.2f} ms, RTAMT {rtamts:.1f} ms, 1/{rtamts / mine:.0f}")
-    imports = [[_import_s(module) for module in MODULES] for _ in range(5)]
-    for module, times_s in zip(MODULES, zip(*imports, strict=True), strict=True):
-        print(f"import {module}: {median(times_s):.3f} s")
     longest = Formula.parse("(speed_mps > 0) since[0:600] (clearance_m > 0)", signals)
     print(f"since[0:600]: {1000 * _cpu_s(lambda: longest.robustness(signals)):.0f} ms")
 
@@ -116,18 +109,6 @@ def _cpu_s(task: Callable[[], object]) -> float:
     start = time.process_time()
     task()
     return time.process_time() - start
-
-
-def _import_s(modules: str) -> float:
-    """Processor time of a new interpreter that imports `modules`, less that of one that imports nothing [s]."""
-    return _child_s(f"import {modules}") - _child_s("pass")
-
-
-def _child_s(program: str) -> float:
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([sys.executable, "-W", "ignore", "-c", program], cwd=checkout.ROOT, check=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Measure time and memory to score, count and export a campaign of 200,000 flights.
 
-    python benchmarks/store.py [--json] [--flights N] [--campaign DIR]
+    python benchmarks/store.py [--flights N] [--campaign DIR]
 
 The flights are synthetic: every mutant of the catalogue in every situation, with the necessary number of seeds, with
 the keys of the study, and with durations and variety of real flights.  A share SAME of them equals their baseline, like
@@ -19,7 +19,6 @@ import checkout  # first: it sets the path and the threads
 import argparse
 import hashlib
 import itertools
-import json
 import os
 import random
 import shutil
@@ -174,7 +173,6 @@ def measure(folder: Path, words: tuple[str, ...]) -> dict[str, float]:
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--flights", type=int, default=200_000, help="how many (default: 200,000)")
     parser.add_argument("--campaign", type=Path, help="folder to make it in, and to keep it (with a / in it)")
     options = parser.parse_args()
@@ -191,10 +189,6 @@ def main() -> None:
     finally:
         if options.campaign is None:
             shutil.rmtree(folder)
-    if options.json:
-        json.dump(figures, sys.stdout, indent=2)
-        print()
-        return
     for name, figure in figures.items():
         print(f"{name:12} {figure}")
 

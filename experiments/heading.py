@@ -1,17 +1,15 @@
-"""Test whether LATE-human is revealed at other headings at take-off: the plan and its results.
+"""Test whether LATE-human is revealed at other headings at take-off; its page states flights and rule of decision.
 
-    python -m experiments.heading [--plan] [--jobs N] [--output results/published/heading.md]
-
-The page states the flights and the rule of decision; `--plan` writes it without flying.
+python -m experiments.heading [--jobs N] [--output FILE]
 """
 
 from __future__ import annotations
 
-# isort: split
-
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
-from experiments.varied import Beside, main, outcomes
+from experiments.flights import Beside, flown_draws
+from experiments.pages import blocks, table, write
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import flight_of
 from scaloft_fi.study import Study
@@ -30,70 +28,42 @@ DRAWS = len(SITUATIONS) * len(SEEDS)
 APART = 5
 """Least difference of counts of eight flights for which Fisher's exact p is below 0.05 for all counts."""
 
-PLAN = f"""# Does whether LATE-human is revealed depend on the heading at take-off?
 
-The paper does not say which way the drone looks when it takes off, nor how long it waits.  The study assumes 0 deg:
-across the corridor, so that the drone first sees the corridor, and a person in it, when it turns; the pause is 0.5 s.
-At 90 deg it looks along the corridor from the start.
-
-Question, arms and rule were written down, and committed without the section *Flown*, before these flights were flown.
-They are no blind test: an earlier look at the same arms, without a plan, had found that LATE-human@3s is revealed at
-0 deg and not at 90 deg.  Made by `python -m experiments.heading`.
-
-- **Arms**: heading at take-off (`{YAW}`) 0 deg; 90 deg; 90 deg with a pause of 3 s after take-off
-  (`{PAUSES[0]}`, and the same in the nominal flight).  Nothing else is changed.
-- **Flights**: {", ".join(MUTANTS)} in {", ".join(SITUATIONS)}
-  with seeds {", ".join(map(str, SEEDS))}: {DRAWS} flights a mutant and arm, each beside the baseline of its own arm, \
-situation and seed;
-  {DRAWS * (1 + len(MUTANTS)) * len(ARMS)} flights in all.
-- **Counted**: flights in which SR2 reveals the fault: they violate it, and their baseline held it up to that moment.
-  Each is one flight beside one baseline, so an observation; verdicts on mutants are the reference campaign's.
-- **Rule**: a mutant *depends on the heading* if the arms 0 deg and 90 deg differ by at least {APART} of the {DRAWS} \
-flights, the
-  least difference for which Fisher's exact two-sided p is below 0.05 whatever the counts are.  The same rule between
-  the two arms at 90 deg says whether it *depends on the pause*.
-- **Consequence**: if LATE-human@3s depends on either, the page of the paper's rows says so beside its row.
-
-All arms are reported, whatever they show.
-"""
-
-
-def fly_all(study: Study, jobs: int) -> dict[str, list[list[Outcome]]]:
-    """Per arm, per situation and seed: the baseline, then the mutants."""
+def results(study: Study, jobs: int, _folder: Path) -> str:
+    """Fly, and tell: per arm, per situation and seed the baseline, then the mutants."""
     draws = [(key, seed) for key in SITUATIONS for seed in SEEDS]
-    besides = [Beside(study.folder, arm, *draw, MUTANTS) for arm in ARMS.values() for draw in draws]
-    found = outcomes(besides, jobs)
-    return {name: found[number * DRAWS : (number + 1) * DRAWS] for number, name in enumerate(ARMS)}
-
-
-def results(flown: Mapping[str, Sequence[Sequence[Outcome]]]) -> str:
-    """The section with the results."""
-    seen = {arm: [_seen(draw) for draw in draws] for arm, draws in flown.items()}
+    found = flown_draws([Beside(study.folder, arm, *draw, MUTANTS) for arm in ARMS.values() for draw in draws], jobs)
+    flown = {name: found[number * DRAWS : (number + 1) * DRAWS] for number, name in enumerate(ARMS)}
+    seen = {arm: [_seen(draw) for draw in own] for arm, own in flown.items()}
     counts = {arm: [sum(column) for column in zip(*rows, strict=True)] for arm, rows in seen.items()}
-    lines = ["", "## Flown", "", f"Flights in which SR2 reveals the fault, of {DRAWS}:", ""]
-    lines += ["| start | baselines that hold SR1 and SR2 | " + " | ".join(MUTANTS) + " |"]
-    lines += ["|---|---|" + "---|" * len(MUTANTS)]
-    for arm, draws in flown.items():
-        clean = sum(draw[0].first_violation is None for draw in draws)
-        lines.append(f"| {arm} | {clean} | " + " | ".join(map(str, counts[arm])) + " |")
-    lines.append("")
-    study, turned, paused = ARMS
-    for what, one, other in (("heading", study, turned), ("pause", turned, paused)):
-        for mutant, a, b in zip(MUTANTS, counts[one], counts[other], strict=True):
-            verb = "depends" if abs(a - b) >= APART else "is not shown to depend"
-            lines.append(f"- {mutant} {verb} on the {what}: {a} and {b} of {DRAWS}.")
-    lines += [
-        "",
-        "Each draw (`+`: SR2 reveals the fault, `-`: it does not) and its baseline's robustness of SR2:",
-        "",
+    hold = {arm: sum(draw[0].first_violation is None for draw in own) for arm, own in flown.items()}
+    study_arm, turned, paused = ARMS
+    answers = [
+        f"- {mutant} {_depends(a, b)} on the {what}: {a} and {b} of {DRAWS}."
+        for what, one, other in (("heading", study_arm, turned), ("pause", turned, paused))
+        for mutant, a, b in zip(MUTANTS, counts[one], counts[other], strict=True)
     ]
-    lines += ["| start | situation | seed | " + " | ".join(MUTANTS) + " | baseline |", "|---|---|---|---|---|---|---|"]
-    for arm, draws in flown.items():
-        for draw, marks in zip(draws, seen[arm], strict=True):
-            least = next(reading.rho for reading in draw[0].readings if reading.requirement == "SR2")
-            cells = " | ".join("+" if mark else "-" for mark in marks)
-            lines.append(f"| {arm} | {draw[0].situation} | {draw[0].seed} | {cells} | {least:.2f} |")
-    return "\n".join(lines) + "\n"
+    rows = (
+        (arm, draw[0].situation, draw[0].seed, *("+" if mark else "-" for mark in marks), f"{_least(draw[0]):.2f}")
+        for arm, own in flown.items()
+        for draw, marks in zip(own, seen[arm], strict=True)
+    )
+    return blocks(
+        "## Flown",
+        f"Flights in which SR2 reveals the fault, of {DRAWS}:",
+        table(("start", "baselines that hold SR1 and SR2", *MUTANTS), ((arm, hold[arm], *counts[arm]) for arm in ARMS)),
+        answers,
+        "Each draw (`+`: SR2 reveals the fault, `-`: it does not) and its baseline's robustness of SR2:",
+        table(("start", "situation", "seed", *MUTANTS, "baseline"), rows),
+    )
+
+
+def _depends(one: int, other: int) -> str:
+    return "depends" if abs(one - other) >= APART else "is not shown to depend"
+
+
+def _least(baseline: Outcome) -> float:
+    return next(reading.rho for reading in baseline.readings if reading.requirement == "SR2")
 
 
 def _seen(draw: Sequence[Outcome]) -> list[bool]:
@@ -102,4 +72,4 @@ def _seen(draw: Sequence[Outcome]) -> list[bool]:
 
 
 if __name__ == "__main__":
-    main(__doc__, PLAN, lambda study, jobs: results(fly_all(study, jobs)))
+    write(__doc__, "heading", results)

@@ -12,10 +12,6 @@ as `paper.csv`.  The verdicts use the baseline pool of the reference campaign.
 
 from __future__ import annotations
 
-from experiments import ROOT
-
-# isort: split
-
 import argparse
 import csv
 import fnmatch
@@ -25,10 +21,13 @@ import sys
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import starmap
 
-from false_detections import baselines
 from scipy.stats import binomtest
 
+from experiments import PUBLISHED, ROOT
+from experiments.false_detections import baselines
+from experiments.pages import blocks, registered, table
 from scaloft_fi.analysis.detection import Detection, Sample, Spending, detect
 from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.document import load
@@ -36,7 +35,6 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.study import Study
 
-PUBLISHED = ROOT / "results" / "published"
 FREEZE = "ee10286"
 PULSE, PERIOD_S = "UNINTENDED-collision@20s", 20.0
 LIGHT = "*D0*"
@@ -101,11 +99,6 @@ def shown(row: Row, mutant: str, flights: Sequence[Flight], pool: Pool, spending
     return Shown(own, detection, tuple(s.situation for s in tested), tuple(most) if detection.detected else ())
 
 
-def light(keys: Iterable[str], pattern: str) -> list[str]:
-    """The situations that match the pattern of a prediction."""
-    return fnmatch.filter(keys, pattern)
-
-
 def broken(flight: Flight, requirement: str) -> bool:
     """Whether the flight violates the requirement."""
     return requirement in flight["violated"].split(";")
@@ -130,28 +123,6 @@ where its own baseline held what it violates: an observation.
 
 | row | paper | prediction | ours |
 |---|---|---|---|
-"""
-
-DISCLOSED = """
-## What to know before relying on this
-
-- **Values chosen with mutants in sight.**  The widths of corridor and branch, the bar, the obstacle's place, the
-  person's shape and the waypoint near the wall come from a throw-away prototype.  In it some thirty settings of planner
-  and sensors were tried until the baselines behaved, and nine branches and planner margins to see when MORE-goal would
-  strike something.  Only what came after it was chosen on clean baselines alone (`calibration.md`).
-- **LATE depends on the heading at take-off**, which the paper does not give.  SR2 reveals LATE-human@3s in 8 of 8
-  flights at the study's 0 deg, across the corridor, and in 0 of 8 at 90 deg, along it; LATE-human@1s in 5 and 0,
-  LATE-human@5s in 8 and 5, and none of the three at 90 deg with a pause of 3 s (`heading.md`).
-- **The mission is flown at a third of the published log's speed.**  That log has the drone at 1.8 m/s on the way out
-  and 2.1 m/s on the way back, and 1.3 m past the waypoint.  Ours, asked like the paper's for 0.5 m/s, flies level at
-  0.55 m/s at most (0.76 m/s with climbs) and does not overshoot.  Asked for 1.8 m/s it overshoots by 1.1 m, and 9 of 16
-  light baselines hold SR1 and SR2 (`operating_point.md`).
-- **The reference planner turns before it moves, which masks MORE-goal@1m.**  With that switched off SR1 reveals it in
-  8 of 8 flights, at the wall behind the corner; then no baseline with a person holds SR2 (`operating_point.md`).
-  Whether the paper's navigator turns first is not published.
-- **Two platforms.**  The flights of UNINTENDED at 2.5, 7.5, 12.5 and 17.5 s, and those of the pages named here, were
-  flown on another processor than the rest of `paper.csv` (AMD without AVX-512, Intel with).  Digests differ; the 48
-  light baselines that were flown on both have the same endings, durations and violations, and robustness within 1e-13.
 """
 
 DETAIL = """
@@ -190,25 +161,25 @@ def page(study: Study, flights: Sequence[Flight]) -> str:
     text = HEAD.format(freeze=FREEZE, seeds=", ".join(seeds), pool=pool_seeds, alpha=study.alpha)
     for row, mutants in found.items():
         text += f"| {row.name} | {row.paper} | {row.predicted} | {ours(row, mutants)} |\n"
-    text += DISCLOSED
+    text += registered("paper_table", "\n## What to know before", "\n## LATE")
     for row, mutants in found.items():
         text += DETAIL.format(name=row.name, predicted=row.predicted, requirement=row.requirement)
         text += "".join(line(row, one, flights, seeds) + "\n" for one in mutants)
-        own = [flight for one in mutants for flight in one.flights if light([flight["situation"]], row.light)]
+        own = [flight for one in mutants for flight in one.flights if fnmatch.filter([flight["situation"]], row.light)]
         seen = sorted(revealed(own, row.requirement), key=lambda f: float(f["violated_at_s"]))
         text += "\nWhere the fault is revealed in light, earliest first (at most 12):\n\n"
         text += "".join(f"- {moment(f)}\n" for f in seen[:12]) or "- nowhere\n"
-    clean = [outcome for outcome in pool_flights if light([outcome.situation], LIGHT)]
+    clean = [outcome for outcome in pool_flights if fnmatch.filter([outcome.situation], LIGHT)]
     violated = sum(any(v.requirement == "SR1" for v in outcome.violations) for outcome in clean)
     return text + phases(flights) + f"| light baselines, {pool_seeds} seeds | {counted(violated, len(clean))} |\n"
 
 
 def ours(row: Row, mutants: Sequence[Shown]) -> str:
     """The result of a row as a cell of the table."""
-    own = [flight for one in mutants for flight in one.flights if light([flight["situation"]], row.light)]
+    own = [flight for one in mutants for flight in one.flights if fnmatch.filter([flight["situation"]], row.light)]
     detected = [one for one in mutants if row.requirement in one.detection.by]
     text = f"{len(detected)} of {len(mutants)} mutants detected by {row.requirement}"
-    killing = [len(light(one.kills, row.light)) for one in detected]
+    killing = [len(fnmatch.filter(one.kills, row.light)) for one in detected]
     if killing:
         text += f", with kills in {min(killing)} to {max(killing)} light situations"
     return f"{text}; {len(revealed(own, row.requirement))} of {len(own)} light flights revealed by it"
@@ -226,10 +197,10 @@ def line(row: Row, one: Shown, flights: Sequence[Flight], seeds: Sequence[str]) 
     """The table row of a mutant: verdict, flights by seed, kills, change of robustness."""
     clean = {(f["situation"], f["seed"]): f for f in flights if f["mutant"] == "baseline"}
     rho = f"rho_{row.requirement}"
-    tested = light(one.tested, row.light)
+    tested = fnmatch.filter(one.tested, row.light)
     own = [f for f in one.flights if f["situation"] in tested]
     by_seed = [[f for f in own if f["seed"] == seed] for seed in seeds]
-    kills = light(one.kills, row.light)
+    kills = fnmatch.filter(one.kills, row.light)
     # a flight that did not put the requirement to the test has no robustness
     told = [(float(f[rho]), clean[f["situation"], f["seed"]][rho]) for f in own if f[rho]]
     change = [flown - float(before) for flown, before in told if before]
@@ -248,7 +219,7 @@ def line(row: Row, one: Shown, flights: Sequence[Flight], seeds: Sequence[str]) 
 
 def phases(flights: Sequence[Flight]) -> str:
     """The section on false collisions with a random phase: how often the drone strikes something."""
-    own = [f for f in flights if f["mutant"].startswith(PULSE) and light([f["situation"]], LIGHT)]
+    own = [f for f in flights if f["mutant"].startswith(PULSE) and fnmatch.filter([f["situation"]], LIGHT)]
     listed = {f["mutant"]: float(f["mutant"].partition("#")[2].removesuffix("s") or 0) for f in own}
     ranked = sorted(listed, key=listed.__getitem__)
     flown, struck = (Counter(f["situation"] for f in some) for some in (own, [f for f in own if broken(f, "SR1")]))
@@ -278,19 +249,16 @@ def counted(part: int, whole: int) -> str:
 
 def parameters(study: Study) -> str:
     """Every number of `sim/` with its source."""
-    lines = [
-        "# Where the numbers come from",
-        "",
-        "Every number of `sim/*.yaml`, from `sim/sources.yaml`.  Kinds: published, datasheet, derived, assumption.",
-        "",
-        "| number | value | kind | source |",
-        "|---|---|---|---|",
-    ]
-    for path, value in study.sim.numbers.items():
+
+    def row(path: str, value: float) -> Sequence[object]:
         source = study.sim.source_of(path)
-        kind, text = (source.kind, source.text) if source else ("-", "-")
-        lines.append(f"| {path} | {value:g} | {kind} | {text} |")
-    return "\n".join(lines) + "\n"
+        return path, f"{value:g}", *((source.kind, source.text) if source else ("-", "-"))
+
+    return blocks(
+        "# Where the numbers come from",
+        "Every number of `sim/*.yaml`, from `sim/sources.yaml`.  Kinds: published, datasheet, derived, assumption.",
+        table(("number", "value", "kind", "source"), starmap(row, study.sim.numbers.items())),
+    ).lstrip()
 
 
 def main() -> None:

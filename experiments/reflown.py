@@ -28,22 +28,14 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 
-from experiments.published_outcomes import Row, rows_of
+from experiments.flights import GRIDS, Row, name_of, own_s, published, shared
 from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.plan import together
 from scaloft_fi.campaign.processes import cores
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.campaign.store.origin import fingerprint
-from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.rows import export_rows
 
-PUBLISHED = {
-    "paper": ROOT / "results" / "published" / "reference" / "outcomes.parquet",
-    "wide": ROOT / "results" / "published" / "wide_outcomes.parquet",
-}
-"""The published flights by grid."""
 BITS = ("status", "ending", "violated", "duration_s", "digest")
 FACTS = ("status", "ending", "violated")
 """The columns that must be equal with the same kernels, and with others."""
@@ -51,29 +43,8 @@ SAMPLE_SEED = 0
 """The seed with which every published mutant was flown."""
 ROUNDS = (slice(1), slice(1, 3), slice(3, None))
 """Groups of the mutants' choices, by rank."""
-SOON_S = 1.0
-"""A mutant that leaves its baseline earlier does not share it [s from take-off]."""
 NEWS_EVERY = 500
 """A line on standard error after this number of flights."""
-
-
-def published(grid: str = "paper") -> list[Row]:
-    """The rows of the export of a grid's flights."""
-    return rows_of(PUBLISHED[grid])
-
-
-def name_of(row: Row) -> str:
-    """`MUTANT/SITUATION/SEED`."""
-    return f"{row['mutant']}/{row['situation']}/{row['seed']}"
-
-
-def own_s(row: Row) -> float:
-    """Cost of a mutant's flight: the part that does not share its baseline [s, simulated]."""
-    if row["mutant"] == "PLACEBO":
-        return float(row["duration_s"])
-    if not row["altered"]:
-        return 0.0
-    return float(row["duration_s"] - (row["infected_at_s"] if row["infected_at_s"] >= SOON_S else 0.0))
 
 
 def sample(rows: Sequence[Row], number: int) -> list[Row]:
@@ -112,16 +83,11 @@ def flown(rows: Sequence[Row], jobs: int, grid: str = "paper") -> dict[str, Row]
     flights = [flight_named(study, row["mutant"], row["situation"], row["seed"]) for row in rows]
     baselines = [Flight(None, flight.situation, flight.seed) for flight in flights]  # a status needs its baseline
     wanted = tuple(dict.fromkeys((*baselines, *flights)))
-    with Local(jobs).workers(study, Physics(), stop=lambda: False, say=_say) as workers:
-        for outcome in workers.map(together(wanted, lambda flight: study.expected_s(flight.situation), jobs)):
-            outcomes.append(outcome)
-            if len(outcomes) % NEWS_EVERY == 0:
-                _say(f"{len(outcomes)} of {len(wanted)} flights are flown")
+    for outcome in shared(study, wanted, jobs):
+        outcomes.append(outcome)
+        if len(outcomes) % NEWS_EVERY == 0:
+            print(f"{len(outcomes)} of {len(wanted)} flights are flown", file=sys.stderr, flush=True)
     return {name_of(row): row for row in export_rows(outcomes, study.roster, study.space)}
-
-
-def _say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
 
 
 def differences(rows: Sequence[Row], again: Mapping[str, Row], columns: Sequence[str]) -> Iterator[str]:
@@ -142,7 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     part = parser.add_mutually_exclusive_group()
     part.add_argument("--sample", type=int, metavar="N", help="fly a fixed choice of N flights")
     part.add_argument("--shard", metavar="K/N", help="fly every N-th pair of situation and seed, from the K-th on")
-    parser.add_argument("--grid", choices=PUBLISHED, default="paper", help="whose flights (default: paper)")
+    parser.add_argument("--grid", choices=GRIDS, default="paper", help="whose flights (default: paper)")
     parser.add_argument("--jobs", type=int, help="number of processes; by default one for each processor")
     options = parser.parse_args(arguments)
     rows = published(options.grid)
@@ -152,11 +118,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         rows = shard(rows, *map(int, options.shard.split("/")))
     kernels = {fingerprint()[name] for name in ("numpy kernels", "scipy kernels")}
     columns = BITS if kernels == {KERNELS} else FACTS
-    print(
-        f"OPENBLAS_CORETYPE={KERNELS.upper()} is set: the processor has AVX-512"
-        if CHOSEN
-        else "OPENBLAS_CORETYPE is left as it is: the processor lacks AVX-512"
-    )
+    asked = f"{KERNELS.upper()} is set: the processor has" if CHOSEN else "is left as it is: the processor lacks"
+    print(f"OPENBLAS_CORETYPE {asked} AVX-512")
     print(f"kernels: {', '.join(sorted(kernels))}; published: {KERNELS}; compared: {', '.join(columns)}", flush=True)
     found = list(differences(rows, flown(rows, options.jobs or cores(), options.grid), columns))
     for line in found:

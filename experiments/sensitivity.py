@@ -13,10 +13,6 @@ other variations; `--pages` flies nothing.
 
 from __future__ import annotations
 
-from experiments import ROOT
-
-# isort: split
-
 import argparse
 import csv
 import fnmatch
@@ -26,13 +22,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiments.varied import Beside, flown
+from experiments import PUBLISHED, ROOT
+from experiments.flights import Beside, flown
+from experiments.pages import blocks, table
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import flight_of
 from scaloft_fi.study import Study
 
-PUBLISHED = ROOT / "results" / "published"
 SHARES = (0.7, 1.3)
 WHOLE = {"expansions", "children", "plan_every", "min_pixels", "sectors", "dilation_bins"}
 FOOTPRINT = "world.mine.footprint."
@@ -209,42 +206,41 @@ def _section(row: Row, findings: Findings, order: Sequence[Variation]) -> str:
     same = sum(found.says == stands.says for found in flew)
     some = sum(any(names != "-" for names in found.revealed) for found in flew)
     shown = ", ".join(f"{mutant}: {names}" for mutant, names in zip(row.mutants, stands.revealed, strict=True))
-    lines = [
-        "",
+    gap = [""] * len(row.mutants)
+    rows = (
+        (v.name, v.change, *([f"not possible: {found.impossible}", *gap] if found.impossible else found.says))
+        for v, found in varied
+        if found.says != stands.says
+    )
+    return blocks(
         f"## {row.name} in {row.situation}",
-        "",
-        f"As it stands: baseline violates {stands.baseline}; {shown}; least clearance",
+        f"As it stands: baseline violates {stands.baseline}; {shown}; least clearance\n"
         f"{', '.join(stands.clearance_m)} m (baseline first).",
-        "",
-        f"{len(flew)} variations flown, {len(varied) - len(flew)} not possible: {same} leave all of it as it is;",
+        f"{len(flew)} variations flown, {len(varied) - len(flew)} not possible: {same} leave all of it as it is;\n"
         f"in {some} at least one mutant of the row is revealed.",
-        "",
-        "| assumption | from -> to | baseline | " + " | ".join(row.mutants) + " |",
-        "|---|---|---|" + "---|" * len(row.mutants),
-    ]
-    lines += [_line(v, found, len(row.mutants)) for v, found in varied if found.says != stands.says]
-    return "\n".join(lines) + "\n"
-
-
-def _line(variation: Variation, found: Finding, mutants: int) -> str:
-    if found.impossible:
-        return f"| {variation.name} | {variation.change} | not possible: {found.impossible} |{' |' * mutants}"
-    return f"| {variation.name} | {variation.change} | {' | '.join(found.says)} |"
+        table(("assumption", "from -> to", "baseline", *row.mutants), rows),
+    )
 
 
 def _zeros(findings: Findings, order: Sequence[Variation]) -> str:
-    lines = ["", "## Numbers that are 0", "", "Every flight of theirs, whether it moves a row or not."]
+    parts: list[str | Iterable[str]] = [
+        "## Numbers that are 0",
+        "Every flight of theirs, whether it moves a row or not.",
+    ]
     for path, zero in ZEROS.items():
         values = ", ".join(f"{value:g}" for value in zero.values)
-        lines += ["", f"`{path}`: {values} {zero.unit}: {zero.reason}.", ""]
-        lines += ["| row | to | baseline | mutants, in the row's order |", "|---|---|---|---|"]
-        for row in ROWS:
-            for v in order:
-                if v.name == path:
-                    found = findings[row.name, v.name, v.change]
-                    end = found.impossible or f"{found.baseline} | {', '.join(found.revealed)}"
-                    lines.append(f"| {row.name} | {v.overrides[path]:g} | {end} |")
-    return "\n".join(lines) + "\n"
+        told = ((row, v, findings[row.name, v.name, v.change]) for row in ROWS for v in order if v.name == path)
+        rows = [
+            (
+                row.name,
+                f"{v.overrides[path]:g}",
+                *([found.impossible] if found.impossible else [found.baseline, ", ".join(found.revealed)]),
+            )
+            for row, v, found in told
+        ]
+        parts += [f"`{path}`: {values} {zero.unit}: {zero.reason}."]
+        parts += [table(("row", "to", "baseline", "mutants, in the row's order"), rows)]
+    return blocks(*parts)
 
 
 def main() -> None:

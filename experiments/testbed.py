@@ -1,40 +1,158 @@
 """Fly the mission scripts of the SCALOFT testbed, unmodified, over ROS 1 above our planner, with and without faults.
 
-    python -m experiments.testbed SETUP_SCRIPT TRIAL_SCRIPT [--keep FOLDER] [--output results/published/testbed.md]
+    python -m experiments.testbed SETUP_SCRIPT TRIAL_SCRIPT [--keep FOLDER] [--output FILE]
 
 It needs what `examples/testbed/setup.sh` and `pip install ./examples/ros1` install.  Each flight keeps what crossed
 the seams of the border, with simulated and wall time, and what the scripts wrote; `--keep` has the files.  No
-flight is repeated and none left out.
+flight is repeated and none left out.  It writes the head and the tables of the page; the published one says besides,
+in two sections of sentences, what its tables show and what they do not.
 """
 
 from __future__ import annotations
 
-from experiments import ROOT
-
-# isort: split
-
-import argparse
-import importlib.util
+import math
 import os
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
+from itertools import pairwise
 from pathlib import Path
+from runpy import run_path
 from typing import Any
 
-from experiments.testbed_page import page
+from experiments import ROOT
+from experiments.pages import Row, blocks, parser, registered, table
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import judged, wire_of
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.output import write_whole
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.stack.declaration import Wire
 from scaloft_fi.study import Study
+
+SLOW_MPS = 0.25
+"""A speed limit up to this is a slow order [m/s]."""
+GAP_S = 0.5
+"""Goals that pause for longer have another script after the pause [s]."""
+PLACES = {"(0, 7)": (0.0, 7.0), "(-3, 8)": (-3.0, 8.0)}
+
+
+def page(flights: Sequence[Flown], scripts: Mapping[str, str]) -> str:
+    """Head and tables of the page of these flights; `scripts` has the SHA-256 of each script by its name."""
+    files = [f"- `{name}`, SHA-256 `{digest}`" for name, digest in scripts.items()]
+    return registered("testbed", end="\n- `") + "\n".join(files) + "\n" + blocks(*_flights(flights), *_orders(flights))
+
+
+def _flights(flights: Sequence[Flown]) -> Iterator[str | Iterable[str]]:
+    yield "## Flights"
+    yield "`within`: the least distance to the waypoint, in the plane.  `home`: that of the last sample to (0, 0)."
+    heads = "flight", "ended", *(f"within of {place}" for place in PLACES), "home", "SR1", "SR2", "OP1"
+    yield table((*heads, "simulated", "wall", "digest", "stack error"), map(_flight, flights))
+
+
+def _flight(one: Flown) -> Row:
+    x, y = one.log.signals["x_m"], one.log.signals["y_m"]
+    near = (min(math.hypot(a - px, b - py) for a, b in zip(x, y, strict=True)) for px, py in PLACES.values())
+    return (
+        f"`{one.name}`",
+        one.outcome.ending + (f", struck {one.log.struck}" if one.log.struck else ""),
+        *(f"{metres:.2f} m" for metres in (*near, math.hypot(x[-1], y[-1]))),
+        *(_reading(one, name) for name in ("SR1", "SR2", "OP1")),
+        f"{float(one.log.signals['elapsed_s'][-1]):.2f} s",
+        f"{one.wall_s:.0f} s",
+        f"`{one.outcome.digest[:8]}`",
+        one.log.stack_error or "none",
+    )
+
+
+def _reading(one: Flown, name: str) -> str:
+    reading = next(r for r in one.outcome.readings if r.requirement == name)
+    said = "not triggered" if not reading.triggered else f"{reading.rho:+.2f}"
+    at = "" if reading.violated_at_s is None else f", violated at {reading.violated_at_s:.2f} s"
+    return f"{'open' if reading.open else said}{at}"
+
+
+def _first(one: Flown, seam: str, holds: Callable[[Crossing], bool]) -> Crossing | None:
+    return next((c for c in one.crossings if c.seam == seam and holds(c)), None)
+
+
+def second_script(one: Flown) -> float | None:
+    """When the first goal after the longest pause came: that of the second script [s]."""
+    times = [c.t_s for c in one.crossings if c.seam == "destination" and c.sent is not None]
+    later = [(b - a, b) for a, b in pairwise(times) if b - a > GAP_S]
+    return max(later)[1] if later else None
+
+
+def seen(one: Flown) -> Crossing | None:
+    """The first message of the detector with a person."""
+    return _first(one, "person", lambda c: c.sent is not None and bool(c.sent.persons))
+
+
+def told(one: Flown) -> Crossing | None:
+    """The first one that the script could get."""
+    return _first(one, "person", lambda c: c.delivered is not None and bool(c.delivered.persons))
+
+
+def slowed(one: Flown) -> Crossing | None:
+    """The first slow order."""
+    return _first(one, "speed", lambda c: c.delivered is not None and c.delivered.limit_mps <= SLOW_MPS)
+
+
+def touched(one: Flown) -> list[float]:
+    """When the contacts began that the script could hear of [s]."""
+    times = [c.t_s for c in one.crossings if c.seam == "contact" and c.delivered is not None and c.delivered.hull]
+    return [t_s for place, t_s in enumerate(times) if place == 0 or t_s - times[place - 1] > GAP_S]
+
+
+def last_goal(one: Flown) -> Crossing | None:
+    """The last goal that the planner got."""
+    goals = [c for c in one.crossings if c.seam == "destination" and c.delivered is not None]
+    return goals[-1] if goals else None
+
+
+def landing(one: Flown) -> Crossing | None:
+    """The order to land."""
+    return _first(one, "landing", lambda c: c.delivered is not None)
+
+
+def _orders(flights: Sequence[Flown]) -> Iterator[str | Iterable[str]]:
+    yield "## Orders"
+    yield (
+        "Simulated time, and in brackets wall time since the first message.  `seen`: the detector's first message\n"
+        "with a person; `told`: the first one that the script could get; `slow`: its first slow order at the planner."
+    )
+    heads = "second script's first goal", "seen", "told", "slow", "seen to slow", "contacts told", "last goal", "land"
+    yield table(("flight", *heads), map(_order, flights))
+
+
+def _order(one: Flown) -> Row:
+    return (
+        f"`{one.name}`",
+        _seconds(second_script(one)),
+        *(_at(crossing) for crossing in (seen(one), told(one), slowed(one))),
+        _seconds(delay(one)),
+        ", ".join(f"{t_s:.2f} s" for t_s in touched(one)) or "none",
+        *(_at(crossing) for crossing in (last_goal(one), landing(one))),
+    )
+
+
+def _at(crossing: Crossing | None) -> str:
+    return "none" if crossing is None else f"{crossing.t_s:.2f} s ({crossing.wall_s:.2f} s)"
+
+
+def _seconds(value: float | None) -> str:
+    return "none" if value is None else f"{value:.2f} s"
+
+
+def delay(one: Flown) -> float | None:
+    """From the detector's first person to the first slow order [s, simulated]."""
+    begin, end = seen(one), slowed(one)
+    return None if begin is None or end is None else end.t_s - begin.t_s
+
 
 FLIGHTS = (
     "baseline/H0/0",
@@ -118,24 +236,17 @@ def flown(study: Study, name: str, folder: Path) -> Flown:
 
 def make_study(folder: Path, scripts: Sequence[Path]) -> Study:
     """Write the example's study with these scripts."""
-    path = ROOT / "examples" / "testbed" / "make_study.py"
-    spec = importlib.util.spec_from_file_location("make_testbed_study", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    module.make_study(folder, scripts, ROOT)
+    run_path(str(ROOT / "examples" / "testbed" / "make_study.py"))["make_study"](folder, scripts, ROOT)
     return Study.open(folder)
 
 
-def main() -> int:
+def main() -> None:
     """Fly, and write the page."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("setup", type=Path)
-    parser.add_argument("trial", type=Path)
-    parser.add_argument("--keep", type=Path)
-    parser.add_argument("--output", type=Path, default=ROOT / "results" / "published" / "testbed.md")
-    options = parser.parse_args()
+    asked = parser(__doc__, "testbed")
+    asked.add_argument("setup", type=Path)
+    asked.add_argument("trial", type=Path)
+    asked.add_argument("--keep", type=Path)
+    options = asked.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         keep = options.keep or Path(temporary) / "files"
         study = make_study(Path(temporary) / "study", [options.setup, options.trial])
@@ -144,9 +255,8 @@ def main() -> int:
             flights.append(flown(study, name, keep / name.replace("/", "_")))
             print(f"{name}: {flights[-1].outcome.ending}, {flights[-1].wall_s:.0f} s", file=sys.stderr)
     digests = {path.name: sha256(path.read_bytes()).hexdigest() for path in (options.setup, options.trial)}
-    write_whole(options.output, page(flights, digests).encode())
-    return 0
+    options.output.write_text(page(flights, digests), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -1,63 +1,61 @@
 """Compare the wide grid with the paper's: which faults each detects, on the half of the mutants that chose nothing.
 
-    python -m experiments.wide --plan [--output results/published/wide.md]
-    python -m experiments.wide [--campaign wide] [--pages] [--jobs N] [--output results/published/wide.md]
+    python -m experiments.wide [--fly] [--jobs N] [--output FILE]
 
-`--plan` writes the question and the rules without flying.  Else the script flies the campaign over the wide grid, three
-seeds and twenty of the baseline, ten of which are the pool, and publishes its flights beside the page, as
-`wide_outcomes.parquet`; stored flights are not flown again.  `--pages` flies nothing: the page of the published
-flights.  The paper's side comes from `results/published/reference/outcomes.parquet`: the same three seeds, and the
-first ten of its pool.
+`--fly` flies the campaign `wide` over the wide grid, three seeds and twenty of the baseline, ten of which are the pool,
+and publishes its flights beside the page, as `wide_outcomes.parquet`; stored flights are not flown again.  The paper's
+side comes from `results/published/reference/outcomes.parquet`: the same three seeds, and the first ten of its pool.
 """
 
 from __future__ import annotations
-
-from experiments import ROOT
-
-# isort: split
 
 import experiments.published_kernels  # noqa: F401 - it must be imported before numpy
 
 # isort: split
 
-import argparse
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import mean
 
-from reference import call
+import numpy as np
 
-from experiments.published_outcomes import Row, outcomes, rows_of
-from experiments.reflown import own_s
-from experiments.wide_again import Grid, section
-from experiments.wide_plan import AGAIN, PARAMETERS, PLAN, halves
+from experiments import ROOT
+from experiments.flights import GRIDS, Row, counted, outcomes, own_s, published, rows_of
+from experiments.pages import blocks, parser, registered, table
+from experiments.reference import call
+from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.kill_matrix import kill_matrix
-from scaloft_fi.analysis.pool import State
-from scaloft_fi.analysis.score import MutantScore, Redraw, Score, redraw, score
+from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.score import MutantScore, Redraw, Score, mutant_score, redraw, score
 from scaloft_fi.analysis.survivor import backgrounds
-from scaloft_fi.campaign.processes import cores
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.status import Rulings, rulings_of
+from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.survivors import short_units, survivors
 
-PAPER = ROOT / "results" / "published" / "reference" / "outcomes.parquet"
-OUTPUT = ROOT / "results" / "published" / "wide.md"
-FLIGHTS = "wide_outcomes.parquet"
-SEEDS, POOL, REDRAWN = range(3), range(10), range(20)
-CHOSEN = """## Chosen
+PARAMETERS = ("goal", "collision", "pose", "waypoint", "battery")
+"""The parameters of which the paper's grid shows least."""
 
-Before the file of the wide grid was committed, the choosing half was flown with one seed in 27 situations of two early
-drafts, and 34 of its mutants, those without a kill in most of these, in 35 further situations drawn at random from
-turning missions at 1.0 and 1.2 m/s.  These looks chose 1.2 m/s as the third speed, the waypoint 0.27 m from the wall,
-the obstacle beyond the last waypoint and the light that fails for 6 s on the way out.  The battery of the matrix's
-entries chose the belt: a landing on bare floor violates no safety requirement.  Flights of the unmutated drone alone
-chose everything else: 0.18 rather than 0.15 as the dim light, and the constraint that keeps it from 1.2 m/s at the
-corner; 22 % of charge rather than 20 %, which turned slow missions back before the corner; the directions of wind and
-drift; no dust, no heavier gust, no further obstacle.  After the commit the file got sources that it lacked, and no
-other change.
-"""
+
+def halves(defaults: Mapping[str, str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The choosing and the judging half.
+
+    Args:
+        defaults: the default mutant of each credible cell, by the cell's name such as `LATE-human`.
+
+    >>> halves({"NO-a": "NO-a", "MORE-a": "MORE-a@1", "NO-b": "NO-b"})
+    (('MORE-a@1', 'NO-b'), ('NO-a',))
+    """
+    ordered = sorted(defaults.items(), key=lambda entry: (entry[0].split("-")[1], key_words("wide half", entry[1])))
+    dealt = [mutant for _, mutant in ordered]
+    return tuple(dealt[0::2]), tuple(dealt[1::2])
+
+
+SEEDS, POOL, REDRAWN = range(3), range(10), range(20)
 
 
 @dataclass(frozen=True)
@@ -99,19 +97,17 @@ class Side:
 
 def side(study: Study, rows: Sequence[Row], seeds: Collection[int] = SEEDS) -> Side:
     """The score of the default mutants: of each half, those of the seeds with which all of it was flown everywhere."""
-    clean = [row for row in rows if row["mutant"] == BASELINE and row["seed"] in POOL]
-    counted = []
+    clean, chosen = counted(rows, (), (), POOL), list[Row]()
+    situations = {row["situation"] for row in clean}
     for half in halves(study.roster.defaults):
-        flown = [row for row in rows if row["mutant"] in set(half) and row["seed"] in seeds]
+        flown = counted(rows, half, seeds, ())
         number = Counter(row["seed"] for row in flown)
-        whole = len(half) * len({row["situation"] for row in clean})
-        counted += [row for row in flown if number[row["seed"]] == whole]
+        chosen += [row for row in flown if number[row["seed"]] == len(half) * len(situations)]
     spent_s = {BASELINE: sum(float(row["duration_s"]) for row in clean)}
-    for row in counted:
+    for row in chosen:
         spent_s[row["mutant"]] = spent_s.get(row["mutant"], 0.0) + own_s(row)
-    flights = tuple(outcomes(study, [*clean, *counted]))
-    scored = score(flights, study.roster, study.space)
-    return Side(scored, spent_s, len({row["situation"] for row in clean}), flights)
+    flights = tuple(outcomes(study, [*clean, *chosen]))
+    return Side(score(flights, study.roster, study.space), spent_s, len(situations), flights)
 
 
 def whys_of(study: Study, flown: Side) -> dict[str, str]:
@@ -130,8 +126,7 @@ def by_one_seed(study: Study, rows: Sequence[Row]) -> tuple[int, ...]:
 
 def by_chance(study: Study, rows: Sequence[Row]) -> Redraw:
     """What the verdict calls the unmutated drone, redrawn from its first twenty seeds."""
-    clean = [row for row in rows if row["mutant"] == BASELINE and row["seed"] in REDRAWN]
-    return redraw(outcomes(study, clean), len(SEEDS), study.alpha)
+    return redraw(outcomes(study, counted(rows, (), (), REDRAWN)), len(SEEDS), study.alpha)
 
 
 def results(
@@ -154,33 +149,47 @@ def results(
     choosing, judging = halves(defaults)
     parts = {"judging": judging, "choosing (selected)": choosing, "all (half selected)": (*choosing, *judging)}
     either = paper.detected | wide.detected
-    lines = [
-        "",
-        "## Flown",
-        "",
-        *_cost(paper, wide, choosing, judging),
-        "",
-        "| half | paper's grid | wide grid | both together |",
-        "|---|---|---|---|",
-    ]
-    for name, half in parts.items():
-        counts = " | ".join(
-            f"{len(set(half) & found)} of {len(half)}" for found in (paper.detected, wide.detected, either)
-        )
-        lines.append(f"| {name} | {counts} |")
+    found = paper.detected, wide.detected, either
     first, second = (", ".join(map(str, counts)) for counts in alone)
-    lines += ["", f"One seed alone detects {first} of the judging half in the paper's grid, {second} in the wide grid."]
     chance = ", ".join(f"{one.safety.part} of {one.safety.whole}" for one in redrawn)
-    lines += ["", f"The unmutated drone in the place of a mutant, three of its first {len(REDRAWN)} seeds beside ten"]
-    lines += [f"others: {chance} redraws are called detected, in the paper's grid and in the wide grid."]
-    lines += ["", "By parameter, both halves:", "", "| parameter | defaults | paper's grid | wide grid | both |"]
-    lines.append("|---|---|---|---|---|")
-    for parameter in dict.fromkeys(cell.split("-")[1] for cell in defaults):
-        own = {mutant for cell, mutant in defaults.items() if cell.split("-")[1] == parameter}
-        counts = " | ".join(str(len(own & found)) for found in (paper.detected, wide.detected, either))
-        lines.append(f"| {parameter} | {len(own)} | {counts} |")
-    lines += ["", *_stopped(wide, defaults, whys), "", *_baselines(wide), ""]
-    return "\n".join([*lines, *_mutants(paper, wide, defaults, set(judging))]) + "\n"
+    parameters = {
+        parameter: {mutant for cell, mutant in defaults.items() if cell.split("-")[1] == parameter}
+        for parameter in dict.fromkeys(cell.split("-")[1] for cell in defaults)
+    }
+    return blocks(
+        "## Flown",
+        _cost(paper, wide, choosing, judging),
+        table(
+            ("half", "paper's grid", "wide grid", "both together"),
+            ((n, *(f"{len(set(half) & some)} of {len(half)}" for some in found)) for n, half in parts.items()),
+        ),
+        f"One seed alone detects {first} of the judging half in the paper's grid, {second} in the wide grid.",
+        f"The unmutated drone in the place of a mutant, three of its first {len(REDRAWN)} seeds beside ten\n"
+        f"others: {chance} redraws are called detected, in the paper's grid and in the wide grid.",
+        "By parameter, both halves:",
+        table(
+            ("parameter", "defaults", "paper's grid", "wide grid", "both"),
+            ((n, len(own), *(len(own & some) for some in found)) for n, own in parameters.items()),
+        ),
+        f"What stops the others of {', '.join(PARAMETERS)} in the wide grid:",
+        table(
+            ("mutant", "why"),
+            (
+                (mutant, whys.get(mutant, "not flown"))
+                for cell, mutant in defaults.items()
+                if cell.split("-")[1] in PARAMETERS and mutant not in wide.detected
+            ),
+        ),
+        *_baselines(wide),
+        "Every default mutant; kills: situations where most of its flights violate, of those that put it to the test.",
+        table(
+            ("mutant", "half", "paper's grid", "kills", "wide grid", "kills"),
+            (
+                (one, "judging" if one in judging else "choosing", *_verdict(paper, one), *_verdict(wide, one))
+                for one in defaults.values()
+            ),
+        ),
+    )
 
 
 def _cost(paper: Side, wide: Side, choosing: Sequence[str], judging: Sequence[str]) -> Iterator[str]:
@@ -192,64 +201,32 @@ def _cost(paper: Side, wide: Side, choosing: Sequence[str], judging: Sequence[st
     yield "is judged by these alone.  The first seed of all mutants was flown first; nothing was decided by it."
 
 
-def _stopped(wide: Side, defaults: Mapping[str, str], whys: Mapping[str, str]) -> Iterator[str]:
-    yield f"What stops the others of {', '.join(PARAMETERS)} in the wide grid:"
-    yield ""
-    yield "| mutant | why |"
-    yield "|---|---|"
-    for cell, mutant in defaults.items():
-        if cell.split("-")[1] in PARAMETERS and mutant not in wide.detected:
-            yield f"| {mutant} | {whys.get(mutant, 'not flown')} |"
-
-
-def _baselines(wide: Side) -> Iterator[str]:
+def _baselines(wide: Side) -> Iterator[str | Iterable[str]]:
     safety = [pair for pair in wide.score.pool.pairs.values() if pair.kind is Kind.SAFETY]
     states = {state: sum(pair.state is state for pair in safety) for state in State}
     counted = ", ".join(f"{number} {state.value}" for state, number in states.items() if number)
     yield f"Pairs of situation and safety requirement in the wide grid: {counted}."
-    yield ""
     yield "The unmutated drone violates:"
-    yield ""
-    yield "| situation | requirement | flights |"
-    yield "|---|---|---|"
-    for pair in safety:
-        if pair.violated:
-            yield f"| {pair.situation} | {pair.requirement} | {pair.violated} of {pair.flights} |"
+    rows = ((one.situation, one.requirement, f"{one.violated} of {one.flights}") for one in safety if one.violated)
+    yield table(("situation", "requirement", "flights"), rows)
 
 
-def _mutants(paper: Side, wide: Side, defaults: Mapping[str, str], judging: Collection[str]) -> Iterator[str]:
-    yield "Every default mutant; kills: situations where most of its flights violate, of those that put it to the test."
-    yield ""
-    yield "| mutant | half | paper's grid | kills | wide grid | kills |"
-    yield "|---|---|---|---|---|---|"
-    for mutant in defaults.values():
-        half = "judging" if mutant in judging else "choosing"
-        yield f"| {mutant} | {half} | {_verdict(paper, mutant)} | {_verdict(wide, mutant)} |"
-
-
-def _verdict(side: Side, mutant: str) -> str:
+def _verdict(side: Side, mutant: str) -> tuple[str, str]:
     scored = side.by_id.get(mutant)
     if scored is None:
-        return "not flown | "
+        return "not flown", ""
     killed = len({kill.situation for kill in scored.kills})
-    return f"{scored.verdict.value} | {killed}/{sum(result.tested for result in scored.results)}"
+    return scored.verdict.value, f"{killed}/{sum(result.tested for result in scored.results)}"
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Fly, and write the page."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--plan", action="store_true", help="fly nothing: the page without results")
-    parser.add_argument("--pages", action="store_true", help="fly nothing: the page of the published flights")
-    parser.add_argument("--campaign", default="wide", help="where the flights are")
-    parser.add_argument("--jobs", type=int, default=cores(), help="number of processes")
-    parser.add_argument("--output", type=Path, default=OUTPUT, help="the page")
-    options = parser.parse_args(arguments)
-    if options.plan:
-        options.output.write_text(PLAN, encoding="utf-8")
-        return
-    where, flights = ("--campaign", options.campaign), options.output.parent / FLIGHTS
-    if not options.pages:
-        pool = ("--seeds", str(len(SEEDS)), "--baseline-seeds", str(len(REDRAWN)))
+def main() -> None:
+    """Fly where that is asked for, and write the page."""
+    asked = parser(__doc__, "wide")
+    asked.add_argument("--fly", action="store_true", help="fly the campaign, and publish its flights")
+    options = asked.parse_args()
+    flights = options.output.parent / GRIDS["wide"].name
+    if options.fly:
+        where, pool = ("--campaign", "wide"), ("--seeds", str(len(SEEDS)), "--baseline-seeds", str(len(REDRAWN)))
         call("run", *where, "--grid", "wide", *pool, "--jobs", str(options.jobs))
         call("export", *where, "--format", "parquet", "--output", str(flights))
     options.output.write_text(page(flights), encoding="utf-8")
@@ -257,31 +234,136 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def page(flights: Path) -> str:
     """The page of the published flights of the wide grid."""
-    own, further = Study.open(ROOT), Study.open(ROOT, "wide")
-    rows = rows_of(PAPER), rows_of(flights)
-    paper, wide = side(own, rows[0]), side(further, rows[1])
-    alone = by_one_seed(own, rows[0]), by_one_seed(further, rows[1])
-    redrawn = by_chance(own, rows[0]), by_chance(further, rows[1])
-    told = results(paper, wide, own.roster.defaults, alone, redrawn, whys_of(further, wide))
-    return f"{PLAN}\n{CHOSEN}{told}\n{AGAIN}{again(own, further, rows)}"
-
-
-def again(own: Study, further: Study, rows: tuple[Sequence[Row], Sequence[Row]]) -> str:
-    """The section that tells the result again, with all twenty baseline seeds."""
-    _, judging = halves(own.roster.defaults)
-    return section(grid_of(own, rows[0]), grid_of(further, rows[1]), judging)
+    studies, rows = (Study.open(ROOT), Study.open(ROOT, "wide")), (published(), rows_of(flights))
+    paper, wide = map(side, studies, rows)
+    alone, redrawn = list(map(by_one_seed, studies, rows)), list(map(by_chance, studies, rows))
+    defaults = studies[0].roster.defaults
+    told = results(paper, wide, defaults, alone, redrawn, whys_of(studies[1], wide))
+    paper_grid, wide_grid = map(grid_of, studies, rows)
+    again = registered("wide", "\n## Told again", "\n| half | paper's grid: detected")
+    return registered("wide") + told + again + section(paper_grid, wide_grid, halves(defaults)[1])
 
 
 def grid_of(study: Study, rows: Sequence[Row]) -> Grid:
     """Three seeds of each default mutant, twenty of the baseline."""
-    defaults = set(study.roster.defaults.values())
-    counted = [
-        row
-        for row in rows
-        if (row["mutant"] in defaults and row["seed"] in SEEDS)
-        or (row["mutant"] == BASELINE and row["seed"] in REDRAWN)
+    return Grid(study, rulings_of(outcomes(study, counted(rows, study.roster.defaults.values(), SEEDS, REDRAWN))))
+
+
+# told again: all twenty baseline seeds, firm beside detected, and what other pools of ten say.
+
+ALL, FIRST, SECOND = range(20), range(10), range(10, 20)
+POOLS, SPLITS, SEED = 300, 200, 20_252
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The flights of a grid: three seeds of each default mutant, twenty of the baseline.
+
+    Attributes:
+        study: with the grid.
+        rulings: of the flights.
+    """
+
+    study: Study
+    rulings: Rulings
+
+    def pool(self, seeds: Collection[int]) -> Pool:
+        """The pool of these baseline seeds."""
+        return Pool.of(one for one in self.rulings.baselines if one.seed in seeds)
+
+    def scores(self, seeds: Collection[int], *, firm: bool = False) -> Mapping[str, MutantScore]:
+        """The score of each default mutant beside these seeds of the baseline, by id."""
+        pool, counted = self.pool(seeds), set(self.study.roster.defaults.values())
+        spending = Spending(self.study.alpha)
+        return {
+            subject.id: mutant_score(subject, flights, self.study.space, pool, spending, firm=firm)
+            for subject, flights in self.rulings.mutants.items()
+            if subject.id in counted
+        }
+
+    def detected(self, seeds: Collection[int]) -> frozenset[str]:
+        """The mutants that are detected beside these seeds of the baseline."""
+        return frozenset(id_ for id_, score in self.scores(seeds).items() if score.detected)
+
+
+def section(paper: Grid, wide: Grid, judging: Collection[str]) -> str:
+    """What the rules of the section *Told again* ask for, as text."""
+    return blocks(*_headline(paper, wide, judging), *_pools(wide, judging), _splits(wide), _named(wide), _failing(wide))
+
+
+def _headline(paper: Grid, wide: Grid, judging: Collection[str]) -> Iterator[str | Iterable[str]]:
+    scored = [grid.scores(ALL, firm=True) for grid in (paper, wide)]
+    every = wide.study.roster.defaults.values()
+    halves = {"judging": judging, "choosing (selected)": set(every) - set(judging), "all (half selected)": every}
+
+    def counts(half: Collection[str]) -> Iterator[str]:
+        for scores in scored:
+            own = [scores[id_] for id_ in half if id_ in scores]
+            yield from (f"{sum(getattr(one, name) for one in own)} of {len(half)}" for name in ("detected", "firm"))
+
+    head = ("half", "paper's grid: detected", "firm", "wide grid: detected", "firm")
+    yield table(head, ((name, *counts(half)) for name, half in halves.items()))
+    hangs = [id_ for id_ in every if scored[1][id_].detected and not scored[1][id_].firm]
+    yield f"Not firm in the wide grid: {', '.join(hangs)}."
+
+
+def _pools(wide: Grid, judging: Collection[str]) -> Iterator[str | Iterable[str]]:
+    def told(seeds: Collection[int]) -> str:
+        detected = wide.detected(seeds)
+        return f"{len(detected)} ({len(detected & set(judging))})"
+
+    draw = np.random.Generator(np.random.PCG64(SEED))
+    drawn = [wide.detected(set(draw.permutation(len(ALL))[:10].tolist())) for _ in range(POOLS)]
+    counts, theirs = [len(one) for one in drawn], [len(one & set(judging)) for one in drawn]
+    as_many = 100 * mean(count >= len(wide.detected(FIRST)) for count in counts)
+    yield "Detected in the wide grid (of these in the judging half), by the pool:"
+    rows = {
+        "seeds 0-9, as published": told(FIRST),
+        "seeds 10-19": told(SECOND),
+        "all twenty": told(ALL),
+        f"{POOLS} random pools of ten: mean": f"{mean(counts):.1f} ({mean(theirs):.1f})",
+        "... range": f"{min(counts)} to {max(counts)} ({min(theirs)} to {max(theirs)})",
+        "... as many as seeds 0-9 or more": f"{as_many:.0f} %",
+    }
+    yield table(("pool", "detected"), rows.items())
+
+
+def _splits(wide: Grid) -> Iterator[str]:
+    """Of mutants detected beside ten seeds, how many are detected beside the other ten."""
+    draw = np.random.Generator(np.random.PCG64(SEED + 1))
+    again = {True: [0, 0], False: [0, 0]}
+    for _ in range(SPLITS):
+        order = draw.permutation(len(ALL)).tolist()
+        other = wide.detected(order[10:])
+        for id_, one in wide.scores(order[:10], firm=True).items():
+            if one.detected:
+                again[one.firm][0] += id_ in other
+                again[one.firm][1] += 1
+    firm, rest = (f"{100 * part / whole:.1f} % of {whole}" for part, whole in (again[True], again[False]))
+    yield f"Over {SPLITS} random splits of the twenty seeds into tens, of the mutants that are firm beside one ten"
+    yield f"{firm} are detected beside the other, of those detected and not firm {rest}."
+
+
+def _named(wide: Grid) -> Iterator[str]:
+    first, every = wide.detected(FIRST), wide.detected(ALL)
+    yield f"Detected beside seeds 0-9 and not beside all twenty: {', '.join(sorted(first - every)) or 'none'}."
+    yield f"Detected beside all twenty and not beside seeds 0-9: {', '.join(sorted(every - first)) or 'none'}."
+    ten, pool = wide.pool(FIRST), wide.pool(ALL)
+    lucky = [
+        f"{situation} by {name}"
+        for (situation, name), state in ten.states.items()
+        if state is State.STEADY is not pool.states[situation, name] and ten.pairs[situation, name].kind is Kind.SAFETY
     ]
-    return Grid.of(study, outcomes(study, counted))
+    yield f"Steady in seeds 0-9 alone: {', '.join(lucky) or 'none'}."
+
+
+def _failing(wide: Grid) -> Iterator[str]:
+    pairs = [pair for pair in wide.pool(ALL).pairs.values() if pair.kind is Kind.OPERABILITY]
+    failing = {pair.situation for pair in pairs if 10 * pair.violated > pair.flights}
+    kept = [one for one in wide.scores(ALL).values() if one.detected and any(key not in failing for key in one.killing)]
+    yield f"The unmutated drone violates OP1 in over a tenth of its flights in {len(failing)} of {len(pairs)}"
+    yield f"situations: {', '.join(sorted(failing)) or 'none'}."
+    yield f"Killed in some other situation: {len(kept)} of the detected."
 
 
 if __name__ == "__main__":

@@ -9,8 +9,8 @@ import pytest
 from builders import outcome
 from finding import found
 
-from experiments.found import __main__ as experiment
-from experiments.found.page import Evidence, page
+from experiments import found as experiment
+from experiments.found import Evidence, page
 from scaloft_fi.analysis.roster import plain
 from scaloft_fi.analysis.seeking import POOL, SEEDS, Effort
 from scaloft_fi.campaign.seeking.seek import Sought

@@ -7,13 +7,16 @@ from pathlib import Path
 import pytest
 from builders import GRID, outcome
 
-import experiments.more_goal as more_goal
-from experiments.kept_flights import flights_of, read, write
-from experiments.more_goal_page import flown
-from experiments.more_goal_plan import ARMS, AS_IT_IS, FLIGHTS, MUTANTS, NOT_TURNING, PLAN, STRICT, Arm, names_of
+from experiments import more_goal
+from experiments.flights import Beside, Varied, flights_of, read, shared, write
+from experiments.flights import flown as flown_beside
+from experiments.more_goal import ARMS, AS_IT_IS, FLIGHTS, MUTANTS, NOT_TURNING, STRICT, Arm, flown, names_of
 from experiments.operating_point import LIGHT, PLAIN
-from experiments.varied import Varied
+from experiments.pages import registered
+from scaloft_fi.analysis.detection import ALPHA
 from scaloft_fi.analysis.stratified import Stratum, p_value
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import fly_log
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
@@ -54,17 +57,10 @@ def test_the_arms_are_the_ladder_with_and_without_turning_first_at_three_speeds(
     ladder = [mutant.id for mutant in Study.open(ROOT).catalogue if mutant.cell == "MORE-goal"]
     assert list(MUTANTS) == ladder
     assert FLIGHTS == 2 * 3 * (len(ladder) + 1) * 16 * 10 == 4800
+    plan = registered("more_goal")
+    assert f"= {FLIGHTS:,};" in plan
+    assert f"{ALPHA:g} / {len(ARMS) * len(MUTANTS)} = {STRICT:.2g}:" in plan
     assert len(set(names_of())) * len(ARMS) == FLIGHTS
-
-
-def test_the_plan_is_written_without_flying(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(more_goal, "fly", None)
-    monkeypatch.setattr("sys.argv", ["more_goal.py", "--plan", "--output", str(tmp_path / "page.md")])
-    more_goal.main()
-    assert (tmp_path / "page.md").read_text() == PLAN
-    assert "## Flown" not in PLAN
-    published = (ROOT / "results" / "published" / "more_goal.md").read_text()
-    assert published.startswith(PLAN)
 
 
 def test_the_plan_tells_the_least_numbers_of_violations_that_show_a_fault() -> None:
@@ -162,7 +158,7 @@ def test_a_flight_in_the_file_is_not_flown_again_and_an_invalid_one_is(
                 flight.subject.id, flight.situation.key, flight.seed, invalid="" if len(asked) > 8 else broken
             )
 
-    monkeypatch.setattr("experiments.kept_flights.shared", shared)
+    monkeypatch.setattr("experiments.flights.shared", shared)
     path, study = tmp_path / "flights.jsonl.gz", Study.open(ROOT)
     with pytest.raises(KeyboardInterrupt):
         more_goal.fly(study, path, 1, draws=1)
@@ -177,13 +173,26 @@ def test_a_flight_in_the_file_is_not_flown_again_and_an_invalid_one_is(
 
 @pytest.mark.flight
 def test_flights_that_share_a_baseline_with_changed_numbers_have_the_digests_of_whole_flights() -> None:
-    from experiments.varied import Beside, flown, shared
-
     arm = Arm(turns_first=False, cruise_mps=1.2)
     study = Varied(ROOT, overrides=arm.overrides)
     mutants = {name: realise(study.matrix, name) for name in MUTANTS}
     names = [f"{subject}/T0O0W0D0H0/0" for subject in (BASELINE, "MORE-goal@1m", "MORE-goal@3m")]
     found = {o.name: o.digest for o in shared(study, flights_of(study, mutants, names), 1)}
-    whole = flown(Beside(ROOT, dict(arm.overrides), "T0O0W0D0H0", 0, ("MORE-goal@1m", "MORE-goal@3m")))
+    whole = flown_beside(Beside(ROOT, dict(arm.overrides), "T0O0W0D0H0", 0, ("MORE-goal@1m", "MORE-goal@3m")))
     assert found == {o.name: log.digest for o, log in whole}
     assert len(set(found.values())) == 3
+
+
+@pytest.mark.flight
+def test_without_a_changed_number_the_flights_are_those_of_a_campaign() -> None:
+    study, situation = Study.open(ROOT), "T0O0W0D0H0"
+    mutant = realise(study.matrix, "REVERSE-velcmd")
+    logs = [log.digest for _, log in flown_beside(Beside(ROOT, {}, situation, 0, (mutant.id,)))]
+    flights = [Flight(subject, study.grid.situation(situation), 0) for subject in (None, mutant)]
+    assert logs == [fly_log(study, flight).digest for flight in flights]
+
+
+@pytest.mark.release
+def test_the_published_page_is_that_of_the_published_flights() -> None:
+    made = more_goal.results(Study.open(ROOT), 1, ROOT / "results" / "published")
+    assert registered("more_goal") + made == (ROOT / "results" / "published" / "more_goal.md").read_text()

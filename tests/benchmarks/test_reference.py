@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet
 import pytest
-import reference
 from openpyxl import load_workbook
-from reference import RECORD, REFERENCE
 
+from experiments import reference
+from experiments.reference import RECORD, REFERENCE
 from scaloft_fi.campaign.store.archive import MANIFEST, OUTCOMES
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, pack_track
@@ -24,7 +24,7 @@ from scaloft_fi.verbs.export.archive import outcome_file
 from scaloft_fi.verbs.snapshot import snapshot
 
 MOST_BYTES = 15_000_000
-AGAIN = "python benchmarks/reference.py makes it again"
+AGAIN = "python -m experiments.reference makes it again"
 
 
 @cache

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from experiments.testbed_page import delay, second_script, touched
+from experiments.testbed import delay, second_script, touched
 from scaloft_fi.outside.border import Goal
 from scaloft_fi.stack.messages import Bumper, Detections, Person
 from scaloft_fi.stack.reference.messages import SpeedLimit

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import pytest
 
-import experiments.wide as wide
-from experiments.published_outcomes import outcomes, rows_of
-from experiments.wide_again import ALL
-from experiments.wide_plan import PLAN, halves
+from experiments import wide
+from experiments.flights import GRIDS, outcomes, published
+from experiments.wide import ALL, halves
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Redraw, score
 from scaloft_fi.study import Study
@@ -26,7 +25,7 @@ def study() -> Study:
 
 @pytest.fixture(scope="module")
 def paper(study: Study) -> wide.Side:
-    return wide.side(study, rows_of(wide.PAPER))
+    return wide.side(study, published())
 
 
 def test_each_default_is_in_one_half_and_each_parameter_in_both(study: Study) -> None:
@@ -38,7 +37,7 @@ def test_each_default_is_in_one_half_and_each_parameter_in_both(study: Study) ->
 
 
 def test_the_published_flights_have_the_published_score(study: Study) -> None:
-    found = score(outcomes(study, rows_of(wide.PAPER)), study.roster, study.space)
+    found = score(outcomes(study, published()), study.roster, study.space)
     told = json.loads((PUBLISHED / "reference" / "score.json").read_text(encoding="utf-8"))
     detected = [m["id"] for m in told["mutants"] if m["verdict"] == "detected"]
     assert [mutant.subject.id for mutant in found.mutants if mutant.detected] == detected
@@ -70,14 +69,13 @@ def test_a_grid_beside_itself_detects_the_same_at_once_the_flying(study: Study, 
 def test_the_published_page_is_that_of_the_published_flights() -> None:
     """Two minutes of processor time: five hundred draws of the pool are scored."""
     told = (PUBLISHED / "wide.md").read_text(encoding="utf-8")
-    assert told == wide.page(PUBLISHED / wide.FLIGHTS)
-    assert told.startswith(PLAN)
+    assert told == wide.page(GRIDS["wide"])
 
 
 def test_the_headline_told_again_is_that_of_the_published_flights(study: Study) -> None:
     further, told = Study.open(ROOT, "wide"), (PUBLISHED / "wide.md").read_text(encoding="utf-8")
     _, judging = halves(study.roster.defaults)
-    flights = rows_of(PUBLISHED / wide.FLIGHTS)
+    flights = published("wide")
     scores = wide.grid_of(further, flights).scores(ALL, firm=True)
     found = [sum(test(scores[id_]) for id_ in judging) for test in (lambda s: s.detected, lambda s: s.firm)]
     assert found == [31, 28]
@@ -86,7 +84,7 @@ def test_the_headline_told_again_is_that_of_the_published_flights(study: Study) 
 
 def test_a_seed_that_a_half_was_not_wholly_flown_with_does_not_count(study: Study) -> None:
     _, judging = halves(study.roster.defaults)
-    rows = [row for row in rows_of(wide.PAPER) if (row["mutant"], row["seed"]) != (judging[0], 2)]
+    rows = [row for row in published() if (row["mutant"], row["seed"]) != (judging[0], 2)]
     found = wide.side(study, rows)
     choosing, _ = halves(study.roster.defaults)
     assert (found.seeds(choosing), found.seeds(judging)) == (3, 2)

@@ -29,11 +29,15 @@ VIOLATES = {
     "LATE-human@3s/T0O0W0D0H1/0": True,
     "REVERSE-velcmd/T0O0W0D0H0/0": True,
 }
+MUTANTS = ("baseline", "PLACEBO", "LATE-human@3s", "UNINTENDED-collision@20s", "REVERSE-velcmd")
+SITUATIONS = ("T0O0W0D0H0", "T0O0W0D0H1", "T1O0W0D1H0", "T1O1W1D0H1")
+EVERY = [f"{mutant}/{situation}/0" for mutant in MUTANTS for situation in SITUATIONS]
+"""Every kind of flight: nothing violated, a person passed too fast, a contact, one not landed."""
 FLOWN = {
-    "study": usually(["baseline/T1O0W0D1H0/0", "LATE-human@3s/T0O0W0D0H1/0"], release=[*VIOLATES]),
-    "study_bag": usually(["PLACEBO/T0O0W0D0H1/0", "REVERSE-velcmd/T0O0W0D0H0/0"], release=[*VIOLATES]),
+    "study": usually(["baseline/T1O0W0D1H0/0", "LATE-human@3s/T0O0W0D0H1/0"], release=EVERY),
+    "study_bag": usually(["PLACEBO/T0O0W0D0H1/0", "REVERSE-velcmd/T0O0W0D0H0/0"], release=EVERY),
 }
-"""What each study flies."""
+"""What each study flies; before a release, the 20 flights of which `docs/own_simulator.md` tells."""
 FEW_SEEDS = ["--baseline-seeds", "1"]
 """Whether a command runs shows in few flights."""
 
@@ -66,7 +70,7 @@ def test_the_study_can_be_flown_and_nothing_in_it_counts_as_unmet(study: Study) 
 
 @pytest.fixture(scope="module")
 def ours() -> dict[str, Outcome]:
-    return {name: _fly(Study.open(ROOT), name) for name in VIOLATES}
+    return {name: _fly(Study.open(ROOT), name) for name in usually([*VIOLATES], release=EVERY)}
 
 
 @pytest.mark.flight
@@ -77,7 +81,7 @@ def test_its_verdicts_are_those_of_the_built_in_flyer(study: Study, ours: dict[s
         assert one.violations == other.violations
         assert (one.ending, one.struck, one.realised) == (other.ending, other.struck, other.realised)
         assert (one.carried, one.altered, one.infected_at_s) == (other.carried, other.altered, other.infected_at_s)
-        assert bool(other.first_violation) == VIOLATES[name]
+        assert bool(other.first_violation) == VIOLATES.get(name, bool(one.first_violation))
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,6 @@ def rows() -> list[dict[str, object]]:
 @cache
 def outcomes() -> list[Outcome]:
     sys.path.append(str(ROOT))
-    from experiments.published_outcomes import outcomes
+    from experiments.flights import outcomes
 
     return list(outcomes(Study.open(ROOT), rows()))

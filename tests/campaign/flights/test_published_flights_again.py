@@ -85,7 +85,7 @@ def test_kernels_are_asked_for_only_where_they_can_run(
 @pytest.mark.flight
 @pytest.mark.parametrize(("grid", "number"), FLOWN.items())
 def test_published_flights_flown_again_are_the_published_ones(grid: str, number: int) -> None:
-    words = [sys.executable, "experiments/reflown.py", "--grid", grid, "--sample", str(number), "--jobs", "1"]
+    words = [sys.executable, "-m", "experiments.reflown", "--grid", grid, "--sample", str(number), "--jobs", "1"]
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.endswith(f"{number} flights flown again, 0 differ\n")

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.flight
 @pytest.mark.release
 def test_a_campaign_killed_and_resumed_exports_the_bytes_of_an_undisturbed_one() -> None:
     words = ("--kills", "1", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--baseline-seeds", "2")
-    call = [sys.executable, "benchmarks/kill", "--json", *words]
+    call = [sys.executable, "benchmarks/kill.py", *words]
     done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     figures = json.loads(done.stdout)

@@ -1,1 +1,0 @@
-"""A campaign that is killed again and again."""

@@ -1,0 +1,208 @@
+"""Measure how often the verdict detects a fault without effect, and how often a fault with an effect.
+
+    python -m experiments.false_detections [--draws N] [--output FILE]
+
+redraw: seeds of the published baseline pool, judged as a mutant beside ten other seeds of the pool.  planted: synthetic
+campaigns of independent flights that violate both requirements at one rate, the same for mutant and pool.  power: a
+mutant that violates one requirement at a rate in some of 32 situations in which the pool is steady.  The script flies
+nothing, and every arm has its own random stream, so the figures are reproducible.
+
+Bar: in each arm of redraw and planted, at most a share alpha of the draws is detected.  Exit code 1 above it.
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from experiments import ROOT
+from experiments.flights import outcomes, published
+from experiments.pages import parser, table
+from scaloft_fi.analysis.detection import ALPHA, LOOKS, Sample, Spending, detect
+from scaloft_fi.analysis.pool import LEAST, Pair, Pool
+from scaloft_fi.analysis.score import redraw
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.study import Study
+
+SITUATIONS = tuple(f"S{number}" for number in range(32))
+NAMES = ("R1", "R2")
+RATES = (0.05, 0.1, 0.2, 0.4)
+POWER_RATES, POWER_SITUATIONS, NOISES = (0.5, 1.0), (1, 2, 4, 8), (0.0, 0.02)
+MUTANT = "a mutant"
+GROWN = Spending(ALPHA, frozenset({MUTANT}))
+"""The spending of alpha by looks at 1, 3, 5 and 10 seeds."""
+SEED = 20252
+
+
+@dataclass(frozen=True)
+class Arm:
+    """Draws of one kind, and the number of detections among them.
+
+    Attributes:
+        kind: redraw, planted or power.
+        name: name of the arm, unique within its kind.
+        seeds: flights of the mutant in each situation; 0 = a look at each of 1, 3, 5 and 10.
+        detected: number of detections.
+        draws: number of draws.
+    """
+
+    kind: str
+    name: str
+    seeds: int
+    detected: int
+    draws: int
+
+    @property
+    def share(self) -> float:
+        """Share of the draws that are detected."""
+        return self.detected / self.draws
+
+    @property
+    def bounded(self) -> bool:
+        """Whether the fault has no effect, so that the bar applies."""
+        return self.kind != "power"
+
+
+def baselines(study: Study) -> list[Outcome]:
+    """The published pool."""
+    return outcomes(study, (row for row in published() if row["mutant"] == BASELINE))
+
+
+def redraws(flown: Sequence[Outcome], draws: int) -> Iterator[Arm]:
+    """Judge baseline seeds as mutants, by safety and by operability requirements."""
+    for seeds in LOOKS:
+        found = redraw(flown, seeds, ALPHA, draws)
+        yield Arm("redraw", "safety", seeds, found.safety.part, draws)
+        yield Arm("redraw", "operability", seeds, found.operability.part, draws)
+
+
+def planted(rate: float, seeds: int, draws: int) -> Arm:
+    """Judge a mutant without effect; every flight violates each requirement at a rate."""
+    draw = _stream(1, rate, seeds)
+    shape = len(SITUATIONS), len(NAMES)
+    number = seeds or LOOKS[-1]
+    found = 0
+    for _ in range(draws):
+        pool = _pool(draw.binomial(LEAST, rate, shape))
+        found += _detected(draw.random((*shape, number)) < rate, pool, grown=not seeds)
+    return Arm("planted", f"{rate:g}", seeds, found, draws)
+
+
+def power(rate: float, situations: int, noise: float, seeds: int, draws: int) -> Arm:
+    """Judge a mutant that violates the first requirement at `rate` in some situations, all else at the rate `noise`."""
+    draw = _stream(2, rate, situations, noise, seeds)
+    rates = np.full((len(SITUATIONS), len(NAMES)), noise)
+    rates[:situations, 0] = rate
+    found = 0
+    for _ in range(draws):
+        pool = _pool(draw.binomial(LEAST, noise, rates.shape))
+        found += _detected(draw.random((*rates.shape, seeds)) < rates[:, :, None], pool)
+    return Arm(
+        "power", f"{rate:g} in {situations} situation{'s' * (situations > 1)}, noise {noise:g}", seeds, found, draws
+    )
+
+
+def _stream(*arm: float) -> np.random.Generator:
+    """The random stream of an arm."""
+    return np.random.Generator(np.random.PCG64([SEED, *(round(1000 * number) for number in arm)]))
+
+
+def _pool(violated: NDArray[np.int64]) -> Pool:
+    """A pool of ten flights in each situation, without open or vacuous readings."""
+    counts = violated.tolist()
+    places = itertools.product(enumerate(SITUATIONS), enumerate(NAMES))
+    return Pool({(key, n): Pair(key, n, Kind.SAFETY, LEAST, counts[s][r], 0, LEAST) for (s, key), (r, n) in places})
+
+
+def _detected(violated: NDArray[np.bool_], pool: Pool, *, grown: bool = False) -> bool:
+    """The verdict on flights by situation, requirement and seed."""
+    by_seed = violated.transpose(0, 2, 1).tolist()
+    samples = [
+        Sample(key, tuple(tuple(itertools.compress(NAMES, flight)) for flight in flights), infected=True)
+        for key, flights in zip(SITUATIONS, by_seed, strict=True)
+    ]
+    return detect(MUTANT, samples, pool, GROWN if grown else Spending(ALPHA), Kind.SAFETY).detected
+
+
+def measure(draws: int) -> list[Arm]:
+    """All arms."""
+    arms = list(redraws(baselines(Study.open(ROOT)), draws))
+    arms += [planted(rate, seeds, draws) for rate in RATES for seeds in (*LOOKS, 0)]
+    settings = itertools.product(NOISES, POWER_RATES, POWER_SITUATIONS, LOOKS)
+    arms += [power(rate, many, noise, seeds, draws) for noise, rate, many, seeds in settings]
+    return arms
+
+
+def page(arms: Sequence[Arm]) -> str:
+    """The Markdown page."""
+    draws = arms[0].draws
+    worst = max((arm for arm in arms if arm.bounded), key=lambda arm: arm.share)
+    bounded = sum(arm.bounded for arm in arms)
+    held = sum(arm.bounded and arm.share <= ALPHA for arm in arms)
+    error = 100 * (ALPHA * (1 - ALPHA) / draws) ** 0.5
+    return f"""# Calibration of the verdict: false detections and power
+
+Of {draws} draws each, the share that is called detected: alpha {ALPHA:g}, Holm over the requirements of a kind, pools
+of ten flights.  Nothing is flown; the random numbers are fixed.  Made by `python -m experiments.false_detections`.
+
+The bar, set before: at most {100 * ALPHA:g} % in every arm whose fault does nothing.  {held} of {bounded} arms \
+hold it; the largest share is
+{_percent(worst)} ({worst.kind}, {worst.name}).  Independent draws of a share of 1 % have a standard error of \
+{error:.2f} percentage points.
+
+## Baseline seeds judged as a mutant
+
+1 to 10 of the 50 seeds of the published pool, the same in all 32 situations, beside ten others of them.  Redraws of 50
+seeds overlap, so they are no independent draws: the share is that of this pool.
+
+{_table("by", arms, "redraw")}
+
+## Planted rates
+
+32 situations, two requirements; each flight of the pool and of the mutant violates each of them at the same rate,
+independently.  Looks: the mutant is judged with 1, 3, 5 and 10 seeds, each at a quarter of alpha.
+
+{_table("rate", arms, "planted")}
+
+## Power
+
+A mutant that violates one of two requirements at a rate in some of 32 situations.  Noise: the rate at which everything
+else is violated: the other requirement, the other situations, the pool.  (Of 800 light baselines of the published pool
+none violates SR1, nine violate SR2.)
+
+{_table("rate", arms, "power")}
+"""
+
+
+def _table(title: str, arms: Sequence[Arm], kind: str) -> str:
+    """Arms of one kind: a row for each name, a column for each number of seeds."""
+    rows: dict[str, dict[int, str]] = {}
+    for arm in arms:
+        if arm.kind == kind:
+            rows.setdefault(arm.name, {})[arm.seeds] = _percent(arm)
+    heads = (f"{seeds} seed{'s' * (seeds > 1)}" if seeds else "looks" for seeds in next(iter(rows.values())))
+    return "\n".join(table((title, *heads), ((name, *cells.values()) for name, cells in rows.items())))
+
+
+def _percent(arm: Arm) -> str:
+    return f"{100 * arm.share:.2f} %" if arm.bounded else f"{100 * arm.share:.1f} %"
+
+
+def main() -> None:
+    """Measure, write, hold the bar."""
+    asked = parser(__doc__, "false_detections")
+    asked.add_argument("--draws", type=int, default=2000, help="of each arm (default: 2000)")
+    options = asked.parse_args()
+    arms = measure(options.draws)
+    options.output.write_text(page(arms), encoding="utf-8")
+    sys.exit(any(arm.bounded and arm.share > ALPHA for arm in arms))
+
+
+if __name__ == "__main__":
+    main()

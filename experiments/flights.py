@@ -1,0 +1,258 @@
+"""Flights of the experiments: published ones, those of a study with changed numbers, and those kept in a file."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import multiprocessing
+import os
+import sys
+import time
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pyarrow.parquet
+
+from experiments import PUBLISHED
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import fly_log, judged
+from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.campaign.plan import together
+from scaloft_fi.campaign.store.archive import STORE_NAME, Rows
+from scaloft_fi.campaign.store.held import current_in
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.campaign.workers.local import Local
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
+from scaloft_fi.judge.requirement import Kind, Reading
+from scaloft_fi.mutants.catalogue import realise
+from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.sim.grid import Grid
+from scaloft_fi.sim.load import SimConfig, load
+from scaloft_fi.sim.log import FlightLog
+from scaloft_fi.study import Study
+
+Row = Mapping[str, Any]
+GRIDS = {"paper": PUBLISHED / "reference" / "outcomes.parquet", "wide": PUBLISHED / "wide_outcomes.parquet"}
+"""The published flights by grid."""
+SOON_S = 1.0
+"""A mutant that leaves its baseline earlier does not share it [s from take-off]."""
+
+
+def published(grid: str = "paper") -> list[Row]:
+    """The rows of the export of a grid's flights."""
+    return rows_of(GRIDS[grid])
+
+
+def name_of(row: Row) -> str:
+    """`MUTANT/SITUATION/SEED`."""
+    return f"{row['mutant']}/{row['situation']}/{row['seed']}"
+
+
+def own_s(row: Row) -> float:
+    """Cost of a mutant's flight: the part that does not share its baseline [s, simulated]."""
+    if row["mutant"] == "PLACEBO":
+        return float(row["duration_s"])
+    if not row["altered"]:
+        return 0.0
+    return float(row["duration_s"] - (row["infected_at_s"] if row["infected_at_s"] >= SOON_S else 0.0))
+
+
+def counted(rows: Iterable[Row], mutants: Collection[str], seeds: Collection[int], pool: Collection[int]) -> list[Row]:
+    """The rows of these mutants with these seeds, and of the baseline with the seeds of the pool."""
+    of = {**dict.fromkeys(mutants, seeds), BASELINE: pool}
+    return [row for row in rows if row["seed"] in of.get(row["mutant"], ())]
+
+
+def stored(study: Study, folder: Path) -> dict[str, Outcome]:
+    """The flights of a campaign of the study by name; none where it was not flown."""
+    if not (folder / STORE_NAME).exists():
+        return {}
+    with Store(folder / STORE_NAME, create=False) as store:
+        return {outcome.name: outcome for outcome in current_in(study, store)}
+
+
+def rows_of(path: Path) -> list[Row]:
+    """The rows of a file."""
+    return list(pyarrow.parquet.read_table(path).to_pylist())
+
+
+def outcomes(study: Study, rows: Iterable[Row]) -> list[Outcome]:
+    """The flights of the rows, without trajectories; an export has no places of violations either."""
+    read = Rows({requirement.name: requirement.kind for requirement in study.requirements}, study.space.axes)
+    return [read({**_lacking(row), **row}) for row in rows]
+
+
+def _lacking(row: Row) -> Row:
+    """What an export does not have of a flight that counts."""
+    places = dict.fromkeys(("violation_x", "violation_y", "violation_z"), [0.0] * len(row["violated"]))
+    texts = dict.fromkeys(("invalid", "ended_by", "stack_error", "perceived_digest"), "")
+    return {**places, **texts, "episodes": [1] * len(row["triggered"])}
+
+
+# Fly the study with changed numbers, for scripts that test the effect of an assumption.
+#
+# `flown` flies each flight whole and yields its outcome and its log; `shared` flies many flights as a campaign does.
+
+
+@dataclass(frozen=True)
+class Varied(Study):
+    """A study with changed numbers.
+
+    Attributes:
+        overrides: pairs of a dotted path, as in `sim/sources.yaml`, and a number.
+    """
+
+    overrides: tuple[tuple[str, float], ...] = ()
+
+    @cached_property
+    def sim(self) -> SimConfig:
+        """Mine, vehicle, sensors, stack and situations with the changed numbers."""
+        return load(self.folder / "sim", dict(self.overrides))
+
+    @cached_property
+    def grid(self) -> Grid:
+        """The situations with the changed numbers."""
+        return self.sim.grid
+
+
+class Beside(NamedTuple):
+    """A baseline and its mutants in one situation with one seed, with changed numbers of the study.
+
+    overrides: changed numbers by their path in `sim/sources.yaml`.
+    """
+
+    folder: Path
+    overrides: Mapping[str, float]
+    situation: str
+    seed: int
+    mutants: tuple[str, ...] = ()
+
+
+def flown(beside: Beside) -> Iterator[tuple[Outcome, FlightLog]]:
+    """Yield outcome and log of the baseline, then of the mutants.
+
+    Raises:
+        ScaloftError: the study cannot be flown with these numbers.
+    """
+    study = Varied(Study.open(beside.folder).folder, overrides=tuple(beside.overrides.items()))
+    situation = study.grid.situation(beside.situation)
+    for mutant in (None, *(realise(study.matrix, mutant_id) for mutant_id in beside.mutants)):
+        flight = Flight(mutant, situation, beside.seed)
+        log = fly_log(study, flight)
+        yield judged(study, flight, log), log
+
+
+def shared(study: Study, flights: Sequence[Flight], jobs: int) -> Iterator[Outcome]:
+    """Yield the outcomes of flights in any order; mutants share the beginning of their baseline, as in a campaign.
+
+    Args:
+        study: the study, which may be `Varied`.
+        flights: the flights.
+        jobs: number of processes.
+
+    Raises:
+        ScaloftError: the study cannot be flown.
+    """
+    with Local(jobs).workers(study, Physics(), stop=lambda: False, say=_say) as workers:
+        yield from workers.map(together(flights, lambda flight: study.expected_s(flight.situation), jobs))
+
+
+def _say(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def flown_draws(besides: Iterable[Beside], jobs: int) -> list[list[Outcome]]:
+    """The outcomes of each draw, the baseline first; `jobs` processes fly."""
+    with multiprocessing.Pool(jobs) as pool:
+        return pool.map(_outcomes, list(besides), chunksize=1)
+
+
+def _outcomes(beside: Beside) -> list[Outcome]:
+    return [outcome for outcome, _ in flown(beside)]
+
+
+# The flights of an experiment in a file: one line of JSON for each outcome, with the arm that it belongs to.
+
+Flights = dict[str, dict[str, Outcome]]
+"""Outcomes by arm and by name of the flight."""
+SAVE_S = 10.0
+"""Greatest time between two writes of the file [s, wall]."""
+
+
+def read(path: Path) -> Flights:
+    """The flights of a file; none if there is no file."""
+    flights: Flights = {}
+    if path.exists():
+        with gzip.open(path, "rt", encoding="utf-8") as lines:
+            for line in lines:
+                row = json.loads(line)
+                outcome = _outcome(row)
+                flights.setdefault(row["arm"], {})[outcome.name] = outcome
+    return flights
+
+
+def write(path: Path, flights: Mapping[str, Mapping[str, Outcome]]) -> None:
+    """Write the file anew and replace the old one at once, so that a kill leaves the old or the new one.
+
+    Equal flights give equal bytes, whatever their order.
+    """
+    lines = sorted(_line(arm, outcome) for arm, outcomes in flights.items() for outcome in outcomes.values())
+    begun = path.with_name(f"{path.name}.part")
+    begun.write_bytes(gzip.compress("".join(lines).encode(), mtime=0))
+    os.replace(begun, path)  # noqa: PTH105 - it must replace the old file at once
+
+
+def _line(arm: str, outcome: Outcome) -> str:
+    row = asdict(outcome)
+    place = {"arm": arm, "situation": row.pop("situation"), "seed": row.pop("seed")}
+    del row["track"], row["perceived_digest"]
+    return json.dumps({**place, **row}, allow_nan=False) + "\n"
+
+
+def _outcome(row: Mapping[str, Any]) -> Outcome:
+    made = {
+        "subject": Subject(**row["subject"]),
+        "readings": tuple(Reading(**{**reading, "kind": Kind(reading["kind"])}) for reading in row["readings"]),
+        "violations": tuple(Violation(**{**entry, "kind": Kind(entry["kind"])}) for entry in row["violations"]),
+        "realised": tuple((axis, came_true) for axis, came_true in row["realised"]),
+    }
+    return Outcome(**{**{name: value for name, value in row.items() if name != "arm"}, **made})
+
+
+def complete(path: Path, kept: Flights, arm: str, study: Study, planned: Iterable[Flight], jobs: int) -> None:
+    """Fly the planned flights of an arm that are not kept or whose harness failed, and keep them in the file.
+
+    Args:
+        path: the file.
+        kept: its flights; the new flights are added.
+        arm: name of the arm.
+        study: the study of the arm.
+        planned: all flights of the arm.
+        jobs: number of processes.
+    """
+    own = kept.setdefault(arm, {})
+    wanted = [flight for flight in planned if flight.name not in own or own[flight.name].invalid]
+    if not wanted:
+        return
+    print(f"{arm}: {len(wanted)} flights", file=sys.stderr, flush=True)
+    saved_s = time.monotonic()
+    try:
+        for outcome in shared(study, wanted, jobs):
+            own[outcome.name] = outcome
+            if time.monotonic() - saved_s >= SAVE_S:
+                write(path, kept)
+                saved_s = time.monotonic()
+    finally:
+        write(path, kept)
+
+
+def flights_of(study: Study, mutants: Mapping[str, Mutant], names: Iterable[str]) -> list[Flight]:
+    """The flights of these names, `MUTANT/SITUATION/SEED`; `mutants` has the mutants among them by id."""
+    parts = (name.split("/") for name in names)
+    return [
+        Flight(None if mutant == BASELINE else mutants[mutant], study.grid.situation(key), int(seed))
+        for mutant, key, seed in parts
+    ]

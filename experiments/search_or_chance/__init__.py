@@ -1,1 +1,0 @@
-"""Does search beat chance?  `python -m experiments.search_or_chance` makes the page."""

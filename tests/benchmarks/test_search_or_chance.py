@@ -1,0 +1,360 @@
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+from shutil import copytree
+
+import numpy as np
+import pytest
+from builders import outcome
+from finding import Ruled, fast
+
+from experiments import search_arms, wide
+from experiments import search_or_chance as experiment
+from experiments.flights import published, read
+from experiments.pages import registered
+from experiments.search_arms import (
+    ARMS,
+    FEWEST,
+    FILE,
+    MOST,
+    SEARCH,
+    Block,
+    Search,
+    Sought,
+    at_risk,
+    blocks_of,
+    read_blocks,
+    read_searches,
+    survivors,
+    text_of,
+    write_searches,
+)
+from experiments.search_or_chance import (
+    BUDGET,
+    UNFINISHED,
+    Answer,
+    Evidence,
+    answer,
+    beside_each,
+    exact_p,
+    flown,
+    holm,
+    redrawn,
+    seed_of,
+    share,
+    totals,
+)
+from scaloft_fi.campaign.seeking.finds import SEEN_ON
+from scaloft_fi.campaign.seeking.proposals import OPENING
+from scaloft_fi.campaign.seeking.seek import CHUNK, GENERATION
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.mutants.catalogue import realise
+from scaloft_fi.sim.found import Evidence as Shown
+from scaloft_fi.streams import generator
+from scaloft_fi.study import Study
+
+ROOT = Path(__file__).parents[2]
+PUBLISHED = ROOT / "results" / "published"
+SURVIVORS, AT_RISK, WIDE = 82, 66, 19
+"""Defaults that the paper's grid does not detect; those of them whose cell names a safety requirement; and how many
+of the drawn ones the wide grid detects."""
+OPEN = 0.35
+"""Share of mutants that something can show, but not the opening, as assumed for what the rule can show."""
+POWER = (
+    (0.2, 0.4, 0.30, 0.22),
+    (0.2, 0.6, 0.79, 0.55),
+    (0.2, 0.8, 0.99, 0.86),
+    (0.4, 0.6, 0.24, 0.12),
+    (0.4, 0.8, 0.74, 0.47),
+    (0.4, 0.9, 0.94, 0.71),
+)
+"""Share of the open mutants that each arm of chance finds, share that the search finds, share of yes where mutants are
+found one by one, and where those of a block are found together."""
+LATE, LESS = "LATE-human@3s", "LESS-human@0.8"
+SMALL_BUDGET = 60
+BLOCKS = read_blocks()
+SIZES = [len(block) for block in BLOCKS]
+MUTANTS = sum(SIZES)
+EVIDENCE = Shown("SR1", 1, 0.001, 0.005, 4, 4, "wall", 10, 10, 0.2, 0.01, 10)
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return Study.open(ROOT, experiment.GRID)
+
+
+@contextmanager
+def few_rows(study: Study) -> Iterator[None]:
+    """Arrays that take no time."""
+    free = [axis.id for axis in study.grid.free]
+    rows = [{**dict.fromkeys("TOWDH", 0), **dict.fromkeys(free, 0), "Cs": 2, "Al": 2, "De": 2} for _ in range(9)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search_arms, "pair_rows", lambda _grid, _salt: rows)
+        yield
+
+
+@pytest.fixture(scope="module")
+def survivors_at_risk() -> tuple[list[str], list[str]]:
+    """The survivors, and those of them that are at risk."""
+    plain = Study.open(ROOT)
+    found = survivors(plain, published())
+    return found, at_risk(plain, found)
+
+
+def test_the_committed_blocks_are_what_the_draw_gives(
+    study: Study, survivors_at_risk: tuple[list[str], list[str]]
+) -> None:
+    assert FILE.read_text(encoding="utf-8") == text_of(blocks_of(study, survivors_at_risk[1]))
+
+
+def test_a_block_has_survivors_at_risk_of_one_parameter_and_every_parameter_with_two_has_one(
+    study: Study, survivors_at_risk: tuple[list[str], list[str]]
+) -> None:
+    found, chosen = survivors_at_risk
+    assert (len(found), len(chosen)) == (SURVIVORS, AT_RISK)
+    number = Counter(realise(study.matrix, id_).parameter for id_ in chosen)
+    parameters = [{realise(study.matrix, id_).parameter for id_ in block} for block in BLOCKS]
+    wanted = [({parameter}, min(all_, MOST)) for parameter, all_ in number.items() if all_ >= FEWEST]
+    assert list(zip(parameters, SIZES, strict=True)) == wanted
+    drawn = [mutant for block in BLOCKS for mutant in block]
+    assert len(set(drawn)) == len(drawn) == MUTANTS
+    assert set(drawn) <= set(chosen)
+
+
+def test_the_plan_counts_the_mutants_that_the_wide_grid_detects() -> None:
+    """As they were known when the plan was written: the choosing half with one seed."""
+    study = Study.open(ROOT, "wide")
+    choosing, _ = wide.halves(study.roster.defaults)
+    known = [row for row in published("wide") if row["mutant"] not in choosing or row["seed"] == 0]
+    detected = wide.side(study, known).detected
+    assert len(detected) == 64
+    assert sum(mutant in detected for block in BLOCKS for mutant in block) == WIDE
+
+
+def power(
+    sizes: Sequence[int], open_: float, chance: float, search: float, *, together: bool, draws: int = 1_000
+) -> float:
+    """How often rule 1 answers yes.
+
+    Args:
+        sizes: mutants of each block.
+        open_: share of the mutants that something can show, but not the opening.
+        chance: share of these that each of three arms of chance finds.
+        search: share of these that the search finds.
+        together: whether an arm finds all of these in a block or none; else it finds each by itself.
+        draws: experiments that are drawn.
+    """
+    rng = generator("search or chance", "power", open_, chance, search, together)
+    finds = np.array([search, chance, chance, chance])
+    left = rng.binomial(np.array(sizes)[:, None], open_, size=(draws, len(sizes), 1))
+    found = left * rng.binomial(1, finds, size=(draws, len(sizes), 4)) if together else rng.binomial(left, finds)
+    return share(answer(one)[0] is Answer.BETTER for one in found.tolist())
+
+
+def test_the_plan_says_what_the_rule_can_show() -> None:
+    for chance, search, *yes in POWER[::2]:
+        shown = [power(SIZES, OPEN, chance, search, together=together) for together in (False, True)]
+        assert shown == pytest.approx(yes, abs=0.0051)
+
+
+def test_the_plan_counts_its_flights_and_lists_its_blocks() -> None:
+    plan = registered("search_or_chance")
+    asked = len(ARMS) * BUDGET * MUTANTS
+    different = asked - (len(ARMS) - 1) * sum(OPENING * (1 + size) for size in SIZES)
+    assert f"{asked:,} flights, at most {different:,} of them different." in plan
+    assert f": {MUTANTS} mutants in {len(BLOCKS)} blocks." in plan
+    assert all(f"| {n} | {seed_of(n)} | {', '.join(block)} |\n" in plan for n, block in enumerate(BLOCKS, 1))
+    for chance, found, *yes in POWER:
+        assert f"| {100 * chance:.0f} % | {100 * found:.0f} % | {100 * yes[0]:.0f} % | {100 * yes[1]:.0f} % |" in plan
+
+
+def test_the_published_page_is_what_the_published_files_give() -> None:
+    kept = Evidence(
+        BLOCKS, read_searches(PUBLISHED / experiment.SEARCHES), read(PUBLISHED / experiment.FLIGHTS)["all arms"]
+    )
+    page = (PUBLISHED / "search_or_chance.md").read_text(encoding="utf-8")
+    assert page == registered("search_or_chance") + flown(kept)
+
+
+@pytest.mark.parametrize(
+    "counts",
+    [
+        [(3, 1, 0, 2), (1, 1, 1, 1), (2, 0, 0, 0)],
+        [(0, 1), (3, 1), (2, 2), (4, 0)],
+        [(0, 3, 3, 2), (1, 2, 4, 4), (0, 0, 1, 0)],
+    ],
+)
+def test_the_exact_test_is_that_of_all_choices_of_an_arm(counts: Sequence[Sequence[int]]) -> None:
+    arms = len(counts[0])
+    chosen = [
+        sum(block[arm] for block, arm in zip(counts, own, strict=True))
+        for own in product(range(arms), repeat=len(counts))
+    ]
+    middle = sum(chosen) / len(chosen)
+    seen = abs(sum(block[0] for block in counts) - middle)
+    assert exact_p(counts) == pytest.approx(sum(abs(own - middle) >= seen - 1e-9 for own in chosen) / len(chosen))
+
+
+def test_the_answer_needs_more_than_chance_and_more_than_each_arm() -> None:
+    better, worse = [(3, 1, 1, 1)] * 6, [(0, 2, 2, 1)] * 6
+    assert answer(better)[0] is Answer.BETTER
+    assert answer(worse)[0] is Answer.WORSE
+    assert answer(better[:2])[0] is Answer.NO_DIFFERENCE
+    one_as_good = [(3, 3, 0, 0)] * 8
+    assert answer(one_as_good)[0] is Answer.NO_DIFFERENCE
+    assert answer(one_as_good)[1] < 0.05
+    assert answer([(1, 1, 1, 1)] * 8) == (Answer.NO_DIFFERENCE, 1.0)
+    assert totals(better) == [18, 6, 6, 6]
+
+
+def test_each_arm_beside_the_search_is_adjusted_for_three() -> None:
+    counts = [(2, 0, 2, 1)] * 6
+    assert beside_each(counts) == pytest.approx([3 / 32, 1.0, 3 / 32])
+    assert holm([0.01, 0.02, 0.03]) == pytest.approx([0.03, 0.04, 0.04])
+
+
+def test_blocks_are_drawn_again_whole() -> None:
+    spread = redrawn([(2, 1, 2), (1, 0, 3), (3, 2, 0)], redraws=200)
+    assert spread[0] == (3, 3)
+    assert spread[1][0] < 1 < spread[1][1]
+
+
+def fly(study: Study, folder: Path, flyer: Ruled, *blocks: Block) -> list[Search]:
+    path = folder / "searches.jsonl.gz"
+    return experiment.fly(study, blocks, folder / "campaigns", path, jobs=1, budget=SMALL_BUDGET, flyer=flyer)
+
+
+@dataclass(frozen=True)
+class Flown:
+    """What all arms flew for a block of two."""
+
+    folder: Path
+    searches: Mapping[str, Search]
+    flights: Sequence[str]
+
+
+@pytest.fixture(scope="module")
+def block(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Flown:
+    folder = tmp_path_factory.mktemp("block")
+    flyer = Ruled(folder / "flown.txt", {LATE: fast})
+    with few_rows(study):
+        searches = fly(study, folder, flyer, (LATE, LESS))
+    return Flown(folder, {one.arm: one for one in searches}, flyer.flown)
+
+
+def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Study, block: Flown) -> None:
+    assert list(block.searches) == list(ARMS)
+    for search in block.searches.values():
+        assert search.used <= search.budget == 2 * SMALL_BUDGET
+        assert search.seed == seed_of(1)
+        late, less = search.sought
+        assert (late.mutant, less.mutant) == (LATE, LESS)
+        assert not less.shown_in
+        assert search.opening == block.searches[SEARCH].opening
+        assert len(search.opening) == OPENING
+        assert late.shown_in in search.opening  # nothing is shrunk
+        assert 0 < late.after <= search.used
+        assert late.evidence is not None
+        assert late.evidence.p <= late.evidence.alpha
+    used = sum(one.used for one in block.searches.values())
+    assert len(set(block.flights)) == len(block.flights) < used
+    flights = experiment.flights_in(study, block.folder / "campaigns", 1)
+    assert set(flights) == set(block.flights)
+    evidence = Evidence([(LATE, LESS)], list(block.searches.values()), flights, SMALL_BUDGET)
+    page = flown(evidence, redraws=5)
+    assert f"4 of 4 searches asked for {used} flights" in page
+    assert "| newly detected | 1 | 1 | 1 | 1 |" in page
+    assert not replace(evidence, budget=SMALL_BUDGET + 1).by_place
+    opened = {evidence.in_opening(1, arm) for arm in ARMS}
+    assert opened == {frozenset({(LATE, block.searches["random"].sought[0].shown_in)})}
+    assert evidence.shows(LATE, block.searches["random"].sought[0].shown_in)
+
+
+def test_the_arms_differ_after_the_opening(block: Flown) -> None:
+    assert len({one.proposed for one in block.searches.values()}) == len(ARMS)
+
+
+def test_a_situation_is_flown_for_all_that_are_not_found(block: Flown) -> None:
+    one = block.searches["random"]
+    until = one.opening.index(one.sought[0].shown_in) // CHUNK * CHUNK + CHUNK
+    for mutant, keys in ((LATE, one.opening[:until]), (LESS, (*one.opening, *one.proposed[:GENERATION]))):
+        flown_in = {name.split("/")[1] for name in block.flights if name.startswith(f"{mutant}/")}
+        assert set(keys) <= flown_in
+        assert mutant == LESS or not flown_in & set(one.proposed)
+
+
+def test_it_goes_on_where_it_stopped(study: Study, block: Flown, tmp_path: Path) -> None:
+    copytree(block.folder / "campaigns", tmp_path / "campaigns")
+    write_searches(tmp_path / "searches.jsonl.gz", [one for arm, one in block.searches.items() if arm != "random"])
+    flyer = Ruled(tmp_path / "flown.txt")
+    again = fly(study, tmp_path, flyer, (LATE, LESS))
+    assert {one.arm: one for one in again} == block.searches
+    assert flyer.flown == []
+    assert read_searches(tmp_path / "searches.jsonl.gz") == read_searches(block.folder / "searches.jsonl.gz")
+
+
+def search(block: int, arm: str, found: int, opening: str = "o", **more: int) -> Search:
+    """A search that finds so many mutants, the first of them in the opening."""
+    sought = tuple(
+        Sought(mutant, opening if n == 0 else "later", 20 + n, EVIDENCE, 1)
+        if n < found
+        else Sought(mutant, "", 0, None, 0)
+        for n, mutant in enumerate(BLOCKS[block - 1])
+    )
+    seed, budget = more.get("seed", seed_of(block)), more.get("budget", BUDGET * len(sought))
+    return Search(block, arm, seed, budget, 200, sought, (opening,), ("later",))
+
+
+def evidence(found: Mapping[str, int], **flights: Outcome) -> Evidence:
+    every = range(1, len(BLOCKS) + 1)
+    return Evidence(BLOCKS, [search(block, arm, found[arm]) for block in every for arm in ARMS], flights)
+
+
+@pytest.mark.parametrize(("own", "said"), [(3, Answer.BETTER), (2, Answer.NO_DIFFERENCE), (1, Answer.WORSE)])
+def test_the_page_decides_by_the_mutants_that_are_newly_detected(own: int, said: Answer) -> None:
+    page = flown(evidence({**dict.fromkeys(ARMS, 2), SEARCH: own}), redraws=20)
+    assert f"**Rule 1: {said.value}.**  `seek` newly detects {12 * own} of {MUTANTS} mutants; random 24" in page
+    assert "| `seek` beside | more mutants | blocks drawn again | p (Holm) |" in page
+    assert f"| random | {12 * (own - 2)} | {12 * (own - 2):+} to {12 * (own - 2):+} |" in page
+    assert "| - by situations of the opening | 12 | 12 | 12 | 12 |" in page
+    assert page.count("20: SR1 4/4") == 12 * len(ARMS)
+
+
+def test_nothing_is_decided_while_a_search_is_missing_or_the_openings_differ() -> None:
+    whole = evidence(dict.fromkeys(ARMS, 2))
+    assert whole.complete
+    first, *others = whole.searches
+    for unfinished in (
+        others,
+        [search(1, SEARCH, 2, budget=60), *others],
+        [search(1, SEARCH, 2, seed=1), *others],
+        [search(1, SEARCH, 0), *others],
+        [replace(first, sought=first.sought[::-1]), *others],
+    ):
+        page = flown(replace(whole, searches=unfinished), redraws=5)
+        assert UNFINISHED in page
+        assert "Rule 1" not in page
+
+
+def test_how_often_situations_show_a_mutant_that_is_flown_there_is_read_from_the_flights() -> None:
+    first, second, *_ = BLOCKS[0]
+    clean, harmless = (outcome(subject, "later", SEEN_ON[0]) for subject in (BASELINE, second))
+    struck = outcome(first, "later", SEEN_ON[0], violated={"SR1": 9.0})
+    told = evidence(dict.fromkeys(ARMS, 0), **{one.name: one for one in (clean, harmless, struck)})
+    assert told.after_opening("random") == [(first, "later"), (second, "later")]
+    assert "| 50.0 % of 2 | 50.0 % of 2 | 50.0 % of 2 | 50.0 % of 2 |" in flown(told, redraws=5)
+
+
+def test_searches_are_read_as_they_were_written(tmp_path: Path) -> None:
+    path, searches = tmp_path / "s.jsonl.gz", [search(2, "random", 3), search(1, SEARCH, 0)]
+    write_searches(path, searches)
+    assert read_searches(path) == searches[::-1]
+    first = path.read_bytes()
+    write_searches(path, searches[::-1])
+    assert path.read_bytes() == first
+    assert read(tmp_path / "none") == {}
