@@ -98,7 +98,7 @@ def test_the_comparison_sees_every_verdict_and_every_state() -> None:
     """Campaigns drawn as above have all of them: none is compared in vain."""
     seen: set[str] = set()
 
-    @settings(deadline=None, max_examples=usually(25, release=80), derandomize=True, database=None)
+    @settings(deadline=None, max_examples=80, derandomize=True, database=None)
     @given(seeded())
     def look(outcomes: list[Outcome]) -> None:
         found = compare(outcomes)
