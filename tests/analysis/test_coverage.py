@@ -1,17 +1,23 @@
+"""Coverage of the grid and of combinations, and situations chosen to cover."""
+
 from __future__ import annotations
 
-from itertools import combinations, product
+from itertools import combinations
 
+import numpy as np
 import pytest
-from builders import GRID, campaigns, flights, outcome, pool
-from hypothesis import given
+from builders import GRID, outcome
+from effort import usually
+from grids import FIVE, keys_of, space_of, spaces
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from ranges import RANGED, drawn
 
-from scaloft_fi.analysis.coverage import coverage, t_way
-from scaloft_fi.analysis.pool import State
+from scaloft_fi.analysis.coverage import coverage, covering_array, forbidden, levels_of, t_way, table
 from scaloft_fi.analysis.roster import Ratio
-from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.space import Space
 
 KEYS = [key for key, _ in GRID.points]
 
@@ -39,77 +45,6 @@ def test_more_axes_than_there_are_cover_nothing_of_nothing() -> None:
     assert t_way(KEYS, GRID, 6).total == Ratio(0, 0)
 
 
-def test_a_situation_flown_twice_is_one_situation_and_two_draws() -> None:
-    found = coverage([outcome(seed=0), outcome(seed=1), outcome("LATE-human@3s", seed=1)], GRID)
-    assert (found.situations, found.draws) == (Ratio(1, 32), 2)
-
-
-def test_draws_of_the_baseline_alone_are_draws_and_said_to_be_the_baselines_alone() -> None:
-    found = coverage([outcome(seed=0), outcome("LATE-human@3s", seed=0), outcome(seed=1), outcome(seed=2)], GRID)
-    assert (found.draws, found.pool) == (3, 2)
-
-
-def test_a_situation_is_realised_when_all_its_values_came_true_in_one_baseline_flight() -> None:
-    found = coverage([outcome(realised=False), outcome(situation=KEYS[1]), outcome("LATE-human@3s", KEYS[2])], GRID)
-    assert found.realised == Ratio(1, 32)
-    assert dict(found.by_axis)["T"] == Ratio(1, 2)
-
-
-def test_an_invalid_flight_covers_nothing() -> None:
-    assert coverage([outcome(invalid="worker died")], GRID) == coverage([], GRID)
-
-
-def test_steady_pairs_are_counted_of_the_situations_that_have_a_pool() -> None:
-    outcomes = pool(KEYS[0]) + pool(KEYS[1], vacuous=("SR2",)) + pool(KEYS[2], red=9, violated={"SR2": 3.0})
-    outcomes += [*pool(KEYS[3], seeds=9), outcome("LATE-human@3s", KEYS[4])]
-    found = coverage(outcomes, GRID)
-    assert found.steady == Ratio(4, 6)
-    assert found.states[State.STEADY] == 4
-    assert sum(found.states.values()) == 10
-    assert found.states == {
-        State.STEADY: 4,
-        State.UNSTEADY: 0,
-        State.RED: 1,
-        State.OPEN: 0,
-        State.VACUOUS: 1,
-        State.UNKNOWN: 4,
-    }
-
-
-@given(campaigns())
-def test_every_safety_pair_of_the_situations_flown_has_one_state(outcomes: list[Outcome]) -> None:
-    found = coverage(outcomes, GRID)
-    requirements = 2 if any(o.subject.id == BASELINE and not o.invalid for o in outcomes) else 0
-    assert sum(found.states.values()) == requirements * found.situations.part
-
-
-def parts(found: list[Outcome]) -> list[int]:
-    covered = coverage(found, GRID)
-    ratios = [covered.situations, covered.realised, *(ratio for _, ratio in covered.t_way)]
-    ratios += [found.complete(share) for found in covered.combinations for share in (0.5, 1.0)]
-    ratios += [ratio for _, ratio in covered.requirements]
-    return [covered.draws, *(ratio.part for ratio in ratios), *(ratio.part for _, ratio in covered.by_axis)]
-
-
-@given(campaigns(), flights())
-def test_coverage_never_falls_when_a_flight_is_added(outcomes: list[Outcome], more: Outcome) -> None:
-    before, after = parts(outcomes), parts([*outcomes, more])
-    assert all(a >= b for a, b in zip(after, before, strict=True))
-
-
-@given(campaigns())
-def test_t_way_coverage_is_counted_as_by_hand(outcomes: list[Outcome]) -> None:
-    flown = {o.situation for o in outcomes if not o.invalid}
-    for strength, ratio in coverage(outcomes, GRID).t_way:
-        wanted = [
-            (axes, values)
-            for axes in combinations(range(5), strength)
-            for values in product("01", repeat=strength)
-            if any(all(GRID.point[k][a] == v for a, v in zip(axes, values, strict=True)) for k in flown)
-        ]
-        assert ratio.part == len(wanted)
-
-
 @given(st.dictionaries(st.sampled_from(KEYS), st.floats(0, 1, exclude_max=True), min_size=1), st.booleans())
 def test_drawn_numbers_cover_what_their_bins_cover(shares: dict[str, float], mutated: bool) -> None:
     def flown(keys: list[str]) -> list[Outcome]:
@@ -124,3 +59,121 @@ def test_two_numbers_of_a_bin_cover_one_situation_in_two_draws() -> None:
     keys = [drawn(KEYS[1], share) for share in (0.1, 0.9)]
     found = coverage([outcome(situation=key) for key in keys], RANGED)
     assert (found.situations, found.draws, found.realised) == (Ratio(1, 32), 2, Ratio(1, 32))
+
+
+def by_hand(keys: list[str], space: Space, strength: int) -> list[int]:
+    return [
+        len({tuple(space.point[key][axis] for axis in axes) for key in keys})
+        for axes in combinations(range(len(space.axes)), strength)
+    ]
+
+
+@given(spaces(), st.data())
+def test_only_combinations_that_some_situation_has_are_counted(space: Space, data: st.DataObject) -> None:
+    flown = data.draw(st.lists(st.sampled_from(keys_of(space)), unique=True))
+    for strength in range(1, len(space.axes) + 1):
+        found = t_way(flown, space, strength)
+        assert [one.part for one in found.axes] == by_hand(flown, space, strength)
+        assert [one.whole for one in found.axes] == by_hand(keys_of(space), space, strength)
+        assert t_way(keys_of(space), space, strength).complete(1.0).value == 1.0
+
+
+def test_completeness_counts_choices_of_axes() -> None:
+    # 00, 01 on the first two axes is half of their pairs, and the third axis is 0 in both
+    found = t_way(["Aa0Ab0Ac0", "Aa0Ab1Ac0"], space_of([2, 2, 2]), 2)
+    assert [one.part for one in found.axes] == [2, 1, 2]
+    assert (found.complete(0.5), found.complete(0.25), found.complete(0.51)) == (Ratio(2, 3), Ratio(3, 3), Ratio(0, 3))
+
+
+def test_ten_axes_of_three_values_are_counted_without_listing_the_product() -> None:
+    space = space_of([3] * 10)
+    some = keys_of(space)[:: 59049 // 50][:50]
+    for strength, wanted in ((2, 405), (3, 3240), (5, 61236)):
+        assert t_way(some, space, strength).total.whole == wanted
+
+
+@pytest.mark.parametrize(("strength", "least"), [(1, 2), (2, 6), (3, 10), (4, 16), (5, 32)])
+@pytest.mark.parametrize("seed", range(10))
+def test_the_smallest_suites_of_five_binary_axes_are_found(strength: int, least: int, seed: int) -> None:
+    suite = covering_array(FIVE, keys_of(FIVE), strength, seed)
+    assert len(suite) == len(set(suite)) == least
+    assert t_way(suite, FIVE, strength).total.value == 1.0
+
+
+def smallest(axes: int, strength: int, size: int) -> bool:
+    """Whether some `size` points of so many binary axes have every combination, by trying all."""
+    codes, every = table(levels_of(keys_of(space_of([2] * axes)), space_of([2] * axes)), space_of([2] * axes), strength)
+    masks = [sum(1 << int(code) for code in row) for row in codes]
+    whole = (1 << every) - 1
+    # the first point may be the benign one: any suite becomes such by renaming values
+    for rest in combinations(masks[1:], size - 1):
+        covered = masks[0]
+        for mask in rest:
+            covered |= mask
+        if covered == whole:
+            return True
+    return False
+
+
+def test_fewer_than_6_10_and_16_situations_cannot_do() -> None:
+    assert not smallest(axes=5, strength=2, size=5)
+    assert smallest(axes=4, strength=2, size=5)
+    # 3-way: the situations with 0 on one axis must have all pairs of the other four, and those with 1 too: 5 + 5
+    assert not smallest(axes=4, strength=2, size=4)
+    # 4-way: four axes alone have 16 combinations, one a situation
+
+
+@settings(max_examples=usually(25, release=40), deadline=None)
+@given(spaces(most=14), st.integers(1, 3), st.integers(0, 3))
+def test_an_array_has_every_combination_of_the_situations_to_choose_from(
+    space: Space, strength: int, seed: int
+) -> None:
+    strength = min(strength, len(space.axes))
+    suite = covering_array(space, keys_of(space), strength, seed)
+    assert set(suite) <= set(keys_of(space))
+    assert len(suite) == len(set(suite))
+    assert t_way(suite, space, strength).total.value == 1.0
+    assert suite == covering_array(space, keys_of(space), strength, seed)
+
+
+@given(spaces(most=14))
+def test_what_is_forbidden_leaves_exactly_the_situations(space: Space) -> None:
+    levels = levels_of(keys_of(space), space)
+    values = [sorted(set(column)) for column in levels.T.tolist()]
+    every = np.array(np.meshgrid(*values, indexing="ij")).reshape(len(values), -1).T
+    terms = forbidden(levels)
+    assert terms is not None
+    left = [
+        row for row in every.tolist() if not any(all(row[a] == v for a, v in zip(*term, strict=True)) for term in terms)
+    ]
+    assert sorted(left) == sorted(levels.tolist())
+    for axes, _ in terms:
+        assert len(axes) >= 2
+
+
+def test_ten_axes_of_three_values_have_small_arrays() -> None:
+    space = space_of([3] * 10)
+    suite = covering_array(space, keys_of(space), 2, 0)
+    assert len(suite) <= 17  # at least 14: Colbourn's tables of covering array numbers
+    assert t_way(suite, space, 2).total.value == 1.0
+
+
+@pytest.mark.parametrize("strength", [0, 6])
+def test_a_strength_without_axes_is_refused(strength: int) -> None:
+    with pytest.raises(InputError, match=f"strength={strength} of a covering array must be 1 to 5"):
+        covering_array(FIVE, keys_of(FIVE), strength, 0)
+
+
+def test_without_the_library_a_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "covertable", None)
+    with pytest.raises(InputError, match=r"need covertable: pip install 'scaloft-fi\[covering\]'"):
+        covering_array(FIVE, keys_of(FIVE), 2, 0)
+
+
+def test_scattered_situations_are_covered_without_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "covertable", None)
+    space = space_of([3] * 8)
+    some = keys_of(space)[::97]
+    suite = covering_array(space, some, 2, 0)
+    assert set(suite) < set(some)
+    assert t_way(suite, space, 2).axes == t_way(some, space, 2).axes

@@ -1,15 +1,56 @@
+"""Pairs, verdicts, how firm they are, and the noise of a stack that is not deterministic."""
+
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
-from builders import pool
+from builders import outcome, pool
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.detection import LOOKS, Detection, Sample, Spending, Verdict, adjusted, detect
-from scaloft_fi.analysis.pool import Pool
+from scaloft_fi.analysis.detection import (
+    LOOKS,
+    Detection,
+    Firmness,
+    Sample,
+    Spending,
+    Verdict,
+    detect,
+    firmness,
+    noise_of,
+)
+from scaloft_fi.analysis.pool import Pair, Pool, State
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.requirement import Kind
+
+
+@pytest.mark.parametrize(
+    ("flights", "violated", "open_", "triggered", "state"),
+    [
+        (9, 0, 0, 9, State.UNKNOWN),
+        (10, 0, 0, 4, State.VACUOUS),
+        (10, 0, 0, 5, State.STEADY),
+        (10, 0, 2, 10, State.OPEN),
+        (10, 0, 1, 10, State.STEADY),
+        (10, 1, 0, 10, State.STEADY),
+        (10, 1, 1, 10, State.UNSTEADY),
+        (10, 2, 0, 10, State.UNSTEADY),
+        (10, 5, 0, 10, State.UNSTEADY),
+        (10, 6, 0, 10, State.RED),
+        (50, 46, 0, 50, State.RED),
+        (50, 5, 0, 50, State.STEADY),
+        (50, 6, 0, 50, State.UNSTEADY),
+    ],
+)
+def test_a_pair_has_the_first_state_that_fits(
+    flights: int, violated: int, open_: int, triggered: int, state: State
+) -> None:
+    pair = Pair("T0O0W0D0H0", "SR1", Kind.SAFETY, flights, violated, open_, triggered)
+    assert pair.state is state
+    assert pair.tests == (state in (State.STEADY, State.UNSTEADY, State.RED))
+
 
 M = "LATE-human@3s"
 KEYS = [f"T{t}O{o}W{w}D0H1" for t in range(2) for o in range(2) for w in range(2)]
@@ -45,42 +86,10 @@ def test_a_fault_put_to_the_test_without_a_trace_is_not_detected_once_a_trace_co
     assert (too_few.verdict, too_few.needed) == (Verdict.UNDECIDED, 3)
 
 
-def test_a_fault_that_infects_nowhere_is_not_tested() -> None:
-    assert safety([seen(key, 0, infected=False) for key in KEYS]).verdict is Verdict.NOT_TESTED
-    assert safety([]).verdict is Verdict.NOT_TESTED
-
-
-@pytest.mark.parametrize(
-    "baselines",
-    [
-        pool(*KEYS, red=10, violated={"SR1": 30.0}, struck="bar"),
-        pool(*KEYS, red=3, violated={"SR1": 9.0, "SR2": 9.0}),
-        pool(*KEYS, red=10, violated={"SR1": 9.0, "SR2": 9.0}),
-    ],
-)
-def test_a_red_unsteady_or_open_pair_detects_nothing(baselines: list[object]) -> None:
-    found = Pool.of(baselines)  # type: ignore[arg-type]
-    everything = [Sample(key, (("SR1", "SR2"),) * 3, infected=True) for key in KEYS]
-    assert safety(everything, found).verdict is Verdict.NOT_TESTED
-
-
-def test_a_vacuous_pair_detects_nothing() -> None:
-    found = Pool.of(pool(*KEYS, vacuous=("SR2",)))
-    p = adjusted([seen(key, 3, 3) for key in KEYS], found, ("SR1", "SR2"))
-    assert p == {"SR1": 1.0, "SR2": 1.0}
-
-
 def test_without_a_pool_nothing_is_decided() -> None:
     few = Pool.of(pool(*KEYS, seeds=9))
     found = safety([seen(key, 3, 3) for key in KEYS], few)
     assert (found.verdict, found.needed) == (Verdict.UNDECIDED, None)
-
-
-def test_holm_multiplies_the_least_p_by_the_requirements_and_never_orders_them_otherwise() -> None:
-    samples = [Sample(key, (("SR1", "SR2") if i < 2 else ("SR2",),), infected=True) for i, key in enumerate(KEYS[:3])]
-    p = adjusted(samples, GREEN, ("SR1", "SR2"))
-    assert p["SR2"] == pytest.approx(2 / 11**3)
-    assert p["SR1"] == pytest.approx(1 / 11**2)
 
 
 def test_a_campaign_that_grew_spends_a_quarter_of_alpha_at_each_look() -> None:
@@ -113,22 +122,69 @@ def test_seeds_flown_later_take_back_no_detection_of_a_campaign_with_looks(
     assert not any(earlier) or safety(samples, spending=GROWN).detected
 
 
-@given(st.lists(flights, min_size=1, max_size=8))
-def test_a_situation_added_without_a_violation_takes_back_no_detection(
-    flown: list[tuple[tuple[str, ...], ...]],
-) -> None:
-    samples = [Sample(key, own, infected=True) for key, own in zip(KEYS, flown, strict=False)]
-    quiet = [Sample(key, ((),), infected=True) for key in KEYS[len(samples) :]]
-    assert safety(samples).p == safety([*samples, *quiet]).p
+def sample(key: str, violating: str) -> Sample:
+    """`x` violates SR2; the seeds are 0, 1, ..."""
+    violated = tuple(("SR2",) if flight == "x" else () for flight in violating)
+    return Sample(key, violated, infected=True, seeds=tuple(range(len(violating))))
 
 
-@given(st.lists(flights, min_size=1, max_size=8))
-def test_the_verdict_by_operability_hears_operability_requirements_alone(
-    flown: list[tuple[tuple[str, ...], ...]],
-) -> None:
-    samples = [Sample(key, own, infected=True) for key, own in zip(KEYS, flown, strict=False)]
-    found = detect(M, samples, GREEN, ONCE, Kind.OPERABILITY)
-    assert not found.detected
-    assert found.p == {"OP1": 1.0}
-    late = [replace(sample, violated=tuple(("OP1",) for _ in sample.violated)) for sample in samples]
-    assert detect(M, late, GREEN, ONCE, Kind.OPERABILITY).p["OP1"] < 0.1
+def firm(samples: list[Sample], spending: Spending | None = None) -> Firmness:
+    return firmness(M, samples, GREEN, spending or Spending(), Kind.SAFETY)
+
+
+def test_a_mutant_that_grew_is_judged_at_its_looks_without_the_seed() -> None:
+    grown = Spending(0.01, frozenset({M}))
+    assert firm([sample(key, "xxx") for key in KEYS[:4]], grown) is Firmness.FIRM
+    assert firm([sample(key, "x..") for key in KEYS[:4]], grown) is Firmness.HANGS
+
+
+@given(st.lists(st.text("x.", min_size=3, max_size=3), min_size=8, max_size=8))
+def test_more_violations_never_make_a_firm_verdict_less_firm(flights: list[str]) -> None:
+    samples = [sample(key, own) for key, own in zip(KEYS, flights, strict=True)]
+    more = [sample(key, "x" + own[1:]) for key, own in zip(KEYS, flights, strict=True)]
+    if firm(samples).firm:
+        assert firm(more).firm
+
+
+@pytest.mark.parametrize("firmness", Firmness)
+def test_only_the_two_firm_words_count_as_firm(firmness: Firmness) -> None:
+    assert firmness.firm == firmness.words.startswith("firm")
+
+
+def flown(mutant: str, seed: int, rho: float, situation: str = "T0O0W0D0H0") -> Outcome:
+    made = outcome(mutant, situation, seed)
+    return replace(made, readings=tuple(replace(reading, rho=rho) for reading in made.readings))
+
+
+def test_the_stack_alone_is_measured_by_pairs_and_the_seeds_by_baselines() -> None:
+    flights = [
+        flown(BASELINE, 0, 0.30), flown(PLACEBO_ID, 0, 0.32),
+        flown(BASELINE, 1, 0.50), flown(PLACEBO_ID, 1, 0.46),
+        flown(PLACEBO_ID, 2, 9.0),  # without a baseline of its seed
+    ]  # fmt: skip
+    noise = {one.requirement: one for one in noise_of(flights)}
+    assert list(noise) == ["SR1", "SR2", "OP1"]  # what is only reported has no noise line
+    assert noise["SR1"].pairs == 2
+    assert noise["SR1"].stack == pytest.approx(math.sqrt((0.02**2 + 0.04**2) / 2 / 2))
+    assert noise["SR1"].seeds == pytest.approx(math.sqrt(0.1**2 + 0.1**2))
+    assert noise["SR1"].apart == 0
+
+
+def test_situations_do_not_add_to_the_spread_between_seeds() -> None:
+    flights = [flown(BASELINE, seed, rho, key) for key, rho in (("A", 0.1), ("B", 5.0)) for seed in (0, 1)]
+    assert [one.seeds for one in noise_of(flights)] == [0.0, 0.0, 0.0]
+
+
+def test_a_pair_of_two_verdicts_is_counted_and_what_measures_nothing_is_left_out() -> None:
+    flights = [outcome(BASELINE, seed=0), outcome(PLACEBO_ID, seed=0, violated={"SR2": 7.0})]
+    flights += [outcome(BASELINE, seed=1, vacuous=["SR2"]), outcome(PLACEBO_ID, seed=1)]
+    noise = {one.requirement: one for one in noise_of(flights)}
+    assert noise["SR2"].apart == 1
+    assert noise["SR2"].pairs == 1
+    assert noise["SR1"].pairs == 2
+
+
+def test_without_placebo_the_stack_alone_is_not_measured_and_invalid_flights_say_nothing() -> None:
+    flights = [outcome(BASELINE, seed=0), outcome(PLACEBO_ID, seed=0, invalid="its process died")]
+    assert [(one.pairs, one.stack, one.seeds) for one in noise_of(flights)] == [(0, None, None)] * 3
+    assert noise_of([outcome(PLACEBO_ID)]) == ()

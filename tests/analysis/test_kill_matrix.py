@@ -1,15 +1,29 @@
+"""The kill matrix, Gray's order of situations, and Karnaugh's map."""
+
 from __future__ import annotations
 
 import json
-from itertools import pairwise
+from itertools import pairwise, product
+from math import prod
 
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from scaloft_fi.analysis.detection import Verdict
-from scaloft_fi.analysis.kill_matrix import NOT_FLOWN, KillMatrix, kill_matrix
+from scaloft_fi.analysis.kill_matrix import (
+    NOT_FLOWN,
+    KillMatrix,
+    cyclic,
+    fold,
+    gray_order,
+    gray_rank,
+    gray_words,
+    kill_matrix,
+)
 from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import PLACEBO_ID, Outcome
+from scaloft_fi.judge.space import Space
 
 LATE, NO, CONTROL = "LATE-human@3s", "NO-human@100%", "REVERSE-human"
 HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T1O0W0D1H0"
@@ -93,3 +107,66 @@ def test_its_json_is_plain_and_every_row_has_every_situation(outcomes: list[Outc
         assert sum(a != b for a, b in zip(points[key], points[following], strict=True)) == 1
     states = {entry["state"] for row in plain["mutants"] for entry in row["entries"]}
     assert states <= set(plain["states"])
+
+
+radices = st.lists(st.integers(1, 4), min_size=1, max_size=4)
+
+
+def test_neighbouring_situations_of_the_grid_differ_on_one_axis() -> None:
+    order = gray_order(GRID)
+    assert sorted(order) == sorted(GRID.point)
+    assert order[0] == "T0O0W0D0H0"
+    for key, following in pairwise(order):
+        assert sum(a != b for a, b in zip(GRID.point[key], GRID.point[following], strict=True)) == 1
+
+
+@given(radices)
+def test_neighbouring_words_differ_in_one_digit_by_one(sizes: list[int]) -> None:
+    words = gray_words(sizes)
+    assert sorted(words) == sorted(product(*map(range, sizes)))
+    for word, following in pairwise(words):
+        assert sum(abs(a - b) for a, b in zip(word, following, strict=True)) == 1
+
+
+@given(radices)
+def test_a_words_rank_is_its_place(sizes: list[int]) -> None:
+    assert [gray_rank(word, sizes) for word in gray_words(sizes)] == list(range(prod(sizes)))
+
+
+def test_a_grid_with_situations_left_out_keeps_the_order_of_the_rest() -> None:
+    kept = tuple(entry for entry in GRID.points if entry[0] != "T0O0W0D1H1")
+    partial = Space(GRID.axes, GRID.values, GRID.words, kept)
+    assert gray_order(partial) == tuple(key for key in gray_order(GRID) if key != "T0O0W0D1H1")
+
+
+CUT = Space(
+    axes=("light", "floor", "people"),
+    values=(("0", "1", "2"), ("0", "1", "2"), ("0", "1")),
+    words=(("bright", "dim", "dark"), ("dry", "wet", "gone"), ("nobody", "human")),
+    points=tuple((f"L{a}F{b}P{c}", (a, b, c)) for a, b, c in product("012", "012", "01") if (a, b) != ("2", "2")),
+)
+
+
+def test_five_axes_make_four_rows_of_eight_and_every_situation_is_on_the_map_once() -> None:
+    folded = fold(GRID)
+    assert [len(keys) for keys in folded.keys] == [8] * 4
+    assert sorted(key for keys in folded.keys for key in keys if key) == sorted(GRID.point)
+
+
+def test_neighbours_on_the_map_differ_on_one_axis_also_across_its_edges() -> None:
+    folded = fold(GRID)
+    assert cyclic(folded.rows)
+    assert cyclic(folded.columns)
+    for r, c in product(range(4), range(8)):
+        for other in (folded.keys[(r + 1) % 4][c], folded.keys[r][(c + 1) % 8]):
+            here, there = GRID.point[folded.keys[r][c] or ""], GRID.point[other or ""]
+            assert sum(a != b for a, b in zip(here, there, strict=True)) == 1
+
+
+def test_axes_of_three_values_fold_too_and_what_a_constraint_excludes_is_empty() -> None:
+    folded = fold(CUT)
+    assert sorted(key for keys in folded.keys for key in keys if key) == sorted(CUT.point)
+    assert sum(key is None for keys in folded.keys for key in keys) == 2
+    for side in (folded.rows, folded.columns):
+        assert all(sum(a != b for a, b in zip(*pair, strict=True)) == 1 for pair in pairwise(side))
+    assert not cyclic(folded.columns)

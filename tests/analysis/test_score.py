@@ -1,20 +1,20 @@
+"""The score of a campaign, redraws of the unmutated drone, rosters and ratios."""
+
 from __future__ import annotations
 
-import json
 import random
 
-from builders import GRID, ROSTER, campaigns, flights, outcome, pool, seeded
+import pytest
+from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, subject_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.detection import Spending, Verdict
-from scaloft_fi.analysis.pool import State, findings
-from scaloft_fi.analysis.roster import Ratio
-from scaloft_fi.analysis.score import Score, score
+from scaloft_fi.analysis.roster import Ratio, Roster, plain
+from scaloft_fi.analysis.score import REDRAWS, Redraw, Score, redraw, score
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Guideword, Magnitude, Matrix, Parameter
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import Status
-from scaloft_fi.verbs.score_record import score_json
 
 LATE, NO, GOAL, CONTROL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m", "REVERSE-human"
 HUMAN = ["T0O0W0D0H1", "T0O1W0D0H1", "T1O0W0D0H1"]
@@ -40,19 +40,6 @@ def campaign() -> list[Outcome]:
     ]
 
 
-def test_the_ratios_count_the_default_mutants_of_credible_cells() -> None:
-    found = scored(*campaign())
-    assert found.exercised == Ratio(2, 3)
-    assert found.infected == Ratio(2, 2)
-    assert found.tested == Ratio(2, 2)
-    assert found.mutation_score == Ratio(1, 2)
-    assert found.operability == Ratio(1, 2)
-    assert [mutant.subject.id for mutant in found.mutants] == [LATE, GOAL]
-    assert [mutant.subject.id for mutant in found.controls] == [CONTROL]
-    assert found.placebo is not None
-    assert (found.pooled, found.lacking, found.expected_false) == (True, (), 0.02)
-
-
 def test_kills_are_steady_pairs_where_most_flights_of_a_detected_mutant_violate() -> None:
     late, goal = scored(*campaign()).mutants
     assert [(kill.situation, kill.requirement) for kill in late.kills] == [(key, "SR2") for key in HUMAN]
@@ -66,65 +53,11 @@ def test_kills_are_steady_pairs_where_most_flights_of_a_detected_mutant_violate(
     assert dict(goal.requirements) == {"OP1": Ratio(4, 4)}
 
 
-def test_a_lucky_baseline_kills_nothing() -> None:
-    """With seed 0 the unmutated drone dodges the bar that nine of ten seeds strike, and a mutant strikes it there."""
-    lucky = outcome(GOAL, DARK_CORNER, 0, violated={"SR1": 30.0}, struck="bar")
-    found = scored(*campaign(), lucky)
-    goal = found.mutants[1]
-    assert (goal.status, goal.verdict, goal.kills) == (Status.REVEALED, Verdict.NOT_DETECTED, ())
-    assert found.pool.states[DARK_CORNER, "SR1"] is State.RED
-    assert found.mutation_score == scored(*campaign()).mutation_score
-
-
-def test_a_vacuous_requirement_is_no_test() -> None:
-    """Of nine situations eight have no person: SR2 8/9 must read 8/8."""
-    late = scored(*campaign(), outcome(LATE, NOBODY, 1)).mutants[0]
-    assert late.kill_rate == Ratio(3, 4)
-    assert dict(late.requirements) == {"SR2": Ratio(3, 3)}
-
-
-def test_without_a_pool_there_is_no_ratio_of_what_was_shown() -> None:
-    few = [one for one in campaign() if one.mutant != BASELINE or one.seed == 0]
-    found = scored(*few)
-    assert not found.pooled
-    assert (found.mutation_score, found.operability) == (Ratio(0, 0), Ratio(0, 0))
-    assert found.lacking == (NOBODY, HUMAN[0], HUMAN[1], HUMAN[2], DARK_CORNER)
-    assert {mutant.verdict for mutant in found.mutants} == {Verdict.UNDECIDED}
-
-
-def test_a_control_flown_once_beside_its_baseline_lacks_no_pool() -> None:
-    control = outcome("REVERSE-human", DARK_CORNER, 0, violated={"OP1": 9.0})
-    alone = [outcome(situation=DARK_CORNER), control]
-    quiet = [one for one in campaign() if one.mutant == BASELINE]
-    assert scored(*alone).pooled
-    assert scored(*quiet, *alone[1:]).lacking == scored(*alone).lacking == ()
-
-
 def test_another_campaigns_baselines_make_a_pool() -> None:
     few = [one for one in campaign() if one.mutant != BASELINE or one.seed == 0]
     lent = [one for one in campaign() if one.mutant == BASELINE]
     found = score(few, ROSTER, GRID, None, lent)
     assert found.mutation_score == Ratio(1, 2)
-
-
-def test_a_ladder_has_rows_of_its_own_and_moves_no_ratio() -> None:
-    ladder = outcome("LATE-human@1s", HUMAN[0], violated={"SR2": 12.0})
-    before, after = scored(*campaign()), scored(*campaign(), ladder)
-    assert [mutant.subject.id for mutant in after.mutants] == ["LATE-human@1s", LATE, GOAL]
-    assert ratios(before) == ratios(after)
-
-
-def test_seeds_of_a_situation_are_one_result_and_a_kill_takes_most_of_them() -> None:
-    many = [outcome(LATE, HUMAN[0], seed, violated={"SR2": 9.0} if seed < 5 else {}) for seed in range(10)]
-    (late,) = scored(*pool(HUMAN[0], seeds=50), *many).mutants
-    (result,) = late.results
-    assert (late.detected, dict(result.violated), result.kills) == (True, {"SR2": 5}, ())
-    more = [outcome(LATE, HUMAN[0], seed, violated={"SR2": 9.0} if seed < 6 else {}) for seed in range(10)]
-    assert scored(*pool(HUMAN[0], seeds=50), *more).mutants[0].kills[0].violated == 6
-
-
-def test_the_condition_names_the_situations_with_a_kill() -> None:
-    assert scored(*campaign()).mutants[0].condition(GRID) == "human"
 
 
 def ratios(found: Score) -> list[Ratio]:
@@ -153,109 +86,11 @@ def test_statuses_sum_to_flights_and_fates_to_mutants(outcomes: list[Outcome]) -
     assert found.fates.total() == len(found.mutants)
 
 
-@given(st.one_of(campaigns(), seeded()))
-@settings(deadline=None)
-def test_the_detected_are_among_the_tested_and_they_among_the_infected(outcomes: list[Outcome]) -> None:
-    found = score(outcomes, ROSTER, GRID)
-    assert found.mutation_score.part <= found.tested.part <= found.infected.part <= found.infected.whole
-    for mutant in found.mutants:
-        assert not mutant.detected or mutant.tested
-        assert (mutant.verdict is Verdict.NOT_TESTED) <= (not mutant.tested)
-        assert mutant.kill_rate.part <= mutant.kill_rate.whole <= mutant.kill_rate_flown.whole
-
-
-@given(st.one_of(campaigns(), seeded()))
-@settings(deadline=None)
-def test_every_kill_is_a_steady_pair_of_a_detected_mutant_that_infects_there(outcomes: list[Outcome]) -> None:
-    found = score(outcomes, ROSTER, GRID)
-    for mutant in (*found.mutants, *found.controls):
-        assert not mutant.kills or mutant.detected
-        assert not mutant.operability_kills or mutant.operability.detected
-        infected = {result.situation for result in mutant.results if result.infected}
-        for kill in (*mutant.kills, *mutant.operability_kills):
-            assert found.pool.states[kill.situation, kill.requirement] is State.STEADY
-            assert kill.situation in infected
-            assert 2 * kill.violated > kill.flights
-            assert kill.first.requirement == kill.requirement
-
-
-@given(campaigns(), st.lists(flights(), max_size=4))
-def test_an_invalid_flight_never_changes_a_score(outcomes: list[Outcome], more: list[Outcome]) -> None:
-    names = {flown.name for flown in outcomes}
-    failed = {
-        flown.name: outcome(flown.mutant, flown.situation, flown.seed, invalid="the worker died")
-        for flown in more
-        if flown.name not in names
-    }
-    before, after = (score(listed, ROSTER, GRID) for listed in (outcomes, [*outcomes, *failed.values()]))
-    assert ratios(before) == ratios(after)
-    rates = {mutant.subject: (mutant.kill_rate, mutant.kill_rate_flown) for mutant in after.mutants}
-    assert all(rates[m.subject] == (m.kill_rate, m.kill_rate_flown) for m in before.mutants)
-
-
-@given(seeded())
-@settings(deadline=None)
-def test_placebo_and_controls_are_in_no_ratio(outcomes: list[Outcome]) -> None:
-    flown = {one.situation for one in outcomes if one.altered and one.mutant not in (PLACEBO_ID, CONTROL)}
-    without = [one for one in outcomes if one.mutant not in (PLACEBO_ID, CONTROL)]
-    if flown:  # a control that infects where no mutant does asks for a pool of its own
-        assert ratios(score(outcomes, ROSTER, GRID))[:3] == ratios(score(without, ROSTER, GRID))[:3]
-
-
 @given(seeded())
 @settings(deadline=None)
 def test_the_condition_is_true_where_it_kills(outcomes: list[Outcome]) -> None:
     for mutant in score(outcomes, ROSTER, GRID).mutants:
         assert bool(mutant.condition(GRID)) == bool(mutant.killing or mutant.seen_in)
-
-
-def test_the_json_has_the_keys_of_the_contract() -> None:
-    outcomes = campaign()
-    baselines = [(finding.situation, finding.violated) for finding in findings(outcomes, GRID)]
-    plain = json.loads(json.dumps(score_json(scored(*outcomes), coverage(outcomes, GRID), baselines)))
-    assert {"alpha", "ratios", "expected_false", "mutants", "pairs", "coverage", "baseline"} <= plain.keys()
-    assert list(plain["ratios"]) == [
-        "exercised",
-        "infected",
-        "tested",
-        "mutation_score",
-        "firm",
-        "operability",
-        "without_accepted",
-    ]
-    assert plain["ratios"]["mutation_score"] == {"part": 1, "whole": 2}
-    late = plain["mutants"][0]
-    assert {name: late[name] for name in ("id", "guideword", "parameter", "magnitude", "status", "verdict")} == {
-        "id": LATE,
-        "guideword": "LATE",
-        "parameter": "human",
-        "magnitude": "3s",
-        "status": "revealed",
-        "verdict": "detected",
-    }
-    assert late["p"].keys() == {"SR1", "SR2"}
-    assert (late["kill_rate"], late["kill_rate_flown"]) == ({"part": 3, "whole": 3}, {"part": 3, "whole": 5})
-    assert late["kills"][0] == {"situation": HUMAN[0], "requirement": "SR2", "violated": 1, "flights": 1}
-    assert plain["pairs"][0] == {
-        "situation": HUMAN[0],
-        "requirement": "SR1",
-        "kind": "safety",
-        "violated": 0,
-        "flights": 10,
-        "open": 0,
-        "triggered": 10,
-        "state": "steady",
-    }
-    assert plain["coverage"]["situations"] == {"part": 5, "whole": 32}
-    assert list(plain["coverage"]["t_way"]) == ["1", "2", "3", "4", "5"]
-    assert {"situation": DARK_CORNER, "violated": ["SR1"]} in plain["baseline"]
-
-
-def test_the_json_says_how_many_seeds_would_decide() -> None:
-    outcomes = [*pool(*HUMAN), outcome(LATE, HUMAN[0], violated={"SR2": 9.0}), outcome(LATE, HUMAN[1])]
-    (late,) = score_json(scored(*outcomes), coverage(outcomes, GRID), [])["mutants"]
-    assert late["verdict"] == "undecided"
-    assert late["decided_at"] == {"seeds": 1, "alpha": 0.01, "needed": 5, "anew": False}
 
 
 def test_a_campaign_that_grew_is_scored_by_looks() -> None:
@@ -264,7 +99,68 @@ def test_a_campaign_that_grew_is_scored_by_looks() -> None:
     assert not score(outcomes, ROSTER, GRID, Spending(0.01, frozenset({LATE}))).mutants[0].detected
 
 
-def test_a_campaign_without_flights_scores_nothing_of_nothing() -> None:
-    empty = scored()
-    assert ratios(empty) == [Ratio(0, 3), *[Ratio(0, 0)] * 4]
-    assert score_json(empty, coverage([], GRID), [])["ratios"]["infected"] == {"part": 0, "whole": 0}
+KEYS = ["T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H0", "T0O0W0D1H1"]
+
+
+def test_a_drone_that_never_violates_is_never_called_detected() -> None:
+    assert redraw(pool(*KEYS, seeds=20), 3, 0.01) == Redraw(3, Ratio(0, REDRAWS), Ratio(0, REDRAWS))
+
+
+def test_there_are_no_redraws_below_twenty_flights_or_without_ten_to_spare() -> None:
+    assert redraw(pool(*KEYS, seeds=19), 1, 0.01) == Redraw()
+    assert redraw(pool(*KEYS, seeds=20), 11, 0.01) == Redraw()
+    assert redraw([], 1, 0.01) == Redraw()
+    uneven = [*pool(KEYS[0], seeds=30), *pool(KEYS[1], seeds=15)]
+    assert redraw(uneven, 1, 0.01) == Redraw()
+    # a situation without any pool is left out, as it is where no mutant infects
+    assert redraw([*pool(KEYS[0], seeds=30), *pool(KEYS[1], seeds=1)], 1, 0.01).safety == Ratio(0, REDRAWS)
+
+
+def test_seeds_that_violate_everywhere_at_once_are_called_detected_as_often_as_they_are_drawn_alone() -> None:
+    """Two seeds of forty violate in all four situations: a redraw of one of them beside ten green ones is detected."""
+    flights = [
+        outcome(BASELINE, key, seed, violated={"SR1": 9.0} if seed < 2 else {}) for key in KEYS for seed in range(40)
+    ]
+    found = redraw(flights, 1, 0.01, redraws=1000)
+    assert 25 <= found.safety.part <= 75  # 2 of 40, as the other is seldom among the ten
+    assert found.operability.part == 0
+    assert redraw(flights, 1, 0.01, redraws=1000) == found
+
+
+def test_a_roster_takes_the_default_of_each_credible_cell_from_the_matrix() -> None:
+    fault = Fault("person", "delay", magnitude=Magnitude("delay_s", "s", (1.0, 3.0), 3.0))
+    cells = {
+        ("LATE", "human"): Cell("LATE", "human", CellStatus.CREDIBLE, faults=(fault,)),
+        ("NO", "human"): Cell("NO", "human", CellStatus.CREDIBLE, faults=(Fault("person", "drop"),)),
+        ("REVERSE", "human"): Cell("REVERSE", "human", CellStatus.CONTROL, faults=(Fault("person", "invert"),)),
+        ("EARLY", "human"): Cell("EARLY", "human", CellStatus.NOT_MEANINGFUL, reason="none"),
+    }
+    words = tuple(Guideword(word, word, "") for word, _ in cells)
+    roster = Roster.of(Matrix(words, (Parameter("human", "", "", "", ""),), cells), ["LATE-human@1s", "LATE-human@3s"])
+    assert roster.defaults == {"LATE-human": "LATE-human@3s", "NO-human": "NO-human"}
+    assert roster.controls == {"REVERSE-human"}
+    assert roster.counts(subject_of("LATE-human@3s"))
+    assert not roster.counts(subject_of("LATE-human@1s"))
+    assert roster.is_control(subject_of("REVERSE-human"))
+
+
+def test_a_magnitude_off_the_ladder_stands_after_those_of_its_cell() -> None:
+    ids = ["MORE-goal@0.6m", "LATE-human@9s", "LATE-human@1s", "baseline"]
+    assert sorted(ids, key=ROSTER.rank) == ["baseline", "LATE-human@1s", "LATE-human@9s", "MORE-goal@0.6m"]
+
+
+@given(st.integers(0, 100), st.integers(1, 100))
+def test_a_ratio_prints_part_whole_and_share(part: int, whole: int) -> None:
+    part = min(part, whole)
+    assert str(Ratio(part, whole)) == f"{part}/{whole} = {100 * part / whole:.0f} %"
+    assert plain(Ratio(part, whole)) == {"part": part, "whole": whole}
+
+
+def test_nothing_of_nothing_is_not_a_number() -> None:
+    assert (str(Ratio(0, 0)), Ratio(0, 0).value) == ("0/0 = n/a", None)
+
+
+@pytest.mark.parametrize(("part", "whole"), [(2, 1), (-1, 3)])
+def test_what_is_no_share_is_refused(part: int, whole: int) -> None:
+    with pytest.raises(ValueError, match="no share"):
+        Ratio(part, whole)
