@@ -17,6 +17,7 @@ from scaloft_fi.document import Item, is_there, load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.name import Name
 from scaloft_fi.marks import (
+    About,
     Bounds,
     ByName,
     Choices,
@@ -151,7 +152,7 @@ MOST_ENTRIES = 100
 _UNIT = r"[A-Za-z%][A-Za-z0-9%]*|"
 _ANY_NUMBER = Bounds(least=-1e12, most=1e12, infinite=True)
 """A magnitude or an argument; an operator may allow `.inf`, such as a hold that never ends."""
-ValueText = Annotated[Value, _ANY_NUMBER]
+ValueText = Annotated[Value, _ANY_NUMBER, About("a value; an infinite number is the text inf")]
 RungText = Annotated[
     Rung, _ANY_NUMBER, Pattern(r"[A-Za-z][A-Za-z0-9_.]*", "a number, or a name of letters, digits, _ and .")
 ]

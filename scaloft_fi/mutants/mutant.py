@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from scaloft_fi.errors import InputError, shown
-from scaloft_fi.hazop.matrix import Value
+from scaloft_fi.hazop.matrix import ValueText
 from scaloft_fi.hazop.name import Name
 
 
@@ -18,12 +18,13 @@ class Mutant:
 
     Attributes:
         id: canonical id.
-        guideword, parameter: of the cell that it realises.
+        guideword: of the cell that it realises.
+        parameter: of the cell that it realises.
         magnitude: as in the id, with its unit; empty where the fault has no ladder.
         phase_s: shift of a periodic fault [s].
-        seam: name of the seam; `EVERY_SEAM` for PLACEBO.
-        operator: name of the operator.
-        arguments: of the operator, checked; an argument that is missing has the operator's default.
+        seam: name of the seam where it is patched in; `every` for PLACEBO.
+        operator: name of the operator, which alters the samples.
+        arguments: of the operator, checked; one that is missing has the operator's default.
         event: name of the event of the flight at which it strikes; empty when it strikes at times.
     """
 
@@ -34,7 +35,7 @@ class Mutant:
     phase_s: float
     seam: str
     operator: str
-    arguments: Mapping[str, Value] = field(default_factory=dict, hash=False)
+    arguments: Mapping[str, ValueText] = field(default_factory=dict, hash=False)
     event: str = ""
 
     @property

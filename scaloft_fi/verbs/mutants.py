@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,85 +23,62 @@ from scaloft_fi.mutants.catalogue import (
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
-from scaloft_fi.verbs.matrix_record import ARGUMENTS
 from scaloft_fi.verbs.options import check_own, format_option, study_option
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Output, count, flag, listing, number, record, text
+from scaloft_fi.views.output import Output
 from scaloft_fi.views.table import Format, body_text, csv_text, tabulated
 
 if TYPE_CHECKING:
     from scaloft_fi.hazop.matrix import Matrix
 
 
-MUTANTS = Output(
-    "mutants",
-    "1.0",
-    "the mutants that the deviation matrix gives",
-    {
-        "catalogue": record(
-            "the written catalogue",
-            {
-                "path": text("its file"),
-                "current": flag("whether it is what the matrix gives"),
-                "written": flag("whether this call has written it"),
-                "mutants": count("mutants that the matrix gives"),
-                "cells": count("cells that have mutants"),
-            },
-        ),
-        "mutants": listing(
-            "the mutants asked for; with --write and --check all of them",
-            record(
-                "a mutant",
-                {
-                    "id": text("canonical id"),
-                    "guideword": text("its guideword"),
-                    "parameter": text("its parameter"),
-                    "magnitude": text("its magnitude with the unit, as in the id; empty where there is none"),
-                    "phase_s": number("its shift in time", "s"),
-                    "event": text("the event at which it strikes; empty for none"),
-                    "seam": text("where it is patched in"),
-                    "operator": text("what alters the samples"),
-                    "arguments": ARGUMENTS,
-                    "default": flag("whether the name of its cell stands for it"),
-                },
-            ),
-        ),
-    },
-    rows="mutants",
-)
+@dataclass(frozen=True)
+class Catalogue:
+    """The written catalogue.
 
-
-def mutant_values(
-    path: Path,
-    derived: Sequence[Mutant],
-    chosen: Sequence[Mutant],
-    defaults: Collection[str],
-    *,
-    current: bool,
-    written: bool,
-) -> dict[str, Any]:
-    """Plain JSON values of the form `MUTANTS`.
-
-    Args:
-        path: file of the catalogue.
-        derived: every mutant that the matrix gives.
-        chosen: those asked for.
-        defaults: ids of the cells' defaults.
-        current: whether the file has what the matrix gives.
+    Attributes:
+        path: its file.
+        current: whether it is what the matrix gives.
         written: whether this call has written it.
+        mutants: mutants that the matrix gives.
+        cells: cells that have mutants.
     """
-    return {
-        "catalogue": {
-            "path": str(path),
-            "current": current,
-            "written": written,
-            "mutants": len(derived),
-            "cells": len(defaults),
-        },
-        "mutants": [{"event": "", **one.to_json(), "default": one.id in defaults} for one in chosen],
-    }
+
+    path: str
+    current: bool
+    written: bool
+    mutants: int
+    cells: int
 
 
+@dataclass(frozen=True)
+class ListedMutant:
+    """A mutant.
+
+    Attributes:
+        mutant: itself.
+        default: whether the name of its cell stands for it.
+    """
+
+    mutant: Mutant
+    default: bool
+    KEYS = (*(f"mutant.{field.name}" for field in fields(Mutant)), "default")
+
+
+@dataclass(frozen=True)
+class MutantList:
+    """The mutants that the deviation matrix gives.
+
+    Attributes:
+        catalogue: the written catalogue.
+        mutants: the mutants asked for; with --write and --check all of them.
+    """
+
+    catalogue: Catalogue
+    mutants: tuple[ListedMutant, ...]
+
+
+MUTANTS = Output.of("mutants", "1.0", MutantList, rows="mutants")
 _COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "arguments")
 _IN_TERMINAL = ("id", "default", "seam", "operator", "arguments")
 """Guideword and parameter are read from the id."""
@@ -159,7 +137,8 @@ def mutants_command(
     current = write or check or _is_current(folder, matrix)
     chosen = derived if write or check else _chosen(derived, matrix, patterns, cells, only_defaults=only_defaults)
     if style == Format.JSON:
-        tell(MUTANTS.json(mutant_values(path, derived, chosen, default_ids, current=current, written=write)))
+        catalogue = Catalogue(str(path), current, write, len(derived), len(default_ids))
+        tell(MUTANTS.json(MutantList(catalogue, tuple(ListedMutant(one, one.id in default_ids) for one in chosen))))
     elif write or (check and style != Format.CSV):
         tell_line(f"{path}: {'' if write else 'current, '}{len(derived)} mutants of {len(default_ids)} cells")
     else:

@@ -261,16 +261,27 @@ class Printed(NamedTuple):
 
 @cache
 def printed_of(cls: type) -> tuple[Printed, ...]:
-    """The fields of a record, and behind them the properties that its class names in `TOLD`."""
-    fields = [Printed(one.name, one.key, one.hint, one.about.removesuffix(".")) for one in fields_of(cls)]
-    getters = {name: getattr(cls, name).fget for name in getattr(cls, "TOLD", ())}
-    return (
-        *fields,
-        *(
-            Printed(name, name, get_annotations(getter, eval_str=True)["return"], _phrase(summary_of(getter)))
-            for name, getter in getters.items()
-        ),
-    )
+    """What an answer has of a record: its fields, or what its class lists in `KEYS`.
+
+    An entry of `KEYS` is the name of a field or property, or that of one in it: `subject.id`.  Its last name is the
+    key, unless another one stands before: `firm=firmness`.
+    """
+    if (keys := getattr(cls, "KEYS", None)) is None:
+        return tuple(Printed(one.name, one.key, one.hint, one.about.removesuffix(".")) for one in fields_of(cls))
+    return tuple(_printed(cls, *key.rpartition("=")[::2]) for key in keys)
+
+
+def _printed(cls: type, key: str, path: str) -> Printed:
+    name, _, below = path.partition(".")
+    one = next((one for one in fields_of(cls) if one.name == name), None)
+    if one is not None:
+        found = Printed(name, key or one.key, one.hint, one.about.removesuffix("."))
+    else:
+        told = getattr(cls, name)
+        getter: Any = told.fget if isinstance(told, property) else told.func
+        hint = get_annotations(getter, eval_str=True)["return"]
+        found = Printed(name, key or name, hint, _phrase(summary_of(getter)))
+    return _printed(kind_of(found.hint).bare, key, below)._replace(name=path) if below else found
 
 
 def _phrase(sentence: str) -> str:
@@ -310,8 +321,8 @@ def kind_of(hint: Any) -> Kind:
         return inner._replace(about=about, infinite=infinite, by_name=pairs, texts=texts)
     origin, args = get_origin(hint), get_args(hint)
     if origin in (Union, UnionType):
-        (value,) = (one for one in args if one is not NoneType)
-        return kind_of(value)._replace(null=True)
+        value, *others = (one for one in args if one is not NoneType)
+        return (Kind(Any) if others else kind_of(value))._replace(null=NoneType in args)
     if origin is Literal:
         return Kind(str, texts=args)
     if isinstance(hint, type) and issubclass(hint, Enum):
