@@ -34,7 +34,7 @@ from experiments.flights import GRIDS, published, read, stored, write
 from experiments.pages import blocks, parser, registered, table
 from experiments.search_arms import survivors
 from scaloft_fi.analysis.seeking import Effort, Replica, replicas
-from scaloft_fi.campaign.seeking.seek import Sought
+from scaloft_fi.campaign.seeking.finds import Sought
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.sim.found import Evidence as Shown
 from scaloft_fi.sim.found import Find, Finds, read_finds

@@ -126,6 +126,14 @@ class ByName:
 
 
 @dataclass(frozen=True)
+class Listed:
+    """A mapping of records by name that an answer lists: `key` is the key of the name, `about` says what it is."""
+
+    key: str
+    about: str
+
+
+@dataclass(frozen=True)
 class Examples:
     """Examples of a value."""
 

@@ -277,8 +277,9 @@ class Effort:
         infected: those in which it changed one.
         diverged: those in which the drone then flew otherwise than the baseline.
         showed: those in which it violates what the baseline holds with room.
-        nearest: least share of the baseline's robustness that it kept; `WORST` where it changed no sample.
-        requirement, situation: where that was; empty where it changed no sample.
+        nearest: least share of the baseline's robustness that it kept; 1.5 where it changed no sample.
+        requirement: of which requirement; empty where it changed no sample.
+        situation: key of the situation where that was; empty where it changed no sample.
     """
 
     situations: int = 0
@@ -330,8 +331,10 @@ class Replica:
     """A pair of find and mutant, flown again.
 
     Attributes:
-        find, mutant, requirement: what is claimed.
-        holds: whether the claim holds.
+        find: name of the find.
+        mutant: id of the mutant.
+        requirement: the requirement that it is to violate.
+        holds: whether the find holds for the mutant; else it leaves `sim/found.yaml`.
         why: why it does not; empty where it does.
         again: the evidence.
     """

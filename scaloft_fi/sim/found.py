@@ -9,7 +9,19 @@ from typing import Annotated
 
 from scaloft_fi.document import Item, is_there, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.marks import Bounds, ByName, Examples, Key, NotNegative, OneOrMore, Otherwise, Share, Size, Whole
+from scaloft_fi.marks import (
+    Bounds,
+    ByName,
+    Examples,
+    Key,
+    Listed,
+    NotNegative,
+    OneOrMore,
+    Otherwise,
+    Share,
+    Size,
+    Whole,
+)
 from scaloft_fi.model import read
 
 FILE = "found.yaml"
@@ -18,16 +30,16 @@ MOST_FINDS = 1_000
 
 @dataclass(frozen=True)
 class Again:
-    """The evidence of a replication: flights on seeds that nothing before used.
+    """The evidence of a replication, from seeds that nothing before used.
 
     Attributes:
-        seed: the first seed of them.
+        seed: the first seed.
         p: by the exact test of the one requirement, adjusted by Holm over all pairs that were replicated together.
         violated: flights of the mutant that violate the requirement.
         flights: flights of the mutant.
         held: baselines that hold the requirement with a robustness above their spread.
         baselines: baselines.
-        mission: baselines that do their mission.
+        mission: baselines that hold every operability requirement and meet the value of every axis.
     """
 
     seed: Whole
@@ -49,14 +61,14 @@ class Evidence:
         p: by the score's own test.
         alpha: what p was compared with.
         violated: flights of the mutant that violate the requirement.
-        flights: flights of the mutant, with the seeds 0, 1, ...
+        flights: flights of the mutant, with the seeds from 0 on.
         held: baselines that hold the requirement with a robustness above `spread`.
-        baselines: baselines, with the seeds 0, 1, ...
-        margin: robustness that nine in ten baselines reach.
-        spread: standard deviation of the robustness over the baselines.
+        baselines: baselines, with the seeds from 0 on.
+        margin: robustness that nine in ten baselines reach, in the requirement's unit.
+        spread: standard deviation of the robustness over the baselines, in the requirement's unit.
         struck: the body that the first violating flight strikes; empty for none.
         mission: baselines that hold every operability requirement and meet the value of every axis.
-        again: the evidence of a replication; None before one.
+        again: the evidence of a replication; null: not replicated.
     """
 
     requirement: Annotated[str, Examples("SR2")]
@@ -91,7 +103,7 @@ class Find:
     situation: Annotated[str, Examples("T1O0W0D0H1Cs=0.871")]
     words: tuple[str, ...]
     mutant: Annotated[str, Examples("LATE-pose@0.5s")]
-    shows: Annotated[Mapping[str, Evidence], Size(1, MOST_FINDS)]
+    shows: Annotated[Mapping[str, Evidence], Size(1, MOST_FINDS), Listed("mutant", "id of the mutant")]
     seed: Whole
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
@@ -117,7 +129,7 @@ class Break:
         error: how far from the truth that belief was, in `unit`.
         unit: unit of the error.
         violated: flights that violate the requirement, more than half.
-        flights: flights, with the seeds 0, 1, ...
+        flights: flights, with the seeds from 0 on.
         alike: flights that do so in the same way: they strike the same, on the same leg, after the same wrong belief.
         flight: seed of the flight that `leg`, `near`, `belief`, `error`, `t_s` and `place` tell of.
         t_s: time of the violation from take-off [s].

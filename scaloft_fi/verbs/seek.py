@@ -5,20 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import click
 from click.core import ParameterSource
 
-from scaloft_fi.analysis.roster import by_field, plain
 from scaloft_fi.campaign.plan import parse_mutants
 from scaloft_fi.campaign.processes import cores, one_thread_each
 from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.seeking.breaks import BreaksReport, seek_breaks
+from scaloft_fi.campaign.seeking.breaks import seek_breaks
 from scaloft_fi.campaign.seeking.finds import (
     Allowance,
-    ReplicationReport,
+    SeekReport,
+    Sought,
     Unnamed,
     anew,
     break_saver,
@@ -29,7 +28,6 @@ from scaloft_fi.campaign.seeking.finds import (
     saver,
 )
 from scaloft_fi.campaign.seeking.proposals import require_optuna
-from scaloft_fi.campaign.seeking.seek import SeekReport, Sought
 from scaloft_fi.campaign.seeking.seek import seek as seek_mutants
 from scaloft_fi.campaign.store.archive import campaign_folder
 from scaloft_fi.campaign.store.flown_grid import study_of
@@ -39,7 +37,7 @@ from scaloft_fi.hazop.load import find_study
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.sim.found import FILE, Break, Find, read_finds
+from scaloft_fi.sim.found import FILE, Break, read_finds
 from scaloft_fi.sim.grids import grid_names, own_name
 from scaloft_fi.sim.stacks import claims_of
 from scaloft_fi.study import Study
@@ -59,11 +57,11 @@ from scaloft_fi.verbs.options import (
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import words
-from scaloft_fi.views.output import Answer, Output, count, flag, listing, number, optional, record, text, texts
+from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 
 
-def breaks_table(report: BreaksReport, campaign: str, *, claims: bool) -> Table:
+def breaks_table(report: SeekReport, campaign: str, *, claims: bool) -> Table:
     """The breaks; `campaign` holds their flights, `claims` tells whether the stack declares claims."""
     rows = tuple(
         (
@@ -155,7 +153,7 @@ def seek_tables(report: SeekReport, own: str) -> tuple[Table, Table]:
     )
 
 
-def replica_table(report: ReplicationReport) -> Table:
+def replica_table(report: SeekReport) -> Table:
     """The pairs of find and mutant that were flown again, and which of them hold."""
     rows = tuple(
         (
@@ -170,10 +168,10 @@ def replica_table(report: ReplicationReport) -> Table:
         )
         for one in report.replicas
     )
-    held = sum(one.holds for one in report.replicas)
+    held, first = sum(one.holds for one in report.replicas), report.first or 0
     notes = (
         *(f"{one.find}: {one.mutant} left sim/{FILE}: {one.why}." for one in report.replicas if not one.holds),
-        f"Flown on the seeds {report.first}, {report.first + 1}, ..., which nothing before used.",
+        f"Flown on the seeds {first}, {first + 1}, ..., which nothing before used.",
         f"p: by the exact test, adjusted by Holm over all pairs here; a pair holds at alpha={report.alpha:g} or less.",
         "baseline: flights that hold the requirement by more than their spread; mission: flights that do the mission.",
         f"{report.used} flights in all, {report.flown} of them flown now.",
@@ -217,178 +215,7 @@ def why_not(sought: Sought) -> str:
     return f"it kept {effort.nearest:.0%} of the robustness of {effort.requirement} in {effort.situation}"
 
 
-_NAMED = {
-    "name": text("name of the situation, as sim/found.yaml has it"),
-    "situation": text("its key in the grid of the search"),
-    "words": texts("its values that are not benign, in words"),
-}
-_ROBUST = "in the requirement's unit"
-_AGAIN = record(
-    "the evidence of a replication, from seeds that nothing before used",
-    {
-        "seed": count("the first seed"),
-        "p": number("p of the requirement by the exact test, adjusted by Holm over the pairs replicated together"),
-        "violated": count("flights of the mutant that violate the requirement"),
-        "flights": count("flights of the mutant"),
-        "held": count("baselines that hold the requirement by more than their spread"),
-        "baselines": count("baselines"),
-        "mission": count("baselines that hold every operability requirement and meet every axis value"),
-    },
-)
-SEEK = Output(
-    "seek",
-    "1.1",
-    "the situations that a search found: those that show mutants, or those that break the unmutated drone",
-    {
-        "finds": listing(
-            "the situations that show mutants, in the order of finding",
-            record(
-                "a find",
-                {
-                    **_NAMED,
-                    "mutant": text("id of the mutant that it was found for"),
-                    "seed": count("seed of the search"),
-                    "shows": listing(
-                        "each mutant that it shows, with the evidence from fresh seeds",
-                        record(
-                            "a mutant",
-                            {
-                                "mutant": text("id of the mutant"),
-                                "requirement": text("the requirement that it violates"),
-                                "candidate": count("which candidate of the mutant the situation was, from 1"),
-                                "p": number("p of the score's own test (0..1)"),
-                                "alpha": number("what p was compared with (0..1)"),
-                                "violated": count("its flights that violate the requirement"),
-                                "flights": count("its flights"),
-                                "struck": text("the body that the first of them strikes; empty for none"),
-                                "held": count("baselines that hold the requirement by more than their spread"),
-                                "baselines": count("baselines"),
-                                "margin": number(f"robustness that nine in ten baselines reach, {_ROBUST}"),
-                                "spread": number(f"standard deviation of robustness over the baselines, {_ROBUST}"),
-                                "mission": count(
-                                    "baselines that hold every operability requirement and meet every axis value"
-                                ),
-                                "again": optional(_AGAIN, "not replicated"),
-                            },
-                        ),
-                    ),
-                },
-            ),
-        ),
-        "sought": listing(
-            "the mutants that were sought; of `seek baseline` empty",
-            record(
-                "a mutant",
-                {
-                    "mutant": text("id of the mutant"),
-                    "shown_in": text("key of the situation that shows it; empty where none was found"),
-                    "after": count("flights of the search when it was found; 0 where it was not"),
-                    "candidates": count("situations that were tested on fresh seeds"),
-                    "spent": number("what they spent of alpha (0..1)"),
-                    "effort": record(
-                        "how far the search came, in flights with its first seed",
-                        {
-                            "situations": count("flown, where the baseline does its mission and holds with room"),
-                            "reached": count("of these, where the seam carried a sample"),
-                            "infected": count("of these, where the mutant changed one"),
-                            "diverged": count("of these, where the drone then flew otherwise than the baseline"),
-                            "showed": count("of these, where it violates what the baseline holds with room"),
-                            "nearest": number("the least share of the baseline's robustness that it kept"),
-                            "requirement": text("of which requirement; empty where no sample was changed"),
-                            "situation": text("key of the situation where; empty where no sample was changed"),
-                        },
-                    ),
-                },
-            ),
-        ),
-        "breaks": listing(
-            "of `seek baseline`: the situations that break the unmutated drone, in the order of finding",
-            record(
-                "a break",
-                {
-                    **_NAMED,
-                    "requirement": text("the requirement that is violated"),
-                    "struck": text("the body that is struck; empty for none"),
-                    "leg": text("where on the route: `corner to end`"),
-                    "near": text("the body that is struck, or the nearer end of the leg"),
-                    "belief": text("the stage whose belief was the most wrong before; empty where none was wrong"),
-                    "error": number("how far from the truth that belief was, in `unit`"),
-                    "unit": text("unit of the error"),
-                    "violated": count("flights that violate the requirement"),
-                    "flights": count("flights with fresh seeds"),
-                    "alike": count("flights that do so in the same way"),
-                    "flight": count("seed of the flight that is told of"),
-                    "t_s": number("time of its violation", "s from take-off"),
-                    "place": listing("x, y, z of the vehicle then", number("coordinate", "m, world")),
-                    "seed": count("seed of the search"),
-                },
-            ),
-        ),
-        "replicas": listing(
-            "of `seek --replicate`: the pairs of find and mutant that were flown again",
-            record(
-                "a pair",
-                {
-                    "find": text("name of the find"),
-                    "mutant": text("id of the mutant"),
-                    "requirement": text("the requirement that it is to violate"),
-                    "holds": flag("whether the find holds for the mutant; else it left sim/found.yaml"),
-                    "why": text("why it does not; empty where it does"),
-                    "again": _AGAIN,
-                },
-            ),
-        ),
-        "first": optional(count("of `seek --replicate`: the first seed"), "a search"),
-        "situations": optional(count("of `seek baseline`: situations flown"), "mutants were sought"),
-        "broken": optional(
-            count("of these situations, where the drone violates with the first seed"), "mutants were sought"
-        ),
-        "candidates": optional(
-            count("of `seek baseline`: violations that were tested on fresh seeds"), "mutants were sought"
-        ),
-        "again": optional(
-            count("of `seek baseline`: flights flown again to see what the drone believed"), "mutants were sought"
-        ),
-        "used": count("flights of the search, stored ones included"),
-        "flown": count("flights that this run flew"),
-        "spent": flag("whether the budget ended the search"),
-        "alpha": optional(number("the study's, which the candidates of a mutant share"), "of `seek baseline`"),
-        "anyhow": flag("whether situations counted where the unmutated drone does not do its mission"),
-    },
-    rows="finds",
-)
-
-
-_NONE: dict[str, Any] = {
-    **{name: [] for name in ("finds", "sought", "breaks", "replicas")},
-    **dict.fromkeys(("first", "situations", "broken", "candidates", "again", "alpha")),
-    "spent": False,
-    "anyhow": True,
-}
-"""What an answer has of the others."""
-
-
-def seek_values(report: SeekReport) -> dict[str, Any]:
-    """Plain JSON values of the form `SEEK`."""
-    return _NONE | by_field(report) | {"finds": [_find(find) for find in report.finds]}
-
-
-def breaks_values(report: BreaksReport) -> dict[str, Any]:
-    """Plain JSON values of the form `SEEK` for `seek baseline`."""
-    return _NONE | by_field(report) | {"breaks": [_break(one) for one in report.breaks]}
-
-
-def replica_values(report: ReplicationReport) -> dict[str, Any]:
-    """Plain JSON values of the form `SEEK` for `seek --replicate`."""
-    return _NONE | by_field(report) | {"replicas": [plain(one) for one in report.replicas]}
-
-
-def _find(find: Find) -> dict[str, Any]:
-    return by_field(find) | {"shows": [{"mutant": mutant, **plain(told)} for mutant, told in find.shows.items()]}
-
-
-def _break(one: Break) -> dict[str, Any]:
-    return by_field(one)
+SEEK = Output.of("seek", "1.1", SeekReport, rows="finds")
 
 
 @dataclass(frozen=True)
@@ -485,7 +312,7 @@ def _shows(study: Study, campaign: str, mutants: Sequence[str], search: Search) 
         unnamed=unnamed,
         anyhow=search.anyhow,
     )
-    return Answer(SEEK, lambda: seek_values(report), lambda: seek_tables(report, own_name(folder)))
+    return Answer(SEEK, lambda: report, lambda: seek_tables(report, own_name(folder)))
 
 
 def _replicated(study: Study, mutants: Sequence[str], search: Search) -> Answer:
@@ -510,7 +337,7 @@ def _replicated(study: Study, mutants: Sequence[str], search: Search) -> Answer:
         anyhow=search.anyhow,
     )
     keep(folder, found.grid, holding(finds, report.replicas))
-    return Answer(SEEK, lambda: replica_values(report), lambda: (replica_table(report),))
+    return Answer(SEEK, lambda: report, lambda: (replica_table(report),))
 
 
 def _breaks(study: Study, search: Search) -> Answer:
@@ -525,9 +352,7 @@ def _breaks(study: Study, search: Search) -> Answer:
         progress=search.progress,
         save=break_saver(study.folder / "sim", study.grid.name),
     )
-    return Answer(
-        SEEK, lambda: breaks_values(report), lambda: (breaks_table(report, search.into, claims=bool(claims)),)
-    )
+    return Answer(SEEK, lambda: report, lambda: (breaks_table(report, search.into, claims=bool(claims)),))
 
 
 def _named(study: Study, mutants: Sequence[str]) -> Sequence[Mutant]:

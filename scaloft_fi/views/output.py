@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Union, get
 
 from scaloft_fi.console import json_text
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.marks import About, Bounds, ByName, Choices
+from scaloft_fi.marks import About, Bounds, ByName, Choices, Listed
 from scaloft_fi.model import fields_of, is_model, summary_of
 from scaloft_fi.views.table import Format, Table, TableCell, csv_text, html, render
 
@@ -298,6 +298,7 @@ class Kind(NamedTuple):
         infinite: whether it may be an infinite number, which JSON has not: it is then the text `inf` or `-inf`.
         by_name: types of the keys and values of a mapping, or of a tuple of pairs.
         texts: the only texts that it can be.
+        listed: of a mapping: the key of the names, where it is a list of records.
     """
 
     bare: Any
@@ -306,6 +307,7 @@ class Kind(NamedTuple):
     infinite: bool = False
     by_name: tuple[Any, ...] = ()
     texts: tuple[str, ...] = ()
+    listed: Listed | None = None
 
 
 @cache
@@ -318,7 +320,8 @@ def kind_of(hint: Any) -> Kind:
         infinite = inner.infinite or any(isinstance(mark, Bounds) and mark.infinite for mark in marks)
         pairs = get_args(get_args(inner.bare)[0]) if any(isinstance(mark, ByName) for mark in marks) else inner.by_name
         texts = next((tuple(map(str, mark.among({}))) for mark in marks if isinstance(mark, Choices)), inner.texts)
-        return inner._replace(about=about, infinite=infinite, by_name=pairs, texts=texts)
+        listed = next((mark for mark in marks if isinstance(mark, Listed)), inner.listed)
+        return inner._replace(about=about, infinite=infinite, by_name=pairs, texts=texts, listed=listed)
     origin, args = get_origin(hint), get_args(hint)
     if origin in (Union, UnionType):
         value, *others = (one for one in args if one is not NoneType)
@@ -376,6 +379,10 @@ def _shape(kind: Kind, about: str) -> Shape:
     if not kind.by_name:
         return {"type": "array", **told, "items": shape_of(get_args(kind.bare)[0])}
     name, each = kind.by_name
+    if kind.listed:
+        shape = shape_of(each)
+        named = {kind.listed.key: shape_of(name, kind.listed.about), **shape["properties"]}
+        return listing(about, record(shape["description"], named))
     if names := kind_of(name).texts:
         return record(about, {one: _naming(shape_of(each), one) for one in names})
     return {"type": "object", **told, "additionalProperties": shape_of(each)}
@@ -406,6 +413,8 @@ def _writer(kind: Kind) -> Callable[[Any], Any]:
         each = writer_of(get_args(kind.bare)[0])
         return lambda value: [each(one) for one in value]
     name, each = map(writer_of, kind.by_name)
+    if listed := kind.listed:
+        return lambda value: [{listed.key: name(key), **each(one)} for key, one in value.items()]
     return lambda value: {name(key): each(one) for key, one in dict(value).items()}
 
 

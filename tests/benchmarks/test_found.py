@@ -13,7 +13,7 @@ from experiments import found as experiment
 from experiments.found import Evidence, page
 from scaloft_fi.analysis.roster import plain
 from scaloft_fi.analysis.seeking import POOL, SEEDS, Effort
-from scaloft_fi.campaign.seeking.seek import Sought
+from scaloft_fi.campaign.seeking.finds import Sought
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.found import Finds
 from scaloft_fi.study import Study

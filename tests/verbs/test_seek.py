@@ -18,8 +18,7 @@ from refusal import sentence
 import scaloft_fi
 from scaloft_fi.analysis.seeking import Breach, Effort, Signature
 from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.seeking.finds import anew, interrupted, saver
-from scaloft_fi.campaign.seeking.seek import SeekReport, Sought
+from scaloft_fi.campaign.seeking.finds import SeekReport, Sought, anew, interrupted, saver
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Violation
@@ -259,6 +258,6 @@ NEAR = Effort(5, 4, 3, 2, 0, 0.83, "SR1", "T1O0W0D0H1")
 def test_a_mutant_without_a_find_says_where_it_stopped(effort: Effort, candidates: int, why: str):
     sought = Sought("LATE-depth@0.4s", "", 0, candidates, 0.005 * candidates, effort)
     assert why_not(sought) == why
-    tables = seek_tables(SeekReport((), (sought,), 9, 9, spent=True, alpha=0.01, anyhow=False), "paper")
+    tables = seek_tables(SeekReport(sought=(sought,), used=9, flown=9, spent=True, alpha=0.01, anyhow=False), "paper")
     assert tables[1].rows == (("LATE-depth@0.4s", effort.situations, why),)
     assert no_terms(render(tables, Format.MARKDOWN)) == []

@@ -9,7 +9,6 @@ and the outcomes, and a budget decides only how far it goes.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,6 +26,7 @@ from scaloft_fi.campaign.seeking.finds import (
     Recall,
     Recalls,
     SearchFlights,
+    SeekReport,
     SpentError,
     recalled,
     words_of,
@@ -50,30 +50,6 @@ ALIKE = 3
 """Of the flights with fresh seeds at least so many must have the signature of a find."""
 
 
-@dataclass(frozen=True)
-class BreaksReport:
-    """The result of a search.
-
-    Attributes:
-        breaks: the found situations, in the order of finding.
-        situations: situations that were proposed and flown.
-        broken: those of them in which the drone violates a safety requirement with the first seed.
-        candidates: violations that were tested on fresh seeds.
-        used: flights of the search, stored ones and those flown again included.
-        flown: flights that this run flew; again: flights that it flew again to see what the drone believed.
-        spent: whether the budget ended the search.
-    """
-
-    breaks: tuple[Break, ...]
-    situations: int
-    broken: int
-    candidates: int
-    used: int
-    flown: int
-    again: int
-    spent: bool
-
-
 def seek_breaks(
     study: Study,
     folder: Path,
@@ -85,7 +61,7 @@ def seek_breaks(
     save: Callable[[Sequence[Break]], None],
     flyer: Flyer | None = None,
     recall: Recall | None = None,
-) -> BreaksReport:
+) -> SeekReport:
     """Search for situations in which the unmutated drone violates a safety requirement, each in another way.
 
     Args:
@@ -174,10 +150,10 @@ class _Search:
                 self._generation(tuple(asked.values()))
             idle = idle + 1 if self._flights.used == before else 0
 
-    def report(self, *, spent: bool) -> BreaksReport:
+    def report(self, *, spent: bool) -> SeekReport:
         """What the search came to."""
         situations = next(iter(self._proposals.values())).situations  # each guide is told of all
-        return BreaksReport(
+        return SeekReport(
             breaks=tuple(self._breaks.values()),
             situations=len(situations),
             broken=sum(bool(self._violations(one)) for one in situations),

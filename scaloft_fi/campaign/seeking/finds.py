@@ -211,6 +211,64 @@ class Allowance:
             raise InputError(f"--budget={text!r} must be {allowed}") from None
 
 
+@dataclass(frozen=True)
+class Sought:
+    """A mutant.
+
+    Attributes:
+        mutant: id of the mutant.
+        shown_in: key of the situation that shows it; empty where none was found.
+        after: flights of the search, stored ones included, when it was found; 0 where it was not.
+        candidates: situations that were tested on fresh seeds.
+        spent: what they spent of alpha (0..1).
+        effort: how far the search came, in flights with its first seed.
+    """
+
+    mutant: str
+    shown_in: str
+    after: int
+    candidates: int
+    spent: float
+    effort: Effort
+
+
+@dataclass(frozen=True, kw_only=True)
+class SeekReport:
+    """The situations that a search found: those that show mutants, or those that break the unmutated drone.
+
+    Attributes:
+        finds: the situations that show mutants, in the order of finding.
+        sought: the mutants that were sought, in the order of the search; of `seek baseline` empty.
+        breaks: of `seek baseline`: the situations that break the unmutated drone, in the order of finding.
+        replicas: of `seek --replicate`: the pairs of find and mutant that were flown again.
+        first: of `seek --replicate`: the first seed; null: a search.
+        situations: of `seek baseline`: situations flown; null: mutants were sought.
+        broken: of these situations, where the drone violates with the first seed; null: mutants were sought.
+        candidates: of `seek baseline`: violations that were tested on fresh seeds; null: mutants were sought.
+        again: of `seek baseline`: flights flown again to see what the drone believed; null: mutants were sought.
+        used: flights of the search, stored ones and those flown again included.
+        flown: flights that this run flew.
+        spent: whether the budget ended the search.
+        alpha: the study's, which the candidates of a mutant share; null: of `seek baseline`.
+        anyhow: whether situations counted where the unmutated drone does not do its mission.
+    """
+
+    finds: tuple[Find, ...] = ()
+    sought: tuple[Sought, ...] = ()
+    breaks: tuple[Break, ...] = ()
+    replicas: tuple[Replica, ...] = ()
+    first: int | None = None
+    situations: int | None = None
+    broken: int | None = None
+    candidates: int | None = None
+    again: int | None = None
+    used: int
+    flown: int
+    spent: bool = False
+    alpha: float | None = None
+    anyhow: bool = True
+
+
 OTHER_SEEDS = 1_000_000
 """What PLACEBO's seeds are shifted by: it stands for the unmutated drone under seeds of its own."""
 
@@ -624,26 +682,6 @@ Ask = Mapping[str, Sequence[str]]
 """The mutants that are replicated, by name of the find."""
 
 
-@dataclass(frozen=True)
-class ReplicationReport:
-    """The result of a replication.
-
-    Attributes:
-        replicas: each pair of find and mutant.
-        first: first seed.
-        used: different flights that it asked for; flown: flights that this run flew.
-        alpha: the study's.
-        anyhow: whether a pair may hold where the unmutated drone does not do its mission.
-    """
-
-    replicas: tuple[Replica, ...]
-    first: int
-    used: int
-    flown: int
-    alpha: float
-    anyhow: bool
-
-
 def replicate(
     study: Study,
     finds: Sequence[Find],
@@ -654,7 +692,7 @@ def replicate(
     progress: Progress,
     flyer: Flyer | None = None,
     anyhow: bool = False,
-) -> ReplicationReport:
+) -> SeekReport:
     """Fly pairs of find and mutant on fresh seeds.
 
     Args:
@@ -707,7 +745,9 @@ def replicate(
             study.alpha,
             anyhow=anyhow,
         )
-        return ReplicationReport(told, first, flights.used, campaign.flown, study.alpha, anyhow)
+        return SeekReport(
+            replicas=told, first=first, used=flights.used, flown=campaign.flown, alpha=study.alpha, anyhow=anyhow
+        )
 
 
 def _block(finds: Sequence[Find]) -> int:

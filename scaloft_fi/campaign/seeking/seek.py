@@ -31,7 +31,17 @@ from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Run, opened, write_log
-from scaloft_fi.campaign.seeking.finds import NAMED, SEEN_ON, Allowance, SearchFlights, SpentError, Unnamed, words_of
+from scaloft_fi.campaign.seeking.finds import (
+    NAMED,
+    SEEN_ON,
+    Allowance,
+    SearchFlights,
+    SeekReport,
+    Sought,
+    SpentError,
+    Unnamed,
+    words_of,
+)
 from scaloft_fi.campaign.seeking.proposals import Flyable, MakeProposer, Opening, Proposal, Proposals, Proposer, opening
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.mutants.mutant import Mutant
@@ -206,48 +216,6 @@ CHUNK = 8
 """Situations of the opening that are flown at once."""
 
 
-@dataclass(frozen=True)
-class Sought:
-    """What the search for one mutant came to.
-
-    Attributes:
-        mutant: its id.
-        shown_in: key of the situation that shows it; empty where none was found.
-        after: flights of the search, stored ones included, when it was found; 0 where it was not.
-        candidates: situations that were tested on fresh seeds; spent: what they spent of alpha.
-        effort: how far the search came with it.
-    """
-
-    mutant: str
-    shown_in: str
-    after: int
-    candidates: int
-    spent: float
-    effort: Effort
-
-
-@dataclass(frozen=True)
-class SeekReport:
-    """The result of a search.
-
-    Attributes:
-        finds: the found situations, in the order of finding.
-        sought: one entry for each mutant, in the order of the search.
-        used: flights of the search, stored ones included; flown: flights that this run flew.
-        spent: whether the budget ended the search.
-        alpha: the study's, which the candidates of each mutant share.
-        anyhow: whether situations counted where the unmutated drone does not do its mission.
-    """
-
-    finds: tuple[Find, ...]
-    sought: tuple[Sought, ...]
-    used: int
-    flown: int
-    spent: bool
-    alpha: float
-    anyhow: bool
-
-
 def seek(
     study: Study,
     mutants: Sequence[Mutant],
@@ -308,8 +276,15 @@ def seek(
             write_log(study, folder, current_in(study, campaign.store))
         if unnamed is not None:
             unnamed.end(campaign.store)
-        used, finds = search.flights.used, tuple(search.finds)
-        return SeekReport(finds, search.sought(), used, campaign.flown, spent, study.alpha, anyhow)
+        return SeekReport(
+            finds=tuple(search.finds),
+            sought=search.sought(),
+            used=search.flights.used,
+            flown=campaign.flown,
+            spent=spent,
+            alpha=study.alpha,
+            anyhow=anyhow,
+        )
 
 
 class _Search:

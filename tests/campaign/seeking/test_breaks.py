@@ -16,8 +16,8 @@ from scaloft_fi.analysis.seeking import WORST, Breach, Signature
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.seeking.breaks import BreaksReport, seek_breaks
-from scaloft_fi.campaign.seeking.finds import SEEN_ON, Allowance
+from scaloft_fi.campaign.seeking.breaks import seek_breaks
+from scaloft_fi.campaign.seeking.finds import SEEN_ON, Allowance, SeekReport
 from scaloft_fi.campaign.seeking.proposals import OPENING, Proposal, Proposals
 from scaloft_fi.campaign.seeking.seek import GENERATION
 from scaloft_fi.errors import ScaloftError
@@ -51,7 +51,7 @@ def ways(study: Study, flight: Flight, violations: Sequence[Violation]) -> tuple
     )
 
 
-Search = Callable[..., tuple[BreaksReport, list[Break]]]
+Search = Callable[..., tuple[SeekReport, list[Break]]]
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 @pytest.fixture(scope="module")
 def search(study: Study) -> Search:
-    def searching(folder: Path, flyer: Any, *, seed: int = 0, **more: Any) -> tuple[BreaksReport, list[Break]]:
+    def searching(folder: Path, flyer: Any, *, seed: int = 0, **more: Any) -> tuple[SeekReport, list[Break]]:
         saved: list[Break] = []
 
         def save(breaks: Sequence[Break]) -> None:
@@ -87,7 +87,7 @@ def search(study: Study) -> Search:
 class Whole:
     """A search that nothing disturbed."""
 
-    report: BreaksReport
+    report: SeekReport
     saved: list[Break]
     flown: list[str]
 

@@ -19,8 +19,8 @@ from finding import small_study
 from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.seeking.finds import Allowance
-from scaloft_fi.campaign.seeking.seek import SeekReport, seek
+from scaloft_fi.campaign.seeking.finds import Allowance, SeekReport
+from scaloft_fi.campaign.seeking.seek import seek
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.catalogue import realise

@@ -13,7 +13,7 @@ from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.seeking.finds import (
     BLOCK,
     FRESH,
-    ReplicationReport,
+    SeekReport,
     break_saver,
     holding,
     keep,
@@ -38,7 +38,7 @@ def flyer(tmp_path: Path) -> Ruled:
     return Ruled(tmp_path / "flown.txt", {LATE: fast, MORE: never})
 
 
-def again(study: Study, flyer: Ruled, *finds: Find, progress: Progress | None = None) -> ReplicationReport:
+def again(study: Study, flyer: Ruled, *finds: Find, progress: Progress | None = None) -> SeekReport:
     ask = {find.name: list(find.shows) for find in finds}
     shown = progress or Progress(stream=io.StringIO())
     return replicate(study, finds, ask, study.folder / "c", progress=shown, flyer=flyer)

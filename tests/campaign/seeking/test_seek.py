@@ -15,9 +15,9 @@ from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Budget
 from scaloft_fi.campaign.seeking import finds
-from scaloft_fi.campaign.seeking.finds import OTHER_SEEDS, SEEN_ON, Allowance, anew, interrupted
+from scaloft_fi.campaign.seeking.finds import OTHER_SEEDS, SEEN_ON, Allowance, SeekReport, anew, interrupted
 from scaloft_fi.campaign.seeking.proposals import Flyable, Proposal, Proposals, opening
-from scaloft_fi.campaign.seeking.seek import SeekReport, seek
+from scaloft_fi.campaign.seeking.seek import seek
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.catalogue import realise
