@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import click
+from typing import TYPE_CHECKING, Annotated, Any
 
 from scaloft_fi.sim.situation import Distribution, Shape, number_text
 from scaloft_fi.verbs.listing import Listing, Record, tell_listing
 from scaloft_fi.verbs.names import axes
-from scaloft_fi.verbs.options import format_option, grid_of_study_option, study_option, tables_option
+from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder, TableFormat, TablesFolder
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Output, anything, listing, number, optional, record, text, texts
 
@@ -208,13 +205,13 @@ def _set(change: Record) -> str:
         ("List those of the grid `search`, as Markdown", "scaloft-fi axes --grid search --format markdown"),
     ),
 )
-@click.argument("names", nargs=-1, shell_complete=axes, metavar="[NAME]...")
-@study_option
-@grid_of_study_option
-@format_option
-@tables_option
 def axes_command(
-    names: tuple[str, ...], study_folder: Path | None, grid: str | None, style: str, tables_folder: Path | None
+    *,
+    names: Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=axes)] = (),
+    study_folder: StudyFolder,
+    grid: GridOfStudy,
+    style: TableFormat,
+    tables_folder: TablesFolder,
 ) -> None:
     """List the axes of a grid of situations.
 

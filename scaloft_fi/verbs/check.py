@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from pathlib import Path
-from typing import Any
-
-import click
+from typing import Annotated, Any
 
 from scaloft_fi.checks.check import Check, Checked, check_study
 from scaloft_fi.checks.finding import Severity
@@ -15,7 +12,7 @@ from scaloft_fi.checks.situations import GridCheck
 from scaloft_fi.console import line
 from scaloft_fi.errors import ExitCode
 from scaloft_fi.hazop.load import find_study
-from scaloft_fi.verbs.options import answer, format_option, study_option, tables_option
+from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, count, listing, optional, record, text
 from scaloft_fi.views.table import Format, Table, TableCell, render
@@ -159,11 +156,13 @@ def checked(check: Check) -> Answer:
         ("Let a script read the findings", "scaloft-fi check --study my_study --format json"),
     ),
 )
-@study_option
-@click.option("--fly", is_flag=True, help="Fly one baseline flight too, and show which seams the stack polls.")
-@format_option
-@tables_option
-def check_command(study_folder: Path | None, *, fly: bool, style: str, tables_folder: Path | None) -> int:
+def check_command(
+    *,
+    study_folder: StudyFolder,
+    fly: Annotated[bool, Option("Fly one baseline flight too, and show which seams the stack polls.")],
+    style: TableFormat,
+    tables_folder: TablesFolder,
+) -> int:
     """Check the whole study without flying, and print every finding with its place and remedy.
 
     An error (exit code 2) is what a verb would refuse, or what no flight can mean; a note (exit code 0) is what

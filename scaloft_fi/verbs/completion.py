@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from typing import Any
+from typing import Annotated, Any
 
 import click
 from click.shell_completion import (
@@ -21,6 +21,7 @@ from click.shell_completion import (
 )
 
 from scaloft_fi.console import tell
+from scaloft_fi.verbs.options import Option
 from scaloft_fi.verbs.verb import verb
 
 PROGRAM = "scaloft-fi"
@@ -134,9 +135,10 @@ NAMES = ("bash", "zsh", "fish")
         ("See the script for fish", "scaloft-fi completion fish"),
     ),
 )
-@click.argument("shell", type=click.Choice(NAMES))
-@click.pass_context
-def completion_command(context: click.Context, shell: str) -> None:
+def completion_command(
+    *,
+    shell: Annotated[str, Option("", "", type=click.Choice(NAMES))],
+) -> None:
     """Print a script that lets a shell complete verbs, options, mutants, situations, grids and campaigns.
 
     bash: `eval "$(scaloft-fi completion bash)"` in ~/.bashrc.  zsh: `eval "$(scaloft-fi completion zsh)"` in ~/.zshrc,
@@ -144,5 +146,6 @@ def completion_command(context: click.Context, shell: str) -> None:
 
     The names come from the study that a verb would use; a study that cannot be read has none.
     """
-    assert context.parent is not None
-    tell(script(shell, context.parent.command))
+    context = click.get_current_context().parent
+    assert context is not None
+    tell(script(shell, context.command))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 from scaloft_fi.analysis.coverage import SHARES, STRENGTHS, Coverage, coverage_of
@@ -13,7 +12,7 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.judge.space import Space
 from scaloft_fi.marks import About, Called, Choices
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.options import answer, campaign_option, format_option, study_option, tables_option
+from scaloft_fi.verbs.options import Campaign, StudyFolder, TableFormat, TablesFolder, answer
 from scaloft_fi.verbs.snapshot import Stale, snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, shape_of, writer_of
@@ -240,10 +239,12 @@ def coverage(study: Study, campaign: str) -> Answer:
         ("Let a script read it", "scaloft-fi coverage --format json"),
     ),
 )
-@study_option
-@campaign_option
-@format_option
-@tables_option
-def coverage_command(study_folder: Path | None, campaign: str, style: str, tables_folder: Path | None) -> None:
+def coverage_command(
+    *,
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    style: TableFormat,
+    tables_folder: TablesFolder,
+) -> None:
     """Print the coverage of a campaign's situations, number by number."""
     answer(coverage(Study.open(study_folder), campaign), style, tables_folder)

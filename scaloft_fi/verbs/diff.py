@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
-
-import click
+from typing import Annotated, Any
 
 from scaloft_fi.analysis.roster import Roster, by_field
 from scaloft_fi.errors import InputError
@@ -16,7 +13,7 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Facts, facts_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import campaigns
-from scaloft_fi.verbs.options import answer, format_option, study_option
+from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, answer
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, count, listing, optional, record, text, texts
@@ -149,11 +146,13 @@ def diff(study: Study, first: str, second: str) -> Answer:
         ("Keep the comparison as a table in a document", "scaloft-fi diff default night --format markdown"),
     ),
 )
-@click.argument("first", shell_complete=campaigns, metavar="CAMPAIGN")
-@click.argument("second", shell_complete=campaigns, metavar="CAMPAIGN")
-@study_option
-@format_option
-def diff_command(first: str, second: str, study_folder: Path | None, style: str) -> None:
+def diff_command(
+    *,
+    first: Annotated[str, Option("", "", metavar="CAMPAIGN", complete=campaigns)],
+    second: Annotated[str, Option("", "", metavar="CAMPAIGN", complete=campaigns)],
+    study_folder: StudyFolder,
+    style: TableFormat,
+) -> None:
     """Print the flights of which two campaigns do not say the same.
 
     What was flown with other data or code counts too, unless the campaign has the flight as the study describes it now.

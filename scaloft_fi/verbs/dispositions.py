@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import click
+from typing import TYPE_CHECKING, Annotated, Any
 
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.score import Score
@@ -16,7 +14,7 @@ from scaloft_fi.console import say
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import ExitCode, InputError
 from scaloft_fi.study import Study, append_drafts
-from scaloft_fi.verbs.options import answer, campaign_option, check_own, format_option, study_option, today_option
+from scaloft_fi.verbs.options import Campaign, Option, StudyFolder, TableFormat, Today, answer, check_own
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import NO_POOL, in_campaign, next_find
@@ -175,19 +173,20 @@ def judged_survivors(study: Study, scored: Score, today: date | None = None) -> 
         ("See what will have expired by a day", "scaloft-fi dispositions --today 2027-01-31"),
     ),
 )
-@study_option
-@campaign_option
-@click.option(
-    "--write",
-    "writing",
-    is_flag=True,
-    help="Append every survivor that is not accepted to the study's hazop/dispositions.yaml, with owner, reason and "
-    "expiry left empty: the file is refused until somebody has filled them in.",
-)
-@today_option
-@format_option
 def dispositions_command(
-    study_folder: Path | None, campaign: str, writing: bool, today: date | None, style: str
+    *,
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    writing: Annotated[
+        bool,
+        Option(
+            "Append every survivor that is not accepted to the study's hazop/dispositions.yaml, with owner, reason and "
+            "expiry left empty: the file is refused until somebody has filled them in.",
+            "--write",
+        ),
+    ],
+    today: Today,
+    style: TableFormat,
 ) -> None:
     """List the survivors of a campaign beside the study's dispositions.
 

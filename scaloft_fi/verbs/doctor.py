@@ -6,9 +6,7 @@ import os
 import re
 from importlib.metadata import PackageNotFoundError, distribution, entry_points, version
 from pathlib import Path
-from typing import Any
-
-import click
+from typing import Annotated, Any
 
 from scaloft_fi.campaign.processes import THREAD_SETTINGS, cores, one_thread_each
 from scaloft_fi.campaign.store.origin import DECIDES, fingerprint
@@ -17,7 +15,7 @@ from scaloft_fi.errors import GateError, InputError, ScaloftError
 from scaloft_fi.hazop.load import find_study
 from scaloft_fi.registry import PLUGIN_GROUP, in_one_line
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.options import answer, format_option, study_option, tables_option
+from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, count, flag, listing, number, optional, record, text, texts
 from scaloft_fi.views.table import Table
@@ -274,11 +272,13 @@ def _version(package: str) -> str | None:
         ("Check that plugins and a study load", "scaloft-fi doctor --study my_study --no-flight"),
     ),
 )
-@study_option
-@format_option
-@tables_option
-@click.option("--no-flight", is_flag=True, help="Do not fly the known flight.")
-def doctor_command(study_folder: Path | None, style: str, tables_folder: Path | None, no_flight: bool) -> None:
+def doctor_command(
+    *,
+    study_folder: StudyFolder,
+    style: TableFormat,
+    tables_folder: TablesFolder,
+    no_flight: Annotated[bool, Option("Do not fly the known flight.")],
+) -> None:
     """Print what decides the bits of a flight and what is installed, and fly a flight whose digest is published.
 
     Other bits on another platform are no failure; another status, ending or violation is: exit code 4.

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
-
-import click
+from typing import Annotated, Any
 
 from scaloft_fi.campaign.flights.command import JudgedRecord, JudgedRequirement, judged_record, known_of, mapping_of
 from scaloft_fi.judge.requirement import Compliance, measured_rho
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import situations
-from scaloft_fi.verbs.options import answer, format_option, study_option, tables_option
+from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, listing, number, optional, record, text
 from scaloft_fi.views.table import Table, TableCell
@@ -119,31 +117,30 @@ def judge(study: Study, files: Sequence[Path], record: Path | None = None, situa
         ("Let a script read the verdicts", "scaloft-fi judge bag/ --format json"),
     ),
 )
-@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@study_option
-@click.option(
-    "--record",
-    "mapping_file",
-    type=click.Path(path_type=Path),
-    metavar="MAPPING.yaml",
-    help="Where the signals stand in the records.  [default: sim/record.yaml of the study, else the mapping of the "
-    "records that replay --output writes]",
-)
-@click.option(
-    "--situation",
-    shell_complete=situations,
-    metavar="KEY",
-    help="The situation that was flown, which has a route and a time limit.  [default: not known]",
-)
-@format_option
-@tables_option
 def judge_command(
-    files: tuple[Path, ...],
-    study_folder: Path | None,
-    mapping_file: Path | None,
-    situation: str | None,
-    style: str,
-    tables_folder: Path | None,
+    *,
+    files: Annotated[tuple[Path, ...], Option("", "", metavar="FILE...")],
+    study_folder: StudyFolder,
+    mapping_file: Annotated[
+        Path | None,
+        Option(
+            "Where the signals stand in the records.",
+            "--record",
+            metavar="MAPPING.yaml",
+            otherwise="sim/record.yaml of the study, else the mapping of the records that replay --output writes",
+        ),
+    ],
+    situation: Annotated[
+        str | None,
+        Option(
+            "The situation that was flown, which has a route and a time limit.",
+            metavar="KEY",
+            complete=situations,
+            otherwise="not known",
+        ),
+    ],
+    style: TableFormat,
+    tables_folder: TablesFolder,
 ) -> None:
     """Judge records of flights (.csv, .mcap, .ulg, .bag, .db3, or a folder of rosbag2) with the study's requirements.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import click
 
@@ -41,12 +41,13 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.kill_record import KILLS, kill_values
 from scaloft_fi.verbs.options import (
+    Campaign,
+    Option,
+    StudyFolder,
+    TableFormat,
+    TablesFolder,
     answer,
-    campaign_option,
     check_writable,
-    format_option,
-    study_option,
-    tables_option,
     write,
 )
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
@@ -404,45 +405,33 @@ PICTURES = (".svg", ".png", ".dot")
         ("Find the fewest situations that keep every kill", "scaloft-fi kills --show suite"),
     ),
 )
-@click.argument("mutants", nargs=-1, shell_complete=names.mutants, metavar="[MUTANT...]")
-@study_option
-@campaign_option
-@click.option(
-    "--show",
-    "parts",
-    multiple=True,
-    type=click.Choice(PARTS),
-    help="Only this part, at length (repeatable).  [default: every part, shortened]",
-)
-@click.option(
-    "--situation",
-    "situations",
-    multiple=True,
-    shell_complete=names.situations,
-    metavar="KEY|GLOB",
-    help="Say also which mutants are killed in these situations together (repeatable).",
-)
-@click.option(
-    "--by-requirement", is_flag=True, help="Subsumption tells kills by different requirements of a situation apart."
-)
-@format_option
-@tables_option
-@click.option(
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Draw the subsumption graph there: .svg, .png or .dot.",
-)
 def kills_command(
-    mutants: tuple[str, ...],
-    study_folder: Path | None,
-    campaign: str,
-    parts: tuple[str, ...],
-    situations: tuple[str, ...],
-    by_requirement: bool,
-    style: str,
-    tables_folder: Path | None,
-    output: Path | None,
+    *,
+    mutants: Annotated[tuple[str, ...], Option("", "", metavar="[MUTANT...]", complete=names.mutants)] = (),
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    parts: Annotated[
+        tuple[str, ...],
+        Option(
+            "Only this part, at length (repeatable).",
+            "--show",
+            type=click.Choice(PARTS),
+            otherwise="every part, shortened",
+        ),
+    ],
+    situations: Annotated[
+        tuple[str, ...],
+        Option(
+            "Say also which mutants are killed in these situations together (repeatable).",
+            "--situation",
+            metavar="KEY|GLOB",
+            complete=names.situations,
+        ),
+    ],
+    by_requirement: Annotated[bool, Option("Subsumption tells kills by different requirements of a situation apart.")],
+    style: TableFormat,
+    tables_folder: TablesFolder,
+    output: Annotated[Path | None, Option("Draw the subsumption graph there: .svg, .png or .dot.", metavar="FILE")],
 ) -> None:
     """Print where each mutant is killed, which situations are needed, and what to do about the survivors.
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import click
+from typing import TYPE_CHECKING, Annotated, Any
 
 from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
 from scaloft_fi.verbs.names import situations
-from scaloft_fi.verbs.options import answer, check_writable, format_option, grid_of_study_option, study_option, write
+from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder, TableFormat, answer, check_writable, write
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, listing, number, optional, record, text, texts
 from scaloft_fi.views.picture import png, scene_of
@@ -177,18 +175,19 @@ PICTURES = (".svg", ".png")
         ("Draw a situation of the grid `wide`", "scaloft-fi map --grid wide --output map.png"),
     ),
 )
-@click.argument("situation", required=False, shell_complete=situations)
-@study_option
-@grid_of_study_option
-@click.option(
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Draw the map: mine, bodies, route, waypoints and happenings with their names and a scale (.svg, .png).",
-)
-@format_option
 def map_command(
-    situation: str | None, study_folder: Path | None, grid: str | None, output: Path | None, style: str
+    *,
+    situation: Annotated[str | None, Option("", "", complete=situations)] = None,
+    study_folder: StudyFolder,
+    grid: GridOfStudy,
+    output: Annotated[
+        Path | None,
+        Option(
+            "Draw the map: mine, bodies, route, waypoints and happenings with their names and a scale (.svg, .png).",
+            metavar="FILE",
+        ),
+    ],
+    style: TableFormat,
 ) -> None:
     """Show mine, bodies, route and happenings of one situation, without flying it.
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import click
 
@@ -31,18 +30,20 @@ from scaloft_fi.mutants.catalogue import realise, source_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import (
+    Campaign,
+    FlownGrid,
+    Jobs,
+    Operability,
+    Option,
+    Quiet,
+    SamePlatform,
+    StudyFolder,
+    TableFormat,
+    TablesFolder,
+    Warnings,
     answer,
-    campaign_option,
     campaign_over,
-    format_option,
-    grid_option,
-    operability_option,
-    quiet_option,
-    same_platform_option,
-    study_option,
-    tables_option,
     typed,
-    warnings_option,
 )
 from scaloft_fi.verbs.score_record import VERDICTS
 from scaloft_fi.verbs.snapshot import snapshot
@@ -671,61 +672,48 @@ def _kind(operability: bool) -> Kind:
         "What is printed": "--format --tables --warnings --quiet --help",
     },
 )
-@click.argument("mutants", nargs=-1, required=True, shell_complete=names.mutants, metavar="CELL|ID...")
-@study_option
-@campaign_option
-@grid_option
-@click.option(
-    "--situation",
-    "situations",
-    multiple=True,
-    shell_complete=names.situations,
-    metavar="KEY|GLOB",
-    help="A situation's key or alias, or a pattern (repeatable).  [default: the whole grid]",
-)
-@click.option(
-    "--seeds",
-    shell_complete=names.seeds,
-    default="1",
-    show_default=True,
-    metavar="N|A-B",
-    help="Seeds 0..N-1, or A to B inclusive.",
-)
-@click.option(
-    "--tolerance",
-    type=click.FloatRange(min=0.0, min_open=True),
-    metavar="NUMBER",
-    help="Bisect until the interval is no wider than this, in the magnitude's own unit.  "
-    "[default: a tenth of the strong end's distance from no fault]",
-)
-@click.option(
-    "--when",
-    is_flag=True,
-    help="Fly nothing; show of the flights of --campaign at which times and events of the flight the fault is killed.",
-)
-@operability_option
-@click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
-@same_platform_option
-@format_option
-@tables_option
-@warnings_option
-@quiet_option
 def margin_command(
-    mutants: tuple[str, ...],
-    study_folder: Path | None,
-    campaign: str,
-    grid: str | None,
-    situations: tuple[str, ...],
-    seeds: str,
-    tolerance: float | None,
-    when: bool,
-    operability: bool,
-    jobs: int | None,
-    same_platform: bool,
-    style: str,
-    tables_folder: Path | None,
-    warnings: bool,
-    quiet: bool,
+    *,
+    mutants: Annotated[tuple[str, ...], Option("", "", metavar="CELL|ID...", complete=names.mutants)],
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    grid: FlownGrid,
+    situations: Annotated[
+        tuple[str, ...],
+        Option(
+            "A situation's key or alias, or a pattern (repeatable).",
+            "--situation",
+            metavar="KEY|GLOB",
+            complete=names.situations,
+            otherwise="the whole grid",
+        ),
+    ],
+    seeds: Annotated[
+        str, Option("Seeds 0..N-1, or A to B inclusive.", metavar="N|A-B", complete=names.seeds, default="1")
+    ],
+    tolerance: Annotated[
+        float | None,
+        Option(
+            "Bisect until the interval is no wider than this, in the magnitude's own unit.",
+            metavar="NUMBER",
+            type=click.FloatRange(min=0.0, min_open=True),
+            otherwise="a tenth of the strong end's distance from no fault",
+        ),
+    ],
+    when: Annotated[
+        bool,
+        Option(
+            "Fly nothing; show of the flights of --campaign at which times and events of the flight the fault is "
+            "killed."
+        ),
+    ],
+    operability: Operability,
+    jobs: Jobs,
+    same_platform: SamePlatform,
+    style: TableFormat,
+    tables_folder: TablesFolder,
+    warnings: Warnings,
+    quiet: Quiet,
 ) -> None:
     """Find the smallest magnitude of each fault that is killed, situation by situation.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import click
 
@@ -14,7 +14,7 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.render import blocks, cells, grid_table, legend, overview, sheet, tally
 from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, rows, short_rows
 from scaloft_fi.verbs import names
-from scaloft_fi.verbs.options import campaign_option, format_option, operability_option, study_option
+from scaloft_fi.verbs.options import Campaign, Operability, Option, StudyFolder, TableFormat
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.table import Format, csv_text, tabulated
 
@@ -27,46 +27,32 @@ from scaloft_fi.views.table import Format, csv_text, tabulated
         ("Compare the smallest magnitude that is killed in each cell", "scaloft-fi matrix --margins"),
     ),
 )
-@study_option
-@click.option(
-    "--cell", shell_complete=names.cells, metavar="NAME", help="Tell one cell whole, by its name GUIDEWORD-parameter."
-)
-@click.option(
-    "--guideword",
-    "guidewords",
-    multiple=True,
-    shell_complete=names.guidewords,
-    metavar="WORD",
-    help="Only this guideword (repeatable).",
-)
-@click.option(
-    "--parameter",
-    "parameters",
-    multiple=True,
-    shell_complete=names.parameters,
-    metavar="NAME",
-    help="Only this parameter (repeatable).",
-)
-@click.option("--grid", "grid_only", is_flag=True, help="Only the grid, without the list of cells.")
-@click.option(
-    "--margins",
-    "with_margins",
-    is_flag=True,
-    help="The grid with the smallest magnitude that is killed in every cell, from the flights of --campaign.",
-)
-@operability_option
-@campaign_option
-@format_option
 def matrix_command(
-    study_folder: Path | None,
-    cell: str | None,
-    guidewords: tuple[str, ...],
-    parameters: tuple[str, ...],
-    grid_only: bool,
-    with_margins: bool,
-    operability: bool,
-    campaign: str,
-    style: str,
+    *,
+    study_folder: StudyFolder,
+    cell: Annotated[
+        str | None,
+        Option("Tell one cell whole, by its name GUIDEWORD-parameter.", metavar="NAME", complete=names.cells),
+    ],
+    guidewords: Annotated[
+        tuple[str, ...],
+        Option("Only this guideword (repeatable).", "--guideword", metavar="WORD", complete=names.guidewords),
+    ],
+    parameters: Annotated[
+        tuple[str, ...],
+        Option("Only this parameter (repeatable).", "--parameter", metavar="NAME", complete=names.parameters),
+    ],
+    grid_only: Annotated[bool, Option("Only the grid, without the list of cells.", "--grid")],
+    with_margins: Annotated[
+        bool,
+        Option(
+            "The grid with the smallest magnitude that is killed in every cell, from the flights of --campaign.",
+            "--margins",
+        ),
+    ],
+    operability: Operability,
+    campaign: Campaign,
+    style: TableFormat,
 ) -> None:
     """Print the HAZOP deviation matrix: a grid of marks, then every cell with its deviation or its reason."""
     if cell and (guidewords or parameters or grid_only or with_margins):

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
-
-import click
+from typing import Annotated, Any
 
 from scaloft_fi.campaign.runs.merge import Merged
 from scaloft_fi.campaign.runs.merge import merge as merged_into
@@ -15,7 +13,7 @@ from scaloft_fi.campaign.store.flown_grid import study_of_all
 from scaloft_fi.console import line
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import campaigns
-from scaloft_fi.verbs.options import answer, campaign_option, line_format_option, study_option
+from scaloft_fi.verbs.options import Campaign, LineFormat, Option, StudyFolder, answer
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, count, text, texts
 from scaloft_fi.views.table import Table
@@ -77,18 +75,19 @@ def merge(study: Study, campaign: str, sources: Sequence[str], *, same_platform:
         ("Join a folder from another machine, bits and all", "scaloft-fi merge /data/night/campaign --same-platform"),
     ),
 )
-@click.argument("sources", shell_complete=campaigns, metavar="CAMPAIGN...", nargs=-1, required=True)
-@study_option
-@campaign_option
-@click.option(
-    "--same-platform",
-    is_flag=True,
-    help="Refuse a campaign of another platform unless flights in both show equal digests.  "
-    "[default: refuse it where a flight in both has another status, ending or violation]",
-)
-@line_format_option
 def merge_command(
-    sources: tuple[str, ...], study_folder: Path | None, campaign: str, same_platform: bool, style: str
+    *,
+    sources: Annotated[tuple[str, ...], Option("", "", metavar="CAMPAIGN...", complete=campaigns)],
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    same_platform: Annotated[
+        bool,
+        Option(
+            "Refuse a campaign of another platform unless flights in both show equal digests.",
+            otherwise="refuse it where a flight in both has another status, ending or violation",
+        ),
+    ],
+    style: LineFormat,
 ) -> None:
     """Join CAMPAIGNs, such as those flown with `run --shard K/N`, into the one named by --campaign.
 

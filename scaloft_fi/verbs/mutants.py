@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
@@ -23,7 +23,7 @@ from scaloft_fi.mutants.catalogue import (
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
-from scaloft_fi.verbs.options import check_own, format_option, study_option
+from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, check_own
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Output
 from scaloft_fi.views.table import Format, body_text, csv_text, tabulated
@@ -92,29 +92,18 @@ _IN_TERMINAL = ("id", "default", "seam", "operator", "arguments")
         ("Fail where the catalogue is stale, as in CI", "scaloft-fi mutants --check"),
     ),
 )
-@click.argument("patterns", nargs=-1, shell_complete=names.mutants, metavar="[PATTERN]...")
-@click.option("--write", is_flag=True, help="Derive the catalogue from the matrix and write it.")
-@click.option("--check", is_flag=True, help="Prove that the written catalogue is what the matrix gives.")
-@click.option(
-    "--cell",
-    "cells",
-    multiple=True,
-    shell_complete=names.cells,
-    metavar="CELL",
-    help="All mutants of this cell (repeatable).",
-)
-@click.option("--defaults", "only_defaults", is_flag=True, help="One mutant a cell: its default.")
-@format_option
-@study_option
 def mutants_command(
-    patterns: tuple[str, ...],
     *,
-    write: bool,
-    check: bool,
-    cells: tuple[str, ...],
-    only_defaults: bool,
-    style: str,
-    study_folder: Path | None,
+    patterns: Annotated[tuple[str, ...], Option("", "", metavar="[PATTERN]...", complete=names.mutants)] = (),
+    write: Annotated[bool, Option("Derive the catalogue from the matrix and write it.")],
+    check: Annotated[bool, Option("Prove that the written catalogue is what the matrix gives.")],
+    cells: Annotated[
+        tuple[str, ...],
+        Option("All mutants of this cell (repeatable).", "--cell", metavar="CELL", complete=names.cells),
+    ],
+    only_defaults: Annotated[bool, Option("One mutant a cell: its default.", "--defaults")],
+    style: TableFormat,
+    study_folder: StudyFolder,
 ) -> None:
     """List, derive, or prove current the catalogue of mutants.
 

@@ -5,12 +5,10 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
-
-import click
+from typing import Annotated, Any
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.verbs.options import answer, line_format_option
+from scaloft_fi.verbs.options import LineFormat, Option, answer
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, text, texts
 
@@ -42,20 +40,22 @@ def new_values(folder: Path, files: Iterable[str], commands: Sequence[str], *, p
         ("Give the package another name than the folder", "scaloft-fi new work/faults --plugin --name my_faults"),
     ),
 )
-@click.argument("folder", metavar="DIR", type=click.Path(path_type=Path))
-@click.option(
-    "--plugin",
-    is_flag=True,
-    help="Write a Python package instead: one operator, one stack, one sensor, one signal, their tests, and in "
-    "DIR/study a study that uses them.",
-)
-@click.option(
-    "--name",
-    metavar="NAME",
-    help="Name of the package, with --plugin.  [default: the last part of DIR, - read as _]",
-)
-@line_format_option
-def new_command(folder: Path, plugin: bool, name: str | None, style: str) -> None:
+def new_command(
+    *,
+    folder: Annotated[Path, Option("", "", metavar="DIR")],
+    plugin: Annotated[
+        bool,
+        Option(
+            "Write a Python package instead: one operator, one stack, one sensor, one signal, their tests, and in "
+            "DIR/study a study that uses them."
+        ),
+    ],
+    name: Annotated[
+        str | None,
+        Option("Name of the package, with --plugin.", metavar="NAME", otherwise="the last part of DIR, - read as _"),
+    ],
+    style: LineFormat,
+) -> None:
     """Write a small study that flies in about a minute, and whose files say what each of their keys means.
 
     A corridor, a cart, a person, two axes, two requirements, six cells.  DIR must be empty or new.  With --plugin, DIR

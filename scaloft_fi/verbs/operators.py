@@ -6,10 +6,8 @@ import inspect
 import math
 from collections.abc import Callable
 from importlib.metadata import entry_points
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import click
 import numpy as np
 
 from scaloft_fi.mutants.operator import Argument, Operator
@@ -18,7 +16,7 @@ from scaloft_fi.registry import PLUGIN_GROUP
 from scaloft_fi.stack.declaration import UNITS
 from scaloft_fi.verbs.listing import Listing, Record, number_range, tell_listing
 from scaloft_fi.verbs.names import operators
-from scaloft_fi.verbs.options import format_option, study_option, tables_option
+from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Output, anything, count, flag, listing, number, optional, record, text, texts
 
@@ -293,12 +291,12 @@ def _said(value: Any) -> str:
         ("Write those that begin with `drop` as JSON", "scaloft-fi operators 'drop*' --format json"),
     ),
 )
-@click.argument("names", nargs=-1, shell_complete=operators, metavar="[NAME]...")
-@study_option
-@format_option
-@tables_option
 def operators_command(
-    names: tuple[str, ...], study_folder: Path | None, style: str, tables_folder: Path | None
+    *,
+    names: Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=operators)] = (),
+    study_folder: StudyFolder,
+    style: TableFormat,
+    tables_folder: TablesFolder,
 ) -> None:
     """List the operators that faults can use.
 

@@ -1,15 +1,22 @@
-"""What several verbs ask and how verbs answer: shared options, files that the user names, `--format`, `--tables`."""
+"""What verbs ask and how they answer: options, files that the user names, `--format`, `--tables`.
+
+The parameters of a verb's function are its options: a mark in the type of a parameter says how the command line asks
+for it.  Several verbs share the types below, and scripts pass the same parameters (`scaloft_fi.scripting`).
+"""
 
 from __future__ import annotations
 
 import os
 import shlex
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from datetime import date
 from functools import wraps
+from inspect import Parameter, get_annotations, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from types import NoneType, UnionType
+from typing import TYPE_CHECKING, Annotated, Any, Union, get_args, get_origin
 
 import click
 from click.core import ParameterSource
@@ -19,147 +26,116 @@ from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import find_study, nearest_study
 from scaloft_fi.output import unwritable, write_named
-from scaloft_fi.verbs.names import campaigns, grids
+from scaloft_fi.verbs import names
 
 if TYPE_CHECKING:
     from scaloft_fi.study import Study
     from scaloft_fi.views.output import Answer
 
 
-F = TypeVar("F", bound=Callable[..., Any])
-
 FORMATS = ("table", "markdown", "csv", "json", "latex")
 
 
-def study_option(function: F) -> F:
-    """`--study DIR`: the study to work on; the verb says which one it uses where the user has none."""
+@dataclass(frozen=True, eq=False)
+class Option:
+    """How the command line asks for a parameter: a mark in its type, `Annotated[int, Option("...", metavar="N")]`.
+
+    Attributes:
+        about: what it is; "" for an argument, which the help of the verb tells.
+        flag: name of the option; by default that of the parameter, `--by-requirement`; "" for an argument.
+        metavar: what stands for the value in the help.
+        complete: finds the values that a shell offers.
+        type: of click, where the type of the parameter does not say enough.
+        check: reads or refuses the value: `callback` of click.
+        default: the value without the option, where the parameter itself has none.
+        otherwise: what is done without the option, in words.
+    """
+
+    about: str = ""
+    flag: str | None = None
+    metavar: str | None = None
+    complete: Callable[..., Any] | None = None
+    type: Any = None
+    check: Callable[..., Any] | None = None
+    default: Any = None
+    otherwise: str = ""
+
+
+@dataclass(frozen=True)
+class Otherwise:
+    """What this verb does without an option that others have too, in words."""
+
+    text: str
+
+
+def parameters_of(function: Callable[..., Any]) -> Iterator[click.Parameter]:
+    """The options and arguments of a verb's function, in their order; other parameters without a mark are left out.
+
+    A parameter `study` is asked for as `--study`; where the function returns an `Answer`, there are `--format` and
+    `--tables`.
+    """
+    hints = get_annotations(function, eval_str=True)
+    found = {name: (hints[name], one.default) for name, one in signature(function).parameters.items() if name in hints}
+    if "study" in found:
+        found["study"] = StudyFolder, None
+    if _answers(hints):
+        found |= {"style": (TableFormat, "table"), "tables_folder": (TablesFolder, None)}
+    for name, (hint, default) in found.items():
+        marks = getattr(hint, "__metadata__", ())
+        option = next((mark for mark in reversed(marks) if isinstance(mark, Option)), None)
+        if option is not None:
+            otherwise = next((mark.text for mark in reversed(marks) if isinstance(mark, Otherwise)), option.otherwise)
+            yield _asked(name, hint.__origin__, option, default, otherwise)
+
+
+def called(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function, called with what the command line gives: the study opened, the answer printed."""
+    hints = get_annotations(function, eval_str=True)
 
     @wraps(function)
-    def told(*args: Any, study_folder: Path | None, **options: Any) -> Any:
-        tell_study(study_folder, quiet=options.get("quiet", False), campaign=options.get("campaign", ""))
-        return function(*args, study_folder=study_folder, **options)
+    def call(**given: Any) -> Any:
+        name = next((name for name in ("study", "study_folder") if name in hints), None)
+        if (name is not None and hasattr(hints[name], "__metadata__")) or name == "study":
+            tell_study(given[name], quiet=given.get("quiet", False), campaign=given.get("campaign", ""))
+        if name == "study":
+            from scaloft_fi.campaign.store.flown_grid import study_of
+            from scaloft_fi.study import Study
 
-    return cast(F, _study_option(told))
+            folder, grid = given["study"], given.get("grid")
+            given["study"] = study_of(folder, given["campaign"], grid) if "grid" in given else Study.open(folder)
+        if not _answers(hints):
+            return function(**given)
+        style, tables = given.pop("style"), given.pop("tables_folder")
+        return answer(function(**given), style, tables)
 
-
-def _study_option(function: F) -> F:
-    return click.option(
-        "--study",
-        "study_folder",
-        type=click.Path(path_type=Path),
-        metavar="DIR",
-        help="A folder with hazop/, mutants/ and sim/.  [default: the nearest one upwards, else the packaged study]",
-    )(function)
-
-
-def campaign_option(function: F) -> F:
-    """`--campaign NAME`: where the outcomes are."""
-    return click.option(
-        "--campaign",
-        shell_complete=campaigns,
-        default=CAMPAIGN,
-        show_default=True,
-        metavar="NAME",
-        help="A folder in the study's results/campaigns/; a NAME with a / or .zip is the path of a folder or archive.",
-    )(function)
+    return call
 
 
-def grid_option(function: F) -> F:
-    """`--grid NAME`: the situations to fly."""
-    return click.option(
-        "--grid",
-        shell_complete=grids,
-        metavar="NAME",
-        help="A grid of the study: that of sim/situations.yaml, or a file in sim/grids/, whose campaign is called NAME "
-        "when --campaign names no other.  [default: the grid of the campaign, else that of sim/situations.yaml]",
-    )(function)
+def _answers(hints: dict[str, Any]) -> bool:
+    """Whether a function with these types returns an `Answer`."""
+    return hasattr(hints.get("return"), "csv")
 
 
-def grid_of_study_option(function: F) -> F:
-    """`--grid NAME`: one of the study's grids, without a campaign."""
-    return click.option(
-        "--grid",
-        shell_complete=grids,
-        metavar="NAME",
-        help="A grid of the study: a file in sim/grids/.  [default: that of sim/situations.yaml]",
-    )(function)
-
-
-def campaign_over(grid: str | None, campaign: str) -> str:
-    """The campaign of the command: that of the user, else the one named by the grid, else the default."""
-    source = click.get_current_context().get_parameter_source("campaign")
-    return grid if grid is not None and source is ParameterSource.DEFAULT else campaign
-
-
-def baseline_from_option(function: F) -> F:
-    """`--baseline-from NAME`: a campaign whose baselines join the pool."""
-    return click.option(
-        "--baseline-from",
-        "baseline_from",
-        shell_complete=campaigns,
-        metavar="NAME",
-        help="Add the baselines of this campaign to the pool; its platform, data and code must be the same.",
-    )(function)
-
-
-def format_option(function: F) -> F:
-    """`--format`: how tables are printed."""
-    return click.option(
-        "--format",
-        "style",
-        type=click.Choice(FORMATS),
-        default="table",
-        show_default=True,
-        help="How tables are printed.",
-    )(function)
-
-
-def all_option(function: F) -> F:
-    """`--all`: every mutant and every table."""
-    return click.option(
-        "--all", "everything", is_flag=True, help="Print every mutant and every table, not only the first screen."
-    )(function)
-
-
-def fail_under_option(function: F) -> F:
-    """`--fail-under RATIO` and `--fail-under-firm RATIO`: the least mutation score that counts as a success."""
-    return click.option(
-        "--fail-under",
-        type=click.FloatRange(0.0, 1.0),
-        metavar="RATIO",
-        help="Exit with 3 when the mutation score (0..1) is below RATIO; refused without a baseline pool.",
-    )(_fail_under_firm(function))
-
-
-def _fail_under_firm(function: F) -> F:
-    return click.option(
-        "--fail-under-firm",
-        type=click.FloatRange(0.0, 1.0),
-        metavar="RATIO",
-        help="Exit with 3 when the share (0..1) of mutants that are detected whichever one seed is left out is below "
-        "RATIO; refused without a baseline pool.",
-    )(function)
-
-
-def today_option(function: F) -> F:
-    """`--today DATE`: the day by which dispositions expire."""
-    return click.option(
-        "--today",
-        callback=_day,
-        metavar="YYYY-MM-DD",
-        help="The day by which dispositions expire; the mutation score does not depend on it.  [default: the system's "
-        "date]",
-    )(function)
-
-
-def as_of_option(function: F) -> F:
-    """`--today DATE`: the day by which dispositions expire; by default none is judged."""
-    return click.option(
-        "--today",
-        callback=_day,
-        metavar="YYYY-MM-DD",
-        help="Mark the dispositions that have expired by this day.  [default: the last days are shown, not judged]",
-    )(function)
+def _asked(name: str, hint: Any, option: Option, default: Any, otherwise: str) -> click.Parameter:
+    """The option or argument for a parameter of this type."""
+    forms = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    several = next((form for form in forms if get_origin(form) is Sequence or get_origin(hint) is tuple), None)
+    bare = get_args(several)[0] if several else next(form for form in forms if form is not NoneType)
+    given: dict[str, Any] = {
+        "type": option.type or (click.Path(path_type=Path) if bare is Path else bare),
+        "metavar": option.metavar,
+        "callback": option.check,
+        "shell_complete": option.complete,
+    }
+    if option.flag == "":
+        return click.Argument([name], nargs=-1 if several else 1, required=default is Parameter.empty, **given)
+    names = [option.flag or f"--{name.replace('_', '-')}", name]
+    about = option.about + f"  [default: {otherwise}]" * bool(otherwise)
+    if bare is bool:
+        return click.Option(names, is_flag=True, help=about)
+    value = option.default if default in (Parameter.empty, None, ()) else default
+    shown: dict[str, Any] = {} if value is None else {"default": value, "show_default": True}
+    return click.Option(names, multiple=bool(several), help=about, **shown, **given)
 
 
 def _day(_context: click.Context, _option: click.Parameter, text: str | None) -> date | None:
@@ -173,42 +149,158 @@ def _day(_context: click.Context, _option: click.Parameter, text: str | None) ->
     return found
 
 
-def operability_option(function: F) -> F:
-    """`--operability`: the requirements whose violation kills."""
-    return click.option(
-        "--operability",
-        is_flag=True,
-        help="Margins against the operability requirements instead of the safety requirements.",
-    )(function)
+def _checked(_context: click.Context, _option: click.Parameter, folder: Path | None) -> Path | None:
+    if folder is not None:
+        check_folder(folder, "--tables")
+    return folder
 
 
-def warnings_option(function: F) -> F:
-    """`--warnings`: print each violation when it happens."""
-    return click.option(
-        "--warnings",
-        is_flag=True,
-        help="Print a line for each violation when it happens, by the unmutated drone too.  "
-        "[default: violations are counted; the campaign's mission_log.json lists them]",
-    )(function)
+Several = str | Sequence[str]
+"""One text, or several."""
+StudyFolder = Annotated[
+    Path | None,
+    Option(
+        "A folder with hazop/, mutants/ and sim/.",
+        "--study",
+        metavar="DIR",
+        otherwise="the nearest one upwards, else the packaged study",
+    ),
+]
+Campaign = Annotated[
+    str,
+    Option(
+        "A folder in the study's results/campaigns/; a NAME with a / or .zip is the path of a folder or archive.",
+        metavar="NAME",
+        complete=names.campaigns,
+        default=CAMPAIGN,
+    ),
+]
+FlownGrid = Annotated[
+    str | None,
+    Option(
+        "A grid of the study: that of sim/situations.yaml, or a file in sim/grids/, whose campaign is called NAME "
+        "when --campaign names no other.",
+        "--grid",
+        metavar="NAME",
+        complete=names.grids,
+        otherwise="the grid of the campaign, else that of sim/situations.yaml",
+    ),
+]
+GridOfStudy = Annotated[
+    str | None,
+    Option(
+        "A grid of the study: a file in sim/grids/.",
+        "--grid",
+        metavar="NAME",
+        complete=names.grids,
+        otherwise="that of sim/situations.yaml",
+    ),
+]
+Mutants = Annotated[Several, Option("", "", metavar="CELL|ID...", complete=names.mutants)]
+Situations = Annotated[
+    Several,
+    Option(
+        "A situation's key or alias, or a pattern (repeatable).",
+        "--situation",
+        metavar="KEY|GLOB",
+        complete=names.situations,
+        otherwise="the whole grid",
+    ),
+]
+BaselineFrom = Annotated[
+    str | None,
+    Option(
+        "Add the baselines of this campaign to the pool; its platform, data and code must be the same.",
+        metavar="NAME",
+        complete=names.campaigns,
+    ),
+]
+Today = Annotated[
+    date | None,
+    Option(
+        "The day by which dispositions expire; the mutation score does not depend on it.",
+        metavar="YYYY-MM-DD",
+        type=str,
+        check=_day,
+        otherwise="the system's date",
+    ),
+]
+AsOf = Annotated[
+    date | None,
+    Option(
+        "Mark the dispositions that have expired by this day.",
+        metavar="YYYY-MM-DD",
+        type=str,
+        check=_day,
+        otherwise="the last days are shown, not judged",
+    ),
+]
+Operability = Annotated[
+    bool, Option("Margins against the operability requirements instead of the safety requirements.")
+]
+Jobs = Annotated[
+    int | None, Option("Worker processes.", metavar="N", type=click.IntRange(min=1), otherwise="the processors")
+]
+SamePlatform = Annotated[
+    bool,
+    Option(
+        "Make stored flights of another platform stale when a sample of them has other digests here.",
+        otherwise="when it has another status, ending or violation",
+    ),
+]
+Warnings = Annotated[
+    bool,
+    Option(
+        "Print a line for each violation when it happens, by the unmutated drone too.",
+        otherwise="violations are counted; the campaign's mission_log.json lists them",
+    ),
+]
+Quiet = Annotated[
+    bool, Option("Print only the result, and no progress, count of violations or warning while drones fly.")
+]
+Everything = Annotated[bool, Option("Print every mutant and every table, not only the first screen.", "--all")]
+FailUnder = Annotated[
+    float | None,
+    Option(
+        "Exit with 3 when the mutation score (0..1) is below RATIO; refused without a baseline pool.",
+        metavar="RATIO",
+        type=click.FloatRange(0.0, 1.0),
+    ),
+]
+FailUnderFirm = Annotated[
+    float | None,
+    Option(
+        "Exit with 3 when the share (0..1) of mutants that are detected whichever one seed is left out is below "
+        "RATIO; refused without a baseline pool.",
+        metavar="RATIO",
+        type=click.FloatRange(0.0, 1.0),
+    ),
+]
+TableFormat = Annotated[str, Option("How tables are printed.", "--format", type=click.Choice(FORMATS), default="table")]
+LineFormat = Annotated[
+    str,
+    Option(
+        "How the answer is printed: a line for people, or JSON.",
+        "--format",
+        type=click.Choice(("table", "json")),
+        default="table",
+    ),
+]
+TablesFolder = Annotated[
+    Path | None,
+    Option(
+        "Also write each table of --format json as a CSV file of its own into the folder DIR, made if missing.",
+        "--tables",
+        metavar="DIR",
+        check=_checked,
+    ),
+]
 
 
-def same_platform_option(function: F) -> F:
-    """`--same-platform`: only flights with the bits of this platform count."""
-    return click.option(
-        "--same-platform",
-        is_flag=True,
-        help="Make stored flights of another platform stale when a sample of them has other digests here.  "
-        "[default: when it has another status, ending or violation]",
-    )(function)
-
-
-def quiet_option(function: F) -> F:
-    """`--quiet`: print only the result."""
-    return click.option(
-        "--quiet",
-        is_flag=True,
-        help="Print only the result, and no progress, count of violations or warning while drones fly.",
-    )(function)
+def campaign_over(grid: str | None, campaign: str) -> str:
+    """The campaign of the command: that of the user, else the one named by the grid, else the default."""
+    source = click.get_current_context().get_parameter_source("campaign")
+    return grid if grid is not None and source is ParameterSource.DEFAULT else campaign
 
 
 def typed() -> str:
@@ -276,30 +368,6 @@ def make_folder(path: Path, option: str) -> None:
         raise InputError(f"{option}={str(path)!r} cannot be made: {unwritable(error)}") from error
 
 
-def tables_option(function: F) -> F:
-    """`--tables DIR`: every table as a CSV file."""
-    return click.option(
-        "--tables",
-        "tables_folder",
-        type=click.Path(path_type=Path),
-        callback=_checked,
-        metavar="DIR",
-        help="Also write each table of --format json as a CSV file of its own into the folder DIR, made if missing.",
-    )(function)
-
-
-def line_format_option(function: F) -> F:
-    """`--format` of a verb whose answer is a few lines, not a table."""
-    return click.option(
-        "--format",
-        "style",
-        type=click.Choice(("table", "json")),
-        default="table",
-        show_default=True,
-        help="How the answer is printed: a line for people, or JSON.",
-    )(function)
-
-
 def answer(given: Answer, style: str, folder: Path | None = None) -> None:
     """Print a verb's answer and its warnings, and write its tables where `--tables` asks for them.
 
@@ -323,12 +391,6 @@ def tell_warnings(given: Answer) -> None:
     """Say on standard error what a reader must know beside an answer."""
     for warning in given.warnings:
         say(f"warning: {warning}")
-
-
-def _checked(_context: click.Context, _option: click.Parameter, folder: Path | None) -> Path | None:
-    if folder is not None:
-        check_folder(folder, "--tables")
-    return folder
 
 
 REMEDY = "make a study of your own with `scaloft-fi new DIR`, or name one with --study"

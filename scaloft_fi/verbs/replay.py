@@ -12,9 +12,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import click
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import fly_log, judged
@@ -32,7 +30,7 @@ from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.judge.status import APART_M, JudgedFlight, agreement, digests, flight_of, in_step, parting_s
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.verbs.names import flights
-from scaloft_fi.verbs.options import campaign_option, check_writable, line_format_option, study_option, write
+from scaloft_fi.verbs.options import Campaign, LineFormat, Option, StudyFolder, check_writable, write
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Output, count, listing, number, optional, record, text, texts
 from scaloft_fi.views.picture import draw, png, scene_of, track_of
@@ -434,31 +432,27 @@ ENDS = (".svg", ".png", ".mcap", ".csv")
         ("Record the unmutated drone for Foxglove", "scaloft-fi replay baseline/T0O0W0D0H1/0 --output flight.mcap"),
     ),
 )
-@click.argument("name", shell_complete=flights, metavar="MUTANT/SITUATION/SEED")
-@study_option
-@campaign_option
-@click.option(
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Write a map of the flight (.svg, .png), a recording for Foxglove (.mcap), or a table of its log (.csv).",
-)
-@click.option("--gui", is_flag=True, help="Watch the flight in PyBullet's window, in real time.")
-@click.option(
-    "--same-platform",
-    is_flag=True,
-    help="Exit with 4 when the digest differs from that of a flight of another platform.  "
-    "[default: when status, ending or violations differ]",
-)
-@line_format_option
 def replay_command(
-    name: str,
-    study_folder: Path | None,
-    campaign: str,
-    output: Path | None,
-    gui: bool,
-    same_platform: bool,
-    style: str,
+    *,
+    name: Annotated[str, Option("", "", metavar="MUTANT/SITUATION/SEED", complete=flights)],
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    output: Annotated[
+        Path | None,
+        Option(
+            "Write a map of the flight (.svg, .png), a recording for Foxglove (.mcap), or a table of its log (.csv).",
+            metavar="FILE",
+        ),
+    ],
+    gui: Annotated[bool, Option("Watch the flight in PyBullet's window, in real time.")],
+    same_platform: Annotated[
+        bool,
+        Option(
+            "Exit with 4 when the digest differs from that of a flight of another platform.",
+            otherwise="when status, ending or violations differ",
+        ),
+    ],
+    style: LineFormat,
 ) -> None:
     """Fly one flight again and compare its digest with the campaign's; on another platform, status and ending too.
 

@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Annotated
 
 import click
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import (
-    all_option,
-    baseline_from_option,
-    campaign_option,
+    BaselineFrom,
+    Campaign,
+    Everything,
+    FailUnder,
+    FailUnderFirm,
+    FlownGrid,
+    Jobs,
+    Option,
+    Quiet,
+    SamePlatform,
+    StudyFolder,
+    TableFormat,
+    TablesFolder,
+    Warnings,
     campaign_over,
-    fail_under_option,
-    format_option,
-    grid_option,
-    quiet_option,
-    same_platform_option,
-    study_option,
-    tables_option,
     typed,
-    warnings_option,
 )
 from scaloft_fi.verbs.verb import verb
 
@@ -44,125 +48,115 @@ from scaloft_fi.verbs.verb import verb
         "What is printed": "--all --format --tables --warnings --quiet --help",
     },
 )
-@study_option
-@campaign_option
-@grid_option
-@click.option(
-    "--mutant",
-    "mutants",
-    multiple=True,
-    shell_complete=names.mutants,
-    metavar="ID|GLOB",
-    help="A cell's name (its default), an id, or a pattern over names and ids (repeatable).  "
-    "[default: every cell's default and the controls]",
-)
-@click.option(
-    "--situation",
-    "situations",
-    multiple=True,
-    shell_complete=names.situations,
-    metavar="KEY|GLOB",
-    help="A situation's key or alias, or a pattern (repeatable).  [default: those of --choose]",
-)
-@click.option(
-    "--choose",
-    "how",
-    shell_complete=names.choices,
-    metavar="HOW",
-    help="Which of these situations: all, random:N (distinct), draws:N (with replacement; a repetition takes the next "
-    "seed), draws:P% (until that share was drawn), sobol:N (distinct, spread evenly over all axes), first:N (in the "
-    "grid's order), or a covering array such as 2-way.  random, draws and sobol draw numbers from ranges.  "
-    "[default: what the grid says, else all; with --situation all]",
-)
-@click.option(
-    "--choose-seed",
-    type=click.IntRange(min=0),
-    default=0,
-    show_default=True,
-    metavar="S",
-    help="Seed of the choice: another seed makes another choice of the same kind.",
-)
-@click.option(
-    "--seeds", shell_complete=names.seeds, metavar="N|A-B", help="Seeds 0..N-1, or A to B inclusive.  [default: 1]"
-)
-@click.option(
-    "--baseline-seeds",
-    metavar="N|A-B",
-    help="Seeds of the baseline pool, flown in each situation where a mutant infects, beside the mutants' own.  "
-    "[default: as many as make ten]",
-)
-@baseline_from_option
-@click.option(
-    "--sequential",
-    is_flag=True,
-    help="Fly 1, 3, 5 and 10 seeds in whole rounds: only the mutants that a round leaves undecided fly on, and each "
-    "round spends a quarter of alpha.",
-)
-@click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
-@click.option(
-    "--executor",
-    "executor",
-    default="local",
-    show_default=True,
-    metavar="local|dask://HOST:PORT",
-    help="What runs the flights: processes of this machine, or the workers of a Dask scheduler.",
-)
-@click.option(
-    "--cluster-security",
-    "certificates",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="The folder of cert.pem and key.pem that scheduler and workers of --executor=dask://... have too.",
-)
-@click.option("--shard", metavar="K/N", help="Fly the K-th of N parts of the run; `merge` joins them.")
-@click.option("--no-share", is_flag=True, help="Fly every flight whole from take-off; the outcomes are the same.")
-@click.option(
-    "--budget",
-    metavar="TIME",
-    help="Begin no more flights after this wall time (90s, 10m, 2h); the order is random and stratified.",
-)
-@click.option(
-    "--max-invalid",
-    type=click.FloatRange(0.0, 1.0),
-    default=0.1,
-    show_default=True,
-    metavar="SHARE",
-    help="Exit with 4 when the harness fails over a larger share (0..1) of the flights.",
-)
-@same_platform_option
-@all_option
-@format_option
-@tables_option
-@fail_under_option
-@warnings_option
-@quiet_option
 def run_command(
-    study_folder: Path | None,
-    campaign: str,
-    grid: str | None,
-    mutants: tuple[str, ...],
-    situations: tuple[str, ...],
-    how: str | None,
-    choose_seed: int,
-    seeds: str | None,
-    baseline_seeds: str | None,
-    baseline_from: str | None,
-    sequential: bool,
-    jobs: int | None,
-    executor: str,
-    certificates: Path | None,
-    shard: str | None,
-    no_share: bool,
-    budget: str | None,
-    max_invalid: float,
-    same_platform: bool,
-    everything: bool,
-    style: str,
-    tables_folder: Path | None,
-    fail_under: float | None,
-    fail_under_firm: float | None,
-    warnings: bool,
-    quiet: bool,
+    *,
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    grid: FlownGrid,
+    mutants: Annotated[
+        tuple[str, ...],
+        Option(
+            "A cell's name (its default), an id, or a pattern over names and ids (repeatable).",
+            "--mutant",
+            metavar="ID|GLOB",
+            complete=names.mutants,
+            otherwise="every cell's default and the controls",
+        ),
+    ],
+    situations: Annotated[
+        tuple[str, ...],
+        Option(
+            "A situation's key or alias, or a pattern (repeatable).",
+            "--situation",
+            metavar="KEY|GLOB",
+            complete=names.situations,
+            otherwise="those of --choose",
+        ),
+    ],
+    how: Annotated[
+        str | None,
+        Option(
+            "Which of these situations: all, random:N (distinct), draws:N (with replacement; a repetition takes the "
+            "next seed), draws:P% (until that share was drawn), sobol:N (distinct, spread evenly over all axes), "
+            "first:N (in the grid's order), or a covering array such as 2-way.  random, draws and sobol draw numbers "
+            "from ranges.",
+            "--choose",
+            metavar="HOW",
+            complete=names.choices,
+            otherwise="what the grid says, else all; with --situation all",
+        ),
+    ],
+    choose_seed: Annotated[
+        int,
+        Option(
+            "Seed of the choice: another seed makes another choice of the same kind.",
+            metavar="S",
+            type=click.IntRange(min=0),
+            default=0,
+        ),
+    ],
+    seeds: Annotated[
+        str | None, Option("Seeds 0..N-1, or A to B inclusive.", metavar="N|A-B", complete=names.seeds, otherwise="1")
+    ],
+    baseline_seeds: Annotated[
+        str | None,
+        Option(
+            "Seeds of the baseline pool, flown in each situation where a mutant infects, beside the mutants' own.",
+            metavar="N|A-B",
+            otherwise="as many as make ten",
+        ),
+    ],
+    baseline_from: BaselineFrom,
+    sequential: Annotated[
+        bool,
+        Option(
+            "Fly 1, 3, 5 and 10 seeds in whole rounds: only the mutants that a round leaves undecided fly on, and each "
+            "round spends a quarter of alpha."
+        ),
+    ],
+    jobs: Jobs,
+    executor: Annotated[
+        str,
+        Option(
+            "What runs the flights: processes of this machine, or the workers of a Dask scheduler.",
+            metavar="local|dask://HOST:PORT",
+            default="local",
+        ),
+    ],
+    certificates: Annotated[
+        Path | None,
+        Option(
+            "The folder of cert.pem and key.pem that scheduler and workers of --executor=dask://... have too.",
+            "--cluster-security",
+            metavar="DIR",
+        ),
+    ],
+    shard: Annotated[str | None, Option("Fly the K-th of N parts of the run; `merge` joins them.", metavar="K/N")],
+    no_share: Annotated[bool, Option("Fly every flight whole from take-off; the outcomes are the same.")],
+    budget: Annotated[
+        str | None,
+        Option(
+            "Begin no more flights after this wall time (90s, 10m, 2h); the order is random and stratified.",
+            metavar="TIME",
+        ),
+    ],
+    max_invalid: Annotated[
+        float,
+        Option(
+            "Exit with 4 when the harness fails over a larger share (0..1) of the flights.",
+            metavar="SHARE",
+            type=click.FloatRange(0.0, 1.0),
+            default=0.1,
+        ),
+    ],
+    same_platform: SamePlatform,
+    everything: Everything,
+    style: TableFormat,
+    tables_folder: TablesFolder,
+    fail_under: FailUnder,
+    fail_under_firm: FailUnderFirm,
+    warnings: Warnings,
+    quiet: Quiet,
 ) -> int:
     """Fly the baseline, PLACEBO and the mutants in every situation, then print which faults the tests would have shown.
 

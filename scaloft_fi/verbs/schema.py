@@ -43,7 +43,7 @@ from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.study import DispositionModel, ScoreModel, Study
 from scaloft_fi.verbs.names import documents
 from scaloft_fi.verbs.operators import OWN, argument_facts, package_of
-from scaloft_fi.verbs.options import study_option, write
+from scaloft_fi.verbs.options import Option, StudyFolder, write
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.table import Format, Table, render
 
@@ -309,16 +309,15 @@ def _line(name: str) -> bytes:
         ("Write all schemas for an editor, those of installed plugins included", "scaloft-fi schema --write schemas"),
     ),
 )
-@click.argument("name", required=False, shell_complete=documents)
-@study_option
-@click.option(
-    "--write",
-    "folder",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Write every schema as DIR/NAME.json; the folder is made if it is not there.",
-)
-def schema_command(name: str | None, study_folder: Path | None, folder: Path | None) -> None:
+def schema_command(
+    *,
+    name: Annotated[str | None, Option("", "", complete=documents)] = None,
+    study_folder: StudyFolder,
+    folder: Annotated[
+        Path | None,
+        Option("Write every schema as DIR/NAME.json; the folder is made if it is not there.", "--write", metavar="DIR"),
+    ],
+) -> None:
     """Print the JSON Schema (draft 2020-12) of a YAML document of a study, or write them all.
 
     The schemas know the seams of the study, and what installed plugins declare.  An editor with a language server for

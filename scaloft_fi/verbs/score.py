@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import date
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import click
 
@@ -29,15 +29,17 @@ from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.first_screen import first_screen, group_table, screen_text, tables_behind
 from scaloft_fi.verbs.options import (
-    all_option,
+    BaselineFrom,
+    Campaign,
+    Everything,
+    FailUnder,
+    FailUnderFirm,
+    Option,
+    StudyFolder,
+    TableFormat,
+    TablesFolder,
+    Today,
     answer,
-    baseline_from_option,
-    campaign_option,
-    fail_under_option,
-    format_option,
-    study_option,
-    tables_option,
-    today_option,
 )
 from scaloft_fi.verbs.score_record import SCORE, score_json
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
@@ -323,40 +325,34 @@ GROUPINGS = ("guideword", "parameter", "severity", "situation", "requirement", "
         "What is printed": "--by --all --format --tables --help",
     },
 )
-@study_option
-@campaign_option
-@click.option(
-    "--by",
-    "grouping",
-    type=click.Choice(GROUPINGS),
-    metavar="WHAT",
-    help=f"The score part by part as well, by {', '.join(GROUPINGS[:-1])} or {GROUPINGS[-1]}.",
-)
-@baseline_from_option
-@all_option
-@format_option
-@fail_under_option
-@click.option(
-    "--ratchet",
-    "ratcheting",
-    is_flag=True,
-    help="Exit with 3 when a counted mutant is not detected that the study's hazop/dispositions.yaml does not accept, "
-    "or a disposition has expired.",
-)
-@tables_option
-@today_option
 def score_command(
-    study_folder: Path | None,
-    campaign: str,
-    grouping: str | None,
-    baseline_from: str | None,
-    everything: bool,
-    style: str,
-    fail_under: float | None,
-    fail_under_firm: float | None,
-    ratcheting: bool,
-    tables_folder: Path | None,
-    today: date | None,
+    *,
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    grouping: Annotated[
+        str | None,
+        Option(
+            f"The score part by part as well, by {', '.join(GROUPINGS[:-1])} or {GROUPINGS[-1]}.",
+            "--by",
+            metavar="WHAT",
+            type=click.Choice(GROUPINGS),
+        ),
+    ],
+    baseline_from: BaselineFrom,
+    everything: Everything,
+    style: TableFormat,
+    fail_under: FailUnder,
+    fail_under_firm: FailUnderFirm,
+    ratcheting: Annotated[
+        bool,
+        Option(
+            "Exit with 3 when a counted mutant is not detected that the study's hazop/dispositions.yaml does not "
+            "accept, or a disposition has expired.",
+            "--ratchet",
+        ),
+    ],
+    tables_folder: TablesFolder,
+    today: Today,
 ) -> int:
     """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
     scored = scored_campaign(Study.open(study_folder), campaign, baseline_from, today)

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from types import CodeType
-from typing import TYPE_CHECKING, Any
-
-import click
+from typing import TYPE_CHECKING, Annotated, Any
 
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.stack.declaration import Seam
 from scaloft_fi.stack.messages import field_names
 from scaloft_fi.verbs.listing import Listing, Record, fields_of, tell_listing
 from scaloft_fi.verbs.names import seams
-from scaloft_fi.verbs.options import format_option, study_option, tables_option
+from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Output, count, flag, listing, number, record, text, texts
 
@@ -171,11 +168,13 @@ def _field(field: dict[str, str]) -> str:
         ("Write them all as JSON", "scaloft-fi seams --format json"),
     ),
 )
-@click.argument("names", nargs=-1, shell_complete=seams, metavar="[NAME]...")
-@study_option
-@format_option
-@tables_option
-def seams_command(names: tuple[str, ...], study_folder: Path | None, style: str, tables_folder: Path | None) -> None:
+def seams_command(
+    *,
+    names: Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=seams)] = (),
+    study_folder: StudyFolder,
+    style: TableFormat,
+    tables_folder: TablesFolder,
+) -> None:
     """List the seams of the study's stack, where faults can be patched in.
 
     Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: the fields with their units,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Annotated
 
 import click
 from click.core import ParameterSource
@@ -43,16 +44,18 @@ from scaloft_fi.sim.stacks import claims_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import campaigns, grids, sought
 from scaloft_fi.verbs.options import (
+    Campaign,
+    Jobs,
+    Option,
+    Quiet,
+    SamePlatform,
+    StudyFolder,
+    TableFormat,
+    TablesFolder,
+    Warnings,
     answer,
-    campaign_option,
     check_own,
-    format_option,
-    quiet_option,
-    same_platform_option,
-    study_option,
-    tables_option,
     typed,
-    warnings_option,
 )
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verb import verb
@@ -410,72 +413,67 @@ def _survivors(study: Study, campaign: str) -> set[str]:
         "What is printed": "--format --tables --warnings --quiet --help",
     },
 )
-@click.argument("mutants", nargs=-1, shell_complete=sought, metavar="[baseline | ID|GLOB...]")
-@study_option
-@campaign_option
-@click.option(
-    "--grid",
-    shell_complete=grids,
-    default=SEARCHED,
-    show_default=True,
-    metavar="NAME",
-    help="The grid that is searched: a file in the study's sim/grids/, with free axes.",
-)
-@click.option(
-    "--into",
-    shell_complete=campaigns,
-    metavar="NAME",
-    help="The campaign that holds the flights of the search.  [default: the name of the grid]",
-)
-@click.option(
-    "--budget",
-    metavar="TIME|FLIGHTS",
-    help="End after this wall time (90s, 10m, 2h), or after this number of flights (2000flights), stored ones "
-    "included.  It decides how far the search goes, not what it finds before.",
-)
-@click.option(
-    "--seed",
-    type=click.IntRange(min=0),
-    default=0,
-    show_default=True,
-    metavar="S",
-    help="Seed of the search: the same seed and mutants make the same finds.",
-)
-@click.option(
-    "--replicate",
-    is_flag=True,
-    help="Search nothing: fly the finds in sim/found.yaml (of the named mutants) on seeds that nothing before used; "
-    "what does not hold leaves the file.",
-)
-@click.option(
-    "--any",
-    "anyhow",
-    is_flag=True,
-    help="Take situations too where the unmutated drone violates an operability requirement, or does not meet the "
-    "value of an axis; the find says so.",
-)
-@click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes.  [default: the processors]")
-@same_platform_option
-@format_option
-@tables_option
-@warnings_option
-@quiet_option
 def seek_command(
-    mutants: tuple[str, ...],
-    study_folder: Path | None,
-    campaign: str,
-    grid: str,
-    into: str | None,
-    replicate: bool,
-    budget: str | None,
-    seed: int,
-    anyhow: bool,
-    jobs: int | None,
-    same_platform: bool,
-    style: str,
-    tables_folder: Path | None,
-    warnings: bool,
-    quiet: bool,
+    *,
+    mutants: Annotated[tuple[str, ...], Option("", "", metavar="[baseline | ID|GLOB...]", complete=sought)] = (),
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    grid: Annotated[
+        str,
+        Option(
+            "The grid that is searched: a file in the study's sim/grids/, with free axes.",
+            metavar="NAME",
+            complete=grids,
+            default=SEARCHED,
+        ),
+    ],
+    into: Annotated[
+        str | None,
+        Option(
+            "The campaign that holds the flights of the search.",
+            metavar="NAME",
+            complete=campaigns,
+            otherwise="the name of the grid",
+        ),
+    ],
+    budget: Annotated[
+        str | None,
+        Option(
+            "End after this wall time (90s, 10m, 2h), or after this number of flights (2000flights), stored ones "
+            "included.  It decides how far the search goes, not what it finds before.",
+            metavar="TIME|FLIGHTS",
+        ),
+    ],
+    seed: Annotated[
+        int,
+        Option(
+            "Seed of the search: the same seed and mutants make the same finds.",
+            metavar="S",
+            type=click.IntRange(min=0),
+            default=0,
+        ),
+    ],
+    replicate: Annotated[
+        bool,
+        Option(
+            "Search nothing: fly the finds in sim/found.yaml (of the named mutants) on seeds that nothing before used; "
+            "what does not hold leaves the file."
+        ),
+    ],
+    anyhow: Annotated[
+        bool,
+        Option(
+            "Take situations too where the unmutated drone violates an operability requirement, or does not meet the "
+            "value of an axis; the find says so.",
+            "--any",
+        ),
+    ],
+    jobs: Jobs,
+    same_platform: SamePlatform,
+    style: TableFormat,
+    tables_folder: TablesFolder,
+    warnings: Warnings,
+    quiet: Quiet,
 ) -> None:
     """Find situations that show mutants: the mutant violates a safety requirement, the unmutated drone does not.
 

@@ -5,10 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import click
+from typing import TYPE_CHECKING, Annotated, Any
 
 from scaloft_fi.document import is_there
 from scaloft_fi.judge.bounds import ANY, SIGHT_M, TRUTH, Cap, cap_of
@@ -19,7 +16,7 @@ from scaloft_fi.stack.declaration import UNITS, Belief
 from scaloft_fi.verbs.listing import Listing, Record, number_range, tell_listing
 from scaloft_fi.verbs.names import signals
 from scaloft_fi.verbs.operators import OWN, package_of
-from scaloft_fi.verbs.options import format_option, grid_of_study_option, study_option, tables_option
+from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder, TableFormat, TablesFolder
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Output, listing, number, optional, record, text
 
@@ -368,13 +365,13 @@ def _sheet(one: Record) -> list[tuple[str, str]]:
         ("List what the grid `wide` adds, as CSV", "scaloft-fi signals --grid wide --format csv"),
     ),
 )
-@click.argument("names", nargs=-1, shell_complete=signals, metavar="[NAME]...")
-@study_option
-@grid_of_study_option
-@format_option
-@tables_option
 def signals_command(
-    names: tuple[str, ...], study_folder: Path | None, grid: str | None, style: str, tables_folder: Path | None
+    *,
+    names: Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=signals)] = (),
+    study_folder: StudyFolder,
+    grid: GridOfStudy,
+    style: TableFormat,
+    tables_folder: TablesFolder,
 ) -> None:
     """List the signals that the study's requirements and the predicates of its axes may use.
 

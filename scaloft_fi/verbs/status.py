@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Literal
 
 from scaloft_fi.campaign.store.archive import MANIFEST
@@ -14,7 +13,7 @@ from scaloft_fi.judge.status import Status, baseline_status, flights_of
 from scaloft_fi.marks import Choices
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.rows import WAITING, ordered
-from scaloft_fi.verbs.options import answer, campaign_option, format_option, study_option, tables_option
+from scaloft_fi.verbs.options import Campaign, StudyFolder, TableFormat, TablesFolder, answer
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
@@ -184,10 +183,12 @@ def status(study: Study, campaign: str) -> Answer:
         ("Let a script read it", "scaloft-fi status --format json"),
     ),
 )
-@study_option
-@campaign_option
-@format_option
-@tables_option
-def status_command(study_folder: Path | None, campaign: str, style: str, tables_folder: Path | None) -> None:
+def status_command(
+    *,
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    style: TableFormat,
+    tables_folder: TablesFolder,
+) -> None:
     """Print how many flights a campaign holds, by status, and why those are stale that do not count any more."""
     answer(status(Study.open(study_folder), campaign), style, tables_folder)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import click
 
 from scaloft_fi.console import PROSE, Style, coloured, styled, width, wrapped
+from scaloft_fi.verbs.options import called, parameters_of
 
 REST = "Options"
 """The section of the options that stand in no other."""
@@ -153,7 +154,7 @@ def verb(
     sections: Mapping[str, str] | None = None,
     cls: type[Verb] = Verb,
 ) -> Callable[[Callable[..., Any]], Verb]:
-    """Declare the function below as the verb `name`; its docstring is its help.
+    """Declare the function below as the verb `name`: its parameters are its options, its docstring is its help.
 
     Args:
         name: of the verb.
@@ -161,4 +162,10 @@ def verb(
         sections: names of options by heading, for a verb of many options.
         cls: the class of the command.
     """
-    return click.command(name, cls=cls, examples=examples, sections=sections)
+
+    def declared(function: Callable[..., Any]) -> Verb:
+        about = cleandoc(function.__doc__ or "").partition("\n\nRaises:\n")[0]
+        options = list(parameters_of(function))
+        return cls(name, callback=called(function), params=options, help=about, examples=examples, sections=sections)
+
+    return declared

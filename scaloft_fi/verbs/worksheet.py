@@ -16,7 +16,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import click
 
@@ -39,10 +39,11 @@ from scaloft_fi.verbs.margin import CELL_MARGINS, UNKNOWN, cell_margin_values, c
 from scaloft_fi.verbs.matrix_record import CELL, cell_values
 from scaloft_fi.verbs.options import (
     FORMATS,
+    Campaign,
+    Option,
+    StudyFolder,
     answer,
-    campaign_option,
     check_writable,
-    study_option,
     tell_warnings,
     write,
 )
@@ -725,19 +726,22 @@ def worksheet(study: Study, campaign: str) -> Worksheet:
         ("Put it into a paper", "scaloft-fi worksheet --format latex --output worksheet.tex"),
     ),
 )
-@study_option
-@campaign_option
-@click.option(
-    "--format",
-    "style",
-    type=click.Choice((*FORMATS, "xlsx")),
-    default="table",
-    show_default=True,
-    help="How the sheet is written; csv, xlsx and json have every column.  A text that a spreadsheet would take for a "
-    "formula begins with ' in csv, and is a plain text in xlsx.",
-)
-@click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Write the sheet to FILE.")
-def worksheet_command(study_folder: Path | None, campaign: str, style: str, output: Path | None) -> None:
+def worksheet_command(
+    *,
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    style: Annotated[
+        str,
+        Option(
+            "How the sheet is written; csv, xlsx and json have every column.  A text that a spreadsheet would take for "
+            "a formula begins with ' in csv, and is a plain text in xlsx.",
+            "--format",
+            type=click.Choice((*FORMATS, "xlsx")),
+            default="table",
+        ),
+    ],
+    output: Annotated[Path | None, Option("Write the sheet to FILE.", metavar="FILE")],
+) -> None:
     """Print the HAZOP worksheet: every deviation beside what its default mutant did in the campaign.
 
     Deviations that are not credible stand in a log with their reason.  What only a team can judge (likelihood,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 from pathlib import Path
+from typing import Annotated
 
 import click
 import pytest
@@ -13,6 +14,7 @@ from scaloft_fi.cli import GROUPS, VERBS, command_of, main
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.reference import command_reference
 from scaloft_fi.study import Study
+from scaloft_fi.verbs.options import Option
 from scaloft_fi.verbs.verb import REST, HelpPage, Page, Verb, verb
 
 ROOT = Path(__file__).parents[2]
@@ -107,9 +109,9 @@ def test_headings_and_commands_of_help_are_marked_only_where_colours_are_wanted(
 
 def test_an_option_that_no_section_names_comes_last() -> None:
     @verb("fly", examples=(), sections={"Where": "--study"})
-    @click.option("--fast", is_flag=True, help="Fast.")
-    @click.option("--study", help="Here.")
-    def fly(fast: bool, study: str) -> None:
+    def fly(
+        *, fast: Annotated[bool, Option("Fast.")], study_folder: Annotated[str, Option("Here.", "--study")]
+    ) -> None:
         """Fly."""
 
     sections = fly.sections(Page(fly, info_name="fly"))

@@ -10,10 +10,10 @@ A format is one function in a file of this folder, or in a package that names it
 
 from __future__ import annotations
 
-from datetime import date
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
+from typing import Annotated
 
 import click
 
@@ -24,12 +24,13 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, ExportFormat, export_format
 from scaloft_fi.verbs.options import (
-    campaign_option,
+    Campaign,
+    Option,
+    StudyFolder,
+    Today,
     check_folder,
     check_writable,
     make_folder,
-    study_option,
-    today_option,
     write,
 )
 from scaloft_fi.verbs.verb import Verb, verb
@@ -63,21 +64,16 @@ class ExportCommand(Verb):
     ),
     cls=ExportCommand,
 )
-@study_option
-@campaign_option
-@click.option(
-    "--format",
-    "style",
-    shell_complete=names.formats,
-    default="json",
-    show_default=True,
-    metavar="NAME",
-    help="One of the formats listed below.",
-)
-@today_option
-@click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help="Write there instead of printing.")
 def export_command(
-    study_folder: Path | None, campaign: str, style: str, today: date | None, output: Path | None
+    *,
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    style: Annotated[
+        str,
+        Option("One of the formats listed below.", "--format", metavar="NAME", complete=names.formats, default="json"),
+    ],
+    today: Today,
+    output: Annotated[Path | None, Option("Write there instead of printing.", metavar="FILE")],
 ) -> None:
     """Print one row per flight, ordered by mutant, situation and seed, or the campaign in another tool's format.
 

@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from datetime import date
 from pathlib import Path
-
-import click
+from typing import Annotated
 
 from scaloft_fi.campaign.store.archive import campaign_folder, is_archive
 from scaloft_fi.console import line
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.options import (
-    answer,
-    as_of_option,
-    campaign_option,
-    check_writable,
-    line_format_option,
-    study_option,
-    write,
-)
+from scaloft_fi.verbs.options import AsOf, Campaign, LineFormat, Option, StudyFolder, answer, check_writable, write
 from scaloft_fi.verbs.snapshot import STALE
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, count, text
@@ -44,18 +34,15 @@ NAME = "report.html"
         ("Mark dispositions that have expired by a day", "scaloft-fi report --today 2027-01-31"),
     ),
 )
-@study_option
-@campaign_option
-@click.option(
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Write the page there.  [default: report.html in the campaign's folder]",
-)
-@as_of_option
-@line_format_option
 def report_command(
-    study_folder: Path | None, campaign: str, output: Path | None, today: date | None, style: str
+    *,
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    output: Annotated[
+        Path | None, Option("Write the page there.", metavar="FILE", otherwise="report.html in the campaign's folder")
+    ],
+    today: AsOf,
+    style: LineFormat,
 ) -> None:
     """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
     check_writable(output)
