@@ -22,6 +22,7 @@ from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.status import Status
 from scaloft_fi.mutants.operator import Need
 from scaloft_fi.reference import command_reference, outputs_page, yaml_keys_page
+from scaloft_fi.scripting.campaign import OpenCampaign
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.dossier import FORMATS
@@ -169,7 +170,8 @@ def _python(title: str, says: str, module: ModuleType) -> str:
     for name in sorted(module.__all__, key=str.casefold):
         value = getattr(module, name)
         if inspect.isclass(value) or inspect.isfunction(value):
-            parts.append(f"::: {value.__module__}.{value.__qualname__}\n")
+            seen = "    options: {force_inspection: true}\n" if value is OpenCampaign else ""  # methods that code makes
+            parts.append(f"::: {value.__module__}.{value.__qualname__}\n{seen}")
         else:
             parts.append(f"## `{name}`\n\n{_says(name, value)}\n")
     return "\n".join(parts)

@@ -10,6 +10,7 @@ from itertools import count, islice
 from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.defaults import Seeds
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.judge.outcome import Outcome
@@ -126,15 +127,31 @@ def held_requirements(baseline: Outcome) -> int:
 MOST_SEEDS = 100_000
 
 
-def parse_seeds(text: str, option: str = "--seeds") -> tuple[int, ...]:
+def parse_seeds(given: Seeds, option: str = "--seeds") -> tuple[int, ...]:
     """`N` means 0..N-1, `A-B` means A to B, both included.
 
-    >>> parse_seeds("3"), parse_seeds("4-5")
-    ((0, 1, 2), (4, 5))
+    >>> parse_seeds("3"), parse_seeds("4-5"), parse_seeds(2), parse_seeds([7, 9])
+    ((0, 1, 2), (4, 5), (0, 1), (7, 9))
 
     Raises:
-        InputError: the text has another form, or names no seed.
+        InputError: the seeds have another form, are not different, or there is none.
     """
+    if isinstance(given, str):
+        return _seeds_in(given, option)
+    if isinstance(given, int):
+        listed = () if isinstance(given, bool) else tuple(range(min(given, MOST_SEEDS + 1)))
+    else:
+        listed = tuple(given) if isinstance(given, range | list | tuple) else ()
+    whole = all(isinstance(one, int) and not isinstance(one, bool) and one >= 0 for one in listed)
+    if not 0 < len(set(listed)) == len(listed) <= MOST_SEEDS or not whole:
+        raise InputError(
+            f"{option}={given!r} must be a number of seeds from 1 to {MOST_SEEDS}, a text such as '4-6', or different "
+            "seeds, none below 0"
+        )
+    return listed
+
+
+def _seeds_in(text: str, option: str) -> tuple[int, ...]:
     match = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", text.strip())
     if match:
         first, last = (0, int(match[1]) - 1) if match[2] is None else (int(match[1]), int(match[2]))

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from datetime import date
-from functools import cached_property
+from functools import cached_property, update_wrapper
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from scaloft_fi.analysis.roster import Ratio
-from scaloft_fi.analysis.score import By
+from scaloft_fi.analysis.score import By, MutantScore
 from scaloft_fi.campaign.flights.fork import CAN_FORK
+from scaloft_fi.campaign.plan import parse_seeds
 from scaloft_fi.campaign.plan import parse_shard as shard_in
 from scaloft_fi.campaign.processes import cores
 from scaloft_fi.campaign.progress import Progress, Silence
@@ -22,40 +22,59 @@ from scaloft_fi.campaign.seeking.finds import Allowance
 from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive
 from scaloft_fi.campaign.store.flown_grid import study_of, study_of_all
 from scaloft_fi.campaign.workers.cluster import LOCAL, executor_named
-from scaloft_fi.campaign.workers.local import Clean
+from scaloft_fi.campaign.workers.local import Clean, Executor
 from scaloft_fi.defaults import SEARCHED
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.output import write_named
-from scaloft_fi.scripting.flight import FlownFlight, Seeds, in_python, names, number
-from scaloft_fi.scripting.flight import seeds as seeds_of
-from scaloft_fi.verbs.coverage import coverage
-from scaloft_fi.verbs.diff import diff
-from scaloft_fi.verbs.dispositions import dispositions
+from scaloft_fi.scripting.flight import FlownFlight, described, in_python, number
+from scaloft_fi.study import Study
+from scaloft_fi.verbs import coverage, diff, dispositions, kills, margin, merge, seek, status, worksheet
 from scaloft_fi.verbs.export.archive import dossier
 from scaloft_fi.verbs.export.dossier import FORMATS
 from scaloft_fi.verbs.export.rows import flight_columns
-from scaloft_fi.verbs.kills import kills
-from scaloft_fi.verbs.margin import margin, when_answer
-from scaloft_fi.verbs.merge import merge
+from scaloft_fi.verbs.margin import MarginMutants, MarginSeeds, Tolerance
+from scaloft_fi.verbs.merge import MergedCampaigns, MergedPlatform
+from scaloft_fi.verbs.options import (
+    AsOf,
+    BaselineFrom,
+    Jobs,
+    Operability,
+    SamePlatform,
+    Situations,
+    Today,
+    several,
+)
 from scaloft_fi.verbs.replay import compared, fly_with_log, ready_to_fly
 from scaloft_fi.verbs.report.analyses import gather
 from scaloft_fi.verbs.report.page import page
-from scaloft_fi.verbs.score import scored_campaign, scored_run
-from scaloft_fi.verbs.seek import Search, seek, study_to_search
-from scaloft_fi.verbs.status import status
-from scaloft_fi.verbs.worksheet import worksheet
-from scaloft_fi.views.output import Columns, ColumnType
+from scaloft_fi.verbs.run import (
+    MOST_INVALID,
+    BaselineSeeds,
+    Choose,
+    ChooseSeed,
+    ClusterSecurity,
+    ExecutorName,
+    FlownMutants,
+    FlownSeeds,
+    FlownSituations,
+    MaxInvalid,
+    Sequential,
+    Shard,
+)
+from scaloft_fi.verbs.score import ScoredFlights, scored_campaign, scored_run
+from scaloft_fi.verbs.seek import (
+    Anyhow,
+    Into,
+    Replicate,
+    Search,
+    SearchBudget,
+    SearchedGrid,
+    SearchSeed,
+    SoughtMutants,
+    study_to_search,
+)
+from scaloft_fi.views.output import Answer, Columns, ColumnType
 from scaloft_fi.views.table import Format, Table, html
-
-if TYPE_CHECKING:
-    from scaloft_fi.analysis.score import MutantScore
-    from scaloft_fi.campaign.runs.gates import RunOptions
-    from scaloft_fi.campaign.workers.local import Executor
-    from scaloft_fi.study import Study
-    from scaloft_fi.verbs.score import ScoredFlights
-    from scaloft_fi.verbs.worksheet import Worksheet
-    from scaloft_fi.views.output import Answer
-
 
 Told = bool | Callable[[int, int], object]
 """True for lines on the standard error, or a function of the flights flown and expected so far; False for nothing."""
@@ -257,6 +276,21 @@ def _by(name: str | None) -> By | None:
     return By(name)
 
 
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def of_campaign(verb: Callable[Concatenate[Study, str, P], R]) -> Callable[Concatenate[HeldCampaign, P], R]:
+    """The function of a verb as a method of a campaign, whose study and name it gets; errors name its arguments."""
+
+    def method(self: HeldCampaign, /, *args: P.args, **named: P.kwargs) -> R:
+        with in_python():
+            return verb(self._study, self.name, *args, **named)
+
+    update_wrapper(method, verb)
+    return described(method, without=2)
+
+
 REPORT_NAME = "report.html"
 
 
@@ -282,12 +316,9 @@ class HeldCampaign:
         with in_python():
             return campaign_folder(self._study, self.name)
 
-    def score(self, *, baseline_from: str | None = None, today: date | None = None) -> CampaignScore:
+    @described
+    def score(self, *, baseline_from: BaselineFrom = None, today: Today = None) -> CampaignScore:
         """Score the flights that the campaign holds, without flying.
-
-        Args:
-            baseline_from: name of a campaign whose baselines join the pool.
-            today: day by which dispositions expire; by default the system's date.
 
         Raises:
             InputError: there is no campaign, or it holds no flight that counts.
@@ -305,17 +336,17 @@ class HeldCampaign:
             made = dossier(self._study, self.name)
             return flight_columns(made.rows, made.columns)
 
+    @described
     def export(
         self,
         format: str = "json",  # noqa: A002 - the name of the option
         *,
-        today: date | None = None,
+        today: Today = None,
     ) -> bytes:
         """The campaign in a format of `scaloft-fi export`, as the bytes of a file.
 
         Args:
             format: name of the format.
-            today: day by which dispositions expire; by default the system's date.
 
         Raises:
             InputError: there is no such format or campaign, or the campaign holds no flight that counts.
@@ -324,12 +355,12 @@ class HeldCampaign:
             chosen = FORMATS[format]
             return chosen.content(dossier(self._study, self.name, today))
 
-    def report(self, path: Path | str | None = None, *, today: date | None = None) -> Path:
+    @described
+    def report(self, path: Path | str | None = None, *, today: AsOf = None) -> Path:
         """Write one HTML file that tells the whole campaign; returns its path.
 
         Args:
             path: path of the file; by default `report.html` in the folder of the campaign.
-            today: day by which dispositions expire; by default none is judged.
 
         Raises:
             InputError: there is no campaign, it holds no flight that counts, or the file cannot be written.
@@ -342,98 +373,13 @@ class HeldCampaign:
             write_named(file, content, "path")
             return file
 
-    def status(self) -> Answer:
-        """How many flights the campaign holds, by status, and why those are stale that do not count any more.
-
-        Raises:
-            InputError: there is no campaign.
-        """
-        with in_python():
-            return status(self._study, self.name)
-
-    def coverage(self) -> Answer:
-        """How much of the situations the campaign covers, number by number.
-
-        Raises:
-            InputError: there is no campaign, or it holds no flight that counts.
-        """
-        with in_python():
-            return coverage(self._study, self.name)
-
-    def kills(
-        self,
-        mutants: str | Sequence[str] = (),
-        situations: str | Sequence[str] = (),
-        *,
-        show: str | Sequence[str] = (),
-        by_requirement: bool = False,
-    ) -> Answer:
-        """Where mutants are killed, which situations are needed, and what would change the survivors.
-
-        Args:
-            mutants: names, ids or patterns; by default every mutant flown but the controls.
-            situations: keys, aliases or patterns; `summary` tells what they kill together.
-            show: `conditions`, `situations`, `suite`, `subsumption` or `survivors`, at length; by default all, shortly.
-            by_requirement: whether subsumption tells kills by different requirements of a situation apart.
-
-        Raises:
-            InputError: there is no campaign, mutant, situation or part, or the campaign holds no such flight.
-        """
-        with in_python():
-            return kills(
-                self._study,
-                self.name,
-                names(mutants, "mutants"),
-                show=names(show, "show"),
-                situations=names(situations, "situations"),
-                by_requirement=by_requirement,
-            )
-
-    def when(self, mutants: str | Sequence[str], *, operability: bool = False) -> Answer:
-        """At which times and events of the flight faults are killed: `scaloft-fi margin --when`; flies nothing.
-
-        Args:
-            mutants: names of cells, or ids.
-            operability: as for `margin`.
-
-        Raises:
-            InputError: a mutant has no phases, or the campaign fewer than two of them.
-        """
-        with in_python():
-            return when_answer(self._study, self.name, names(mutants, "mutants"), operability=operability)
-
-    def worksheet(self) -> Worksheet:
-        """The HAZOP worksheet: every deviation beside what its default mutant did; `save` writes it for a meeting.
-
-        Raises:
-            InputError: there is no campaign, or it holds no flight that counts.
-        """
-        with in_python():
-            return worksheet(self._study, self.name)
-
-    def dispositions(self, *, today: date | None = None) -> Answer:
-        """The survivors beside the study's dispositions; the column `fails` is what `score --ratchet` does not pass.
-
-        Args:
-            today: day by which dispositions expire; by default the system's date.
-
-        Raises:
-            InputError: there is no campaign, it holds no flight that counts, or no baseline pool to decide by.
-        """
-        with in_python():
-            return dispositions(self._study, self.name, today)
-
-    def diff(self, other: str) -> Answer:
-        """The flights of which this campaign and another one do not say the same.
-
-        Args:
-            other: name of the other campaign.
-
-        Raises:
-            InputError: one of the campaigns does not exist, or they were flown over different grids.
-        """
-        with in_python():
-            return diff(self._study, self.name, other)
+    status = of_campaign(status.status)
+    coverage = of_campaign(coverage.coverage)
+    kills = of_campaign(kills.kills)
+    when = of_campaign(margin.when_answer)
+    worksheet = of_campaign(worksheet.worksheet)
+    dispositions = of_campaign(dispositions.dispositions)
+    diff = of_campaign(diff.diff)
 
     @property
     def _study(self) -> Study:
@@ -466,46 +412,33 @@ class OpenCampaign(HeldCampaign):
     name: str
     grid: str | None = None
 
+    @described
     def run(
         self,
-        mutants: str | Sequence[str] = (),
-        situations: str | Sequence[str] = (),
+        mutants: FlownMutants = (),
+        situations: FlownSituations = (),
         *,
-        seeds: Seeds | None = None,
-        baseline_seeds: Seeds | None = None,
-        baseline_from: str | None = None,
-        choose: str | None = None,
-        choose_seed: int = 0,
-        sequential: bool = False,
-        shard: str | None = None,
+        seeds: FlownSeeds = None,
+        baseline_seeds: BaselineSeeds = None,
+        baseline_from: BaselineFrom = None,
+        choose: Choose = None,
+        choose_seed: ChooseSeed = 0,
+        sequential: Sequential = False,
+        shard: Shard = None,
         budget_s: float | None = None,
-        jobs: int | None = None,
-        executor: str = "local",
-        cluster_security: Path | str | None = None,
+        jobs: Jobs = None,
+        executor: ExecutorName = LOCAL,
+        cluster_security: ClusterSecurity = None,
         share: bool = True,
-        max_invalid: float = 0.1,
-        same_platform: bool = False,
+        max_invalid: MaxInvalid = MOST_INVALID,
+        same_platform: SamePlatform = False,
         progress: Told = False,
     ) -> CampaignScore:
         """Fly the flights that the campaign lacks, and score those of this call; the same call resumes.
 
         Args:
-            mutants: names, ids or patterns; by default every cell's default mutant and the controls.
-            situations: keys, aliases or patterns; by default those that `choose` chooses.
-            seeds: seeds of the mutants' flights; by default seed 0.
-            baseline_seeds: seeds of the baseline pool in addition to `seeds`; by default as many as make ten.
-            baseline_from: name of a campaign whose baselines join the pool.
-            choose: which of the situations, such as `random:8`; by default what the grid says.
-            choose_seed: seed of the choice.
-            sequential: whether to fly 1, 3, 5 and 10 seeds in looks, of which each spends a quarter of alpha.
-            shard: `K/N` for the K-th of N parts.
             budget_s: wall time after which no flight begins [s].
-            jobs: number of processes; by default the number of processors.
-            executor: `local`, or `dask://HOST:PORT` for the workers of a Dask scheduler.
-            cluster_security: folder with the certificate that scheduler and workers have too.
             share: whether mutants share the beginning of their baseline; the outcomes are the same.
-            max_invalid: greatest share 0..1 of flights over which the harness may fail.
-            same_platform: whether only flights with the bits of this platform count.
             progress: True for lines on the standard error, or a function of the flights flown and expected so far.
 
         Raises:
@@ -515,12 +448,12 @@ class OpenCampaign(HeldCampaign):
         """
         with in_python():
             request = Request(
-                mutants=names(mutants, "mutants"),
-                situations=names(situations, "situations"),
+                mutants=several(mutants, "mutants"),
+                situations=several(situations, "situations"),
                 choose=choose,
                 choose_seed=choose_seed,
-                seeds=seeds_of(seeds, "seeds"),
-                baseline_seeds=seeds_of(baseline_seeds, "baseline_seeds"),
+                seeds=None if seeds is None else parse_seeds(seeds),
+                baseline_seeds=None if baseline_seeds is None else parse_seeds(baseline_seeds, "--baseline-seeds"),
                 baseline_from=baseline_from,
                 sequential=sequential,
                 shard=None if shard is None else shard_in(shard),
@@ -555,29 +488,22 @@ class OpenCampaign(HeldCampaign):
             flown = fly_with_log(study, ready_to_fly(study, mutant, situation, seed, lambda _text: None))
             return FlownFlight(flown, compared(flown, self.name, same_platform=same_platform))
 
+    @described
     def margin(
         self,
-        mutants: str | Sequence[str],
-        situations: str | Sequence[str] = (),
+        mutants: MarginMutants,
+        situations: Situations = (),
         *,
-        seeds: Seeds = 1,
-        tolerance: float | None = None,
-        operability: bool = False,
-        jobs: int | None = None,
-        same_platform: bool = False,
+        seeds: MarginSeeds = 1,
+        tolerance: Tolerance = None,
+        operability: Operability = False,
+        jobs: Jobs = None,
+        same_platform: SamePlatform = False,
         progress: Told = False,
     ) -> Answer:
         """Find the smallest magnitude of each fault that is killed, by bisection; flies what the campaign lacks.
 
         Args:
-            mutants: names of cells, or ids.
-            situations: keys, aliases or patterns; by default the whole grid.
-            seeds: seeds of the flights.
-            tolerance: width of the interval at which the search ends, in the magnitude's unit; by default a tenth of
-                the strong end's distance from no fault.
-            operability: whether violations of operability requirements kill, instead of those of safety requirements.
-            jobs: number of processes; by default the number of processors.
-            same_platform: whether only flights with the bits of this platform count.
             progress: as for `run`, round by round.
 
         Raises:
@@ -587,45 +513,36 @@ class OpenCampaign(HeldCampaign):
         """
         with in_python():
             progress_of(progress)
-            return margin(
+            return margin.margin(
                 self._study,
                 self.name,
-                names(mutants, "mutants"),
+                several(mutants, "mutants"),
                 _options(jobs, same_platform),
-                situations=names(situations, "situations"),
-                seeds=seeds_of(seeds, "seeds") or (),
+                situations=several(situations, "situations"),
+                seeds=parse_seeds(seeds),
                 tolerance=None if tolerance is None else number(tolerance, "tolerance", LEAST_TOLERANCE, 1e9),
                 operability=operability,
                 progress=lambda: progress_of(progress),
             )
 
+    @described
     def seek(
         self,
-        mutants: str | Sequence[str] = (),
+        mutants: SoughtMutants = (),
         *,
-        grid: str = SEARCHED,
-        into: str | None = None,
-        budget: str | None = None,
-        seed: int = 0,
-        anyhow: bool = False,
-        replicate: bool = False,
-        jobs: int | None = None,
-        same_platform: bool = False,
+        grid: SearchedGrid = SEARCHED,
+        into: Into = None,
+        budget: SearchBudget = None,
+        seed: SearchSeed = 0,
+        anyhow: Anyhow = False,
+        replicate: Replicate = False,
+        jobs: Jobs = None,
+        same_platform: SamePlatform = False,
         progress: Told = False,
     ) -> Answer:
         """Find situations that would have shown mutants, and write them to the study's `sim/found.yaml`.
 
         Args:
-            mutants: ids or patterns, or `baseline` for situations that break the unmutated drone; by default every
-                cell's default that this campaign does not detect and no found situation shows.
-            grid: name of the grid that is searched, with free axes; by default `search`.
-            into: name of the campaign that holds the flights of the search; by default that of the grid.
-            budget: a wall time such as `10m`, or a number of flights such as `2000flights`; by default none.
-            seed: seed of the search.
-            anyhow: whether a situation counts too where the unmutated drone does not do its mission.
-            replicate: whether nothing is searched, and the finds are flown on seeds that nothing before used.
-            jobs: number of processes; by default the number of processors.
-            same_platform: whether only flights with the bits of this platform count.
             progress: as for `run`.
 
         Raises:
@@ -645,25 +562,22 @@ class OpenCampaign(HeldCampaign):
                 replicate,
             )
             study = study_to_search(self.study_folder, grid, search.into)
-            return seek(study, self.name, names(mutants, "mutants"), search, named=self.study_folder)
+            return seek.seek(study, self.name, several(mutants, "mutants"), search, named=self.study_folder)
 
-    def merge(self, others: str | Sequence[str], *, same_platform: bool = False) -> Answer:
+    @described
+    def merge(self, others: MergedCampaigns, *, same_platform: MergedPlatform = False) -> Answer:
         """Add the flights of other campaigns to this one, which need not exist.
-
-        Args:
-            others: names of the campaigns.
-            same_platform: whether a campaign of another platform is refused unless flights in both have equal digests.
 
         Raises:
             GateError: a flight has other digests on one platform, or other facts on two; nothing is written.
             InputError: there is no such campaign, two have different grids, or the campaign cannot be written.
         """
         with in_python():
-            sources = names(others, "others")
+            sources = several(others, "others")
             if not sources:
                 raise InputError("others=() must name a campaign")
             study = study_of_all(self.study_folder, [*sources, self.name])
-            return merge(study, self.name, sources, same_platform=same_platform)
+            return merge.merge(study, self.name, sources, same_platform=same_platform)
 
 
 def _options(jobs: int | None, same_platform: bool) -> RunOptions:

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from inspect import Parameter, cleandoc, formatannotation, get_annotations, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from scaloft_fi.campaign.plan import MOST_SEEDS
-from scaloft_fi.campaign.plan import parse_seeds as seeds_in
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.status import baseline_status
 from scaloft_fi.output import write_named
+from scaloft_fi.verbs.options import marked
 from scaloft_fi.verbs.signals import signal_list
 from scaloft_fi.views.output import Columns, ColumnType
 from scaloft_fi.views.picture import png
@@ -28,11 +28,13 @@ if TYPE_CHECKING:
     from scaloft_fi.verbs.replay import LoggedFlight
 
 
-Seeds = int | str | range | list[int] | tuple[int, ...]
-"""`3` or `"3"` for seeds 0 to 2, `"4-6"` for seeds 4 to 6, or the seeds themselves."""
 NAMES = {"mutant": "mutants", "situation": "situations", "budget": "budget_s", "output": "path"}
 """Arguments that have another name than the option of the verb."""
+_MODULE = re.compile(r"\b(?:\w+\.)+")
 _OPTION = re.compile(r"(?<![\w-])--([a-z]+(?:-[a-z]+)*)")
+
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 
 @contextmanager
@@ -61,42 +63,30 @@ def python_words(sentence: str, names: Mapping[str, str] = NAMES) -> str:
     return "`".join(parts)
 
 
-def names(given: str | Sequence[str], name: str) -> tuple[str, ...]:
-    """One text, or several.
+def described(method: F, without: int = 0) -> F:
+    """The method with the texts of its options in its docstring under `Args:`, and plain types in its signature.
 
-    Raises:
-        InputError: there is something else.
+    Args:
+        method: what a script calls.
+        without: number of parameters behind `self` that the script does not give.
     """
-    several: object = given  # whatever a script gives
-    listed = tuple(several) if isinstance(several, Iterable) and not isinstance(several, str) else (given,)
-    for one in listed:
-        if not isinstance(one, str):
-            raise InputError(f"{name}={one!r} must be a text, or a sequence of texts")
-    return listed
-
-
-def seeds(given: Seeds | None, name: str) -> tuple[int, ...] | None:
-    """The seeds; None stays None.
-
-    >>> seeds(3, "seeds"), seeds("4-6", "seeds"), seeds([7, 9], "seeds")
-    ((0, 1, 2), (4, 5, 6), (7, 9))
-
-    Raises:
-        InputError: the argument names no seeds.
-    """
-    if given is None:
-        return None
-    if isinstance(given, str):
-        return seeds_in(given, name)
-    allowed = f"a number of seeds from 1 to {MOST_SEEDS}, a text such as '4-6', or different seeds, none below 0"
-    if isinstance(given, int):
-        listed = () if isinstance(given, bool) else tuple(range(min(given, MOST_SEEDS + 1)))
-    else:
-        listed = tuple(given) if isinstance(given, range | list | tuple) else ()
-    whole = all(isinstance(one, int) and not isinstance(one, bool) and one >= 0 for one in listed)
-    if not 0 < len(set(listed)) == len(listed) <= MOST_SEEDS or not whole:
-        raise InputError(f"{name}={given!r} must be {allowed}")
-    return listed
+    hints = get_annotations(method, eval_str=True)
+    first, *rest = signature(method).parameters.values()
+    told, mark, raised = cleandoc(method.__doc__ or "").partition("\n\nRaises:\n")
+    args, plain = [], [first.replace(name="self", annotation=Parameter.empty) if without else first]
+    for parameter in rest[max(0, without - 1) :]:
+        option, otherwise = marked(hints.get(parameter.name))
+        if option is not None and f"\n    {parameter.name}: " not in told:
+            default = f"; by default {otherwise}" if otherwise else ""
+            args.append(python_words(f"    {parameter.name}: {option.about.rstrip('.')}{default}."))
+            parameter = parameter.replace(
+                annotation=_MODULE.sub("", formatannotation(hints[parameter.name].__origin__))
+            )
+        plain.append(parameter)
+    own = "" if "\nArgs:\n" in told else "\n\nArgs:"
+    vars(method)["__signature__"] = signature(method).replace(parameters=plain)
+    method.__doc__ = told + "\n".join([own, *args] if args else [""]) + mark + raised
+    return method
 
 
 def number(given: float, name: str, least: float, most: float) -> float:

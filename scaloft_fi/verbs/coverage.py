@@ -12,7 +12,7 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.judge.space import Space
 from scaloft_fi.marks import About, Called, Choices
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.options import Campaign, StudyFolder, TableFormat, TablesFolder, answer
+from scaloft_fi.verbs.options import Campaign
 from scaloft_fi.verbs.snapshot import Stale, snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, shape_of, writer_of
@@ -211,7 +211,7 @@ def _t_way(covered: Coverage, axes: int) -> Table:
     return Table("Combinations of axis values", headers, rows, notes)
 
 
-def coverage(study: Study, campaign: str) -> Answer:
+def coverage(study: Study, campaign: Campaign) -> Answer:
     """How much of the situations a campaign covers, number by number.
 
     Raises:
@@ -231,20 +231,11 @@ def coverage(study: Study, campaign: str) -> Answer:
     )
 
 
-@verb(
+coverage_command = verb(
     "coverage",
     examples=(
         ("Ask how much of the grid was flown, pair by pair", "scaloft-fi coverage"),
         ("Look at another campaign", "scaloft-fi coverage --campaign night"),
         ("Let a script read it", "scaloft-fi coverage --format json"),
     ),
-)
-def coverage_command(
-    *,
-    study_folder: StudyFolder,
-    campaign: Campaign,
-    style: TableFormat,
-    tables_folder: TablesFolder,
-) -> None:
-    """Print the coverage of a campaign's situations, number by number."""
-    answer(coverage(Study.open(study_folder), campaign), style, tables_folder)
+)(coverage)

@@ -13,7 +13,7 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Facts, facts_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import campaigns
-from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, answer
+from scaloft_fi.verbs.options import Option
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, count, listing, optional, record, text, texts
@@ -120,41 +120,37 @@ def _said(outcomes: Iterable[Outcome]) -> dict[tuple[str, str, int], tuple[Facts
     return {(o.mutant, o.situation, o.seed): (facts[o.name], o.digest) for o in listed}
 
 
-def diff(study: Study, first: str, second: str) -> Answer:
+Compared = Annotated[str, Option("Name of a campaign.", "", metavar="CAMPAIGN", complete=campaigns)]
+
+
+def diff(study: Study, campaign: Compared, other: Compared) -> Answer:
     """The flights of which two campaigns do not say the same.
+
+    What was flown with other data or code counts too, unless the campaign has the flight as the study describes it now.
 
     Raises:
         InputError: there is no such campaign, or the two were flown over different grids.
     """
-    with snapshot(study, first) as here, snapshot(study, second) as there:
+    with snapshot(study, campaign) as here, snapshot(study, other) as there:
         if here.study.grid.name != there.study.grid.name:
-            grids = f"{first!r} was flown over grid {here.study.grid.name!r}, {second!r} over {there.study.grid.name!r}"
-            raise InputError(f"campaign {grids}; only campaigns of one grid have the same flights")
+            grids = here.study.grid.name, there.study.grid.name
+            raise InputError(
+                f"campaign {campaign!r} was flown over grid {grids[0]!r}, {other!r} over grid {grids[1]!r}; only "
+                "campaigns of one grid have the same flights"
+            )
         compared = compare(here.latest, there.latest, here.study.roster, here.study.space)
     return Answer(
         DIFF,
-        lambda: comparison_values(compared, first, second),
-        lambda: (comparison_table(compared, first, second),),
+        lambda: comparison_values(compared, campaign, other),
+        lambda: (comparison_table(compared, campaign, other),),
     )
 
 
-@verb(
+diff_command = verb(
     "diff",
     examples=(
         ("Compare two campaigns", "scaloft-fi diff default night"),
         ("Compare with a folder from another machine", "scaloft-fi diff default /data/night/campaign"),
         ("Keep the comparison as a table in a document", "scaloft-fi diff default night --format markdown"),
     ),
-)
-def diff_command(
-    *,
-    first: Annotated[str, Option("", "", metavar="CAMPAIGN", complete=campaigns)],
-    second: Annotated[str, Option("", "", metavar="CAMPAIGN", complete=campaigns)],
-    study_folder: StudyFolder,
-    style: TableFormat,
-) -> None:
-    """Print the flights of which two campaigns do not say the same.
-
-    What was flown with other data or code counts too, unless the campaign has the flight as the study describes it now.
-    """
-    answer(diff(Study.open(study_folder), first, second), style)
+)(diff)

@@ -131,13 +131,8 @@ def _values(entry: Judged, found: bool) -> dict[str, Any]:
     }
 
 
-def dispositions(study: Study, campaign: str, today: date | None = None) -> Answer:
+def dispositions(study: Study, campaign: str, *, today: Today = None) -> Answer:
     """The survivors of a campaign beside those that somebody accepted.
-
-    Args:
-        study: the study, with any of its grids.
-        campaign: name of the campaign.
-        today: the day by which dispositions expire; by default the system's date.
 
     Raises:
         InputError: there is no such campaign, it holds no flight that counts, or no baseline pool to decide by.
@@ -195,7 +190,7 @@ def dispositions_command(
     study = Study.open(study_folder)
     if writing:
         check_own(study, study_folder, study.dispositions_path)
-    told = dispositions(study, campaign, today)
+    told = dispositions(study, campaign, today=today)
     answer(told, style)
     if writing:
         _draft(study.dispositions_path, told["survivors"])

@@ -43,11 +43,13 @@ from scaloft_fi.verbs.kill_record import KILLS, kill_values
 from scaloft_fi.verbs.options import (
     Campaign,
     Option,
+    Several,
     StudyFolder,
     TableFormat,
     TablesFolder,
     answer,
     check_writable,
+    several,
     write,
 )
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
@@ -273,34 +275,27 @@ PART_KEYS = {
 def kills(
     study: Study,
     campaign: str,
-    mutants: Sequence[str] = (),
+    mutants: KilledMutants = (),
+    situations: Together = (),
     *,
-    show: Sequence[str] = (),
-    situations: Sequence[str] = (),
-    by_requirement: bool = False,
+    show: Show = (),
+    by_requirement: ByRequirement = False,
 ) -> Answer:
-    """Where mutants are killed, which situations are needed, and what would change the rest.
-
-    Args:
-        study: the study, with any of its grids.
-        campaign: name of the campaign.
-        mutants: names, ids or patterns; by default every mutant flown but the controls.
-        show: those of `PARTS` that are asked for, told at length; by default all, told shortly.
-        situations: keys, aliases or patterns; what they kill together is told too.
-        by_requirement: whether subsumption tells kills by different requirements of a situation apart.
+    """Where mutants are killed, which situations are needed, and what would change the survivors.
 
     Raises:
         InputError: there is no such campaign, mutant, situation or part, or the campaign holds no such flight.
     """
+    patterns, keys, show = several(mutants, "mutants"), several(situations, "situations"), several(show, "show")
     for part in show:
         if part not in PART_KEYS:
             raise InputError(f"--show={part!r} must be one of {', '.join(PART_KEYS)}{did_you_mean(part, PART_KEYS)}")
     wanted = show or tuple(PART_KEYS)
     with snapshot(study, campaign) as now:
         study = now.study
-        matrix, stale = _chosen(now, mutants), now.stale
+        matrix, stale = _chosen(now, patterns), now.stale
         cases = _survivors(now, matrix) if "survivors" in wanted else ()
-    chosen = [situation.key for situation in study.grid.select(situations)] if situations else []
+    chosen = [situation.key for situation in study.grid.select(keys)] if keys else []
     results = _results(matrix, _graph(matrix, by_requirement), cases, wanted, chosen)
     return Answer(
         KILLS,
@@ -397,6 +392,37 @@ PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
 PICTURES = (".svg", ".png", ".dot")
 
 
+KilledMutants = Annotated[
+    Several,
+    Option(
+        "Names, ids or patterns.",
+        "",
+        metavar="[MUTANT...]",
+        complete=names.mutants,
+        otherwise="every mutant flown but the controls",
+    ),
+]
+Show = Annotated[
+    Several,
+    Option(
+        "Only this part, at length (repeatable).",
+        "--show",
+        type=click.Choice(PARTS),
+        otherwise="every part, shortened",
+    ),
+]
+Together = Annotated[
+    Several,
+    Option(
+        "Say also which mutants are killed in these situations together (repeatable).",
+        "--situation",
+        metavar="KEY|GLOB",
+        complete=names.situations,
+    ),
+]
+ByRequirement = Annotated[bool, Option("Subsumption tells kills by different requirements of a situation apart.")]
+
+
 @verb(
     "kills",
     examples=(
@@ -407,28 +433,12 @@ PICTURES = (".svg", ".png", ".dot")
 )
 def kills_command(
     *,
-    mutants: Annotated[tuple[str, ...], Option("", "", metavar="[MUTANT...]", complete=names.mutants)] = (),
+    mutants: KilledMutants = (),
     study_folder: StudyFolder,
     campaign: Campaign,
-    parts: Annotated[
-        tuple[str, ...],
-        Option(
-            "Only this part, at length (repeatable).",
-            "--show",
-            type=click.Choice(PARTS),
-            otherwise="every part, shortened",
-        ),
-    ],
-    situations: Annotated[
-        tuple[str, ...],
-        Option(
-            "Say also which mutants are killed in these situations together (repeatable).",
-            "--situation",
-            metavar="KEY|GLOB",
-            complete=names.situations,
-        ),
-    ],
-    by_requirement: Annotated[bool, Option("Subsumption tells kills by different requirements of a situation apart.")],
+    show: Show,
+    situations: Together,
+    by_requirement: ByRequirement,
     style: TableFormat,
     tables_folder: TablesFolder,
     output: Annotated[Path | None, Option("Draw the subsumption graph there: .svg, .png or .dot.", metavar="FILE")],
@@ -443,9 +453,9 @@ def kills_command(
 
     study = Study.open(study_folder)
     if output is not None:
-        _draw(subsumption_graph(study, campaign, mutants, by_requirement=by_requirement), output)
+        _draw(subsumption_graph(study, campaign, several(mutants, "mutants"), by_requirement=by_requirement), output)
         return
-    told = kills(study, campaign, mutants, show=parts, situations=situations, by_requirement=by_requirement)
+    told = kills(study, campaign, mutants, show=show, situations=situations, by_requirement=by_requirement)
     answer(told, style, tables_folder)
 
 

@@ -20,7 +20,7 @@ from scaloft_fi.campaign.runs.margin import find, target
 from scaloft_fi.campaign.runs.request import choose_situations
 from scaloft_fi.campaign.store.archive import campaign_folder
 from scaloft_fi.campaign.store.flown_grid import study_of
-from scaloft_fi.defaults import CAMPAIGN
+from scaloft_fi.defaults import CAMPAIGN, Seeds
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix
 from scaloft_fi.hazop.name import cell_of, parse
@@ -37,12 +37,15 @@ from scaloft_fi.verbs.options import (
     Option,
     Quiet,
     SamePlatform,
+    Several,
+    Situations,
     StudyFolder,
     TableFormat,
     TablesFolder,
     Warnings,
     answer,
     campaign_over,
+    several,
     typed,
 )
 from scaloft_fi.verbs.score_record import VERDICTS
@@ -622,19 +625,13 @@ def margin(
     )
 
 
-def when_answer(study: Study, campaign: str, mutants: Sequence[str], *, operability: bool = False) -> Answer:
+def when_answer(study: Study, campaign: str, mutants: MarginMutants, *, operability: Operability = False) -> Answer:
     """At which times and events of the flight faults are killed, of the flights that a campaign holds.
-
-    Args:
-        study: the study, with any of its grids.
-        campaign: name of the campaign.
-        mutants: names of cells, or ids.
-        operability: as of `margin`.
 
     Raises:
         InputError: a mutant has no phases, or the campaign fewer than two of them.
     """
-    asked = {name: realise(study.matrix, name) for name in mutants}
+    asked = {name: realise(study.matrix, name) for name in several(mutants, "mutants")}
     for name, mutant in asked.items():
         if not source_of(study.matrix, mutant)[0].phases:
             raise InputError(f"mutant {name!r} has no phases: {mutant.cell} strikes all the time, or at one time")
@@ -653,6 +650,21 @@ def when_answer(study: Study, campaign: str, mutants: Sequence[str], *, operabil
 
 def _kind(operability: bool) -> Kind:
     return Kind.OPERABILITY if operability else Kind.SAFETY
+
+
+MarginMutants = Annotated[Several, Option("Names of cells, or ids.", "", metavar="CELL|ID...", complete=names.mutants)]
+MarginSeeds = Annotated[
+    Seeds, Option("Seeds 0..N-1, or A to B inclusive.", type=str, metavar="N|A-B", complete=names.seeds, default="1")
+]
+Tolerance = Annotated[
+    float | None,
+    Option(
+        "Bisect until the interval is no wider than this, in the magnitude's own unit.",
+        metavar="NUMBER",
+        type=click.FloatRange(min=0.0, min_open=True),
+        otherwise="a tenth of the strong end's distance from no fault",
+    ),
+]
 
 
 @verb(
@@ -674,32 +686,13 @@ def _kind(operability: bool) -> Kind:
 )
 def margin_command(
     *,
-    mutants: Annotated[tuple[str, ...], Option("", "", metavar="CELL|ID...", complete=names.mutants)],
+    mutants: MarginMutants,
     study_folder: StudyFolder,
     campaign: Campaign,
     grid: FlownGrid,
-    situations: Annotated[
-        tuple[str, ...],
-        Option(
-            "A situation's key or alias, or a pattern (repeatable).",
-            "--situation",
-            metavar="KEY|GLOB",
-            complete=names.situations,
-            otherwise="the whole grid",
-        ),
-    ],
-    seeds: Annotated[
-        str, Option("Seeds 0..N-1, or A to B inclusive.", metavar="N|A-B", complete=names.seeds, default="1")
-    ],
-    tolerance: Annotated[
-        float | None,
-        Option(
-            "Bisect until the interval is no wider than this, in the magnitude's own unit.",
-            metavar="NUMBER",
-            type=click.FloatRange(min=0.0, min_open=True),
-            otherwise="a tenth of the strong end's distance from no fault",
-        ),
-    ],
+    situations: Situations,
+    seeds: MarginSeeds,
+    tolerance: Tolerance,
     when: Annotated[
         bool,
         Option(

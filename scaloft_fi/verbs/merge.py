@@ -13,7 +13,7 @@ from scaloft_fi.campaign.store.flown_grid import study_of_all
 from scaloft_fi.console import line
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import campaigns
-from scaloft_fi.verbs.options import Campaign, LineFormat, Option, StudyFolder, answer
+from scaloft_fi.verbs.options import Campaign, LineFormat, Option, Several, StudyFolder, answer
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output, count, text, texts
 from scaloft_fi.views.table import Table
@@ -67,6 +67,16 @@ def merge(study: Study, campaign: str, sources: Sequence[str], *, same_platform:
     )
 
 
+MergedCampaigns = Annotated[Several, Option("Names of the campaigns.", "", metavar="CAMPAIGN...", complete=campaigns)]
+MergedPlatform = Annotated[
+    bool,
+    Option(
+        "Refuse a campaign of another platform unless flights in both show equal digests.",
+        otherwise="refuse it where a flight in both has another status, ending or violation",
+    ),
+]
+
+
 @verb(
     "merge",
     examples=(
@@ -77,16 +87,10 @@ def merge(study: Study, campaign: str, sources: Sequence[str], *, same_platform:
 )
 def merge_command(
     *,
-    sources: Annotated[tuple[str, ...], Option("", "", metavar="CAMPAIGN...", complete=campaigns)],
+    sources: MergedCampaigns,
     study_folder: StudyFolder,
     campaign: Campaign,
-    same_platform: Annotated[
-        bool,
-        Option(
-            "Refuse a campaign of another platform unless flights in both show equal digests.",
-            otherwise="refuse it where a flight in both has another status, ending or violation",
-        ),
-    ],
+    same_platform: MergedPlatform,
     style: LineFormat,
 ) -> None:
     """Join CAMPAIGNs, such as those flown with `run --shard K/N`, into the one named by --campaign.

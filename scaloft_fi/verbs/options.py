@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import wraps
@@ -81,11 +81,23 @@ def parameters_of(function: Callable[..., Any]) -> Iterator[click.Parameter]:
     if _answers(hints):
         found |= {"style": (TableFormat, "table"), "tables_folder": (TablesFolder, None)}
     for name, (hint, default) in found.items():
-        marks = getattr(hint, "__metadata__", ())
-        option = next((mark for mark in reversed(marks) if isinstance(mark, Option)), None)
+        option, otherwise = marked(hint)
         if option is not None:
-            otherwise = next((mark.text for mark in reversed(marks) if isinstance(mark, Otherwise)), option.otherwise)
             yield _asked(name, hint.__origin__, option, default, otherwise)
+
+
+def several(given: Several, name: str) -> tuple[str, ...]:
+    """One text, or several.
+
+    Raises:
+        InputError: there is something else.
+    """
+    anything: object = given  # whatever a script gives
+    listed = tuple(anything) if isinstance(anything, Iterable) and not isinstance(anything, str) else (given,)
+    for one in listed:
+        if not isinstance(one, str):
+            raise InputError(f"{name}={one!r} must be a text, or a sequence of texts")
+    return listed
 
 
 def called(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -114,6 +126,14 @@ def called(function: Callable[..., Any]) -> Callable[..., Any]:
 def _answers(hints: dict[str, Any]) -> bool:
     """Whether a function with these types returns an `Answer`."""
     return hasattr(hints.get("return"), "csv")
+
+
+def marked(hint: Any) -> tuple[Option | None, str]:
+    """How the command line asks for a parameter of this type, and what is done without the option."""
+    marks = getattr(hint, "__metadata__", ())
+    option = next((mark for mark in reversed(marks) if isinstance(mark, Option)), None)
+    otherwise = option.otherwise if option else ""
+    return option, next((mark.text for mark in reversed(marks) if isinstance(mark, Otherwise)), otherwise)
 
 
 def _asked(name: str, hint: Any, option: Option, default: Any, otherwise: str) -> click.Parameter:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import click
 
+from scaloft_fi.defaults import Seeds
 from scaloft_fi.errors import InputError
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import (
@@ -20,14 +21,112 @@ from scaloft_fi.verbs.options import (
     Option,
     Quiet,
     SamePlatform,
+    Several,
     StudyFolder,
     TableFormat,
     TablesFolder,
     Warnings,
     campaign_over,
+    several,
     typed,
 )
 from scaloft_fi.verbs.verb import verb
+
+MOST_INVALID = 0.1
+FlownMutants = Annotated[
+    Several,
+    Option(
+        "A cell's name (its default), an id, or a pattern over names and ids (repeatable).",
+        "--mutant",
+        metavar="ID|GLOB",
+        complete=names.mutants,
+        otherwise="every cell's default and the controls",
+    ),
+]
+FlownSituations = Annotated[
+    Several,
+    Option(
+        "A situation's key or alias, or a pattern (repeatable).",
+        "--situation",
+        metavar="KEY|GLOB",
+        complete=names.situations,
+        otherwise="those of --choose",
+    ),
+]
+Choose = Annotated[
+    str | None,
+    Option(
+        "Which of these situations: all, random:N (distinct), draws:N (with replacement; a repetition takes the "
+        "next seed), draws:P% (until that share was drawn), sobol:N (distinct, spread evenly over all axes), "
+        "first:N (in the grid's order), or a covering array such as 2-way.  random, draws and sobol draw numbers "
+        "from ranges.",
+        metavar="HOW",
+        complete=names.choices,
+        otherwise="what the grid says, else all; with --situation all",
+    ),
+]
+ChooseSeed = Annotated[
+    int,
+    Option(
+        "Seed of the choice: another seed makes another choice of the same kind.",
+        metavar="S",
+        type=click.IntRange(min=0),
+        default=0,
+    ),
+]
+FlownSeeds = Annotated[
+    Seeds | None,
+    Option("Seeds 0..N-1, or A to B inclusive.", type=str, metavar="N|A-B", complete=names.seeds, otherwise="1"),
+]
+BaselineSeeds = Annotated[
+    Seeds | None,
+    Option(
+        "Seeds of the baseline pool, flown in each situation where a mutant infects, beside the mutants' own.",
+        metavar="N|A-B",
+        type=str,
+        otherwise="as many as make ten",
+    ),
+]
+Sequential = Annotated[
+    bool,
+    Option(
+        "Fly 1, 3, 5 and 10 seeds in whole rounds: only the mutants that a round leaves undecided fly on, and each "
+        "round spends a quarter of alpha."
+    ),
+]
+ExecutorName = Annotated[
+    str,
+    Option(
+        "What runs the flights: processes of this machine, or the workers of a Dask scheduler.",
+        metavar="local|dask://HOST:PORT",
+        default="local",
+    ),
+]
+ClusterSecurity = Annotated[
+    Path | str | None,
+    Option(
+        "The folder of cert.pem and key.pem that scheduler and workers of --executor=dask://... have too.",
+        metavar="DIR",
+    ),
+]
+Shard = Annotated[str | None, Option("Fly the K-th of N parts of the run; `merge` joins them.", metavar="K/N")]
+Share = Annotated[bool, Option("Fly every flight whole from take-off; the outcomes are the same.")]
+BudgetTime = Annotated[
+    str | None,
+    Option(
+        "Begin no more flights after this wall time (90s, 10m, 2h); the order is random and stratified.",
+        metavar="TIME",
+    ),
+]
+MaxInvalid = Annotated[
+    float,
+    Option(
+        "Exit with 4 when the harness fails over a larger share (0..1) of the flights.",
+        metavar="SHARE",
+        type=click.FloatRange(0.0, 1.0),
+        default=MOST_INVALID,
+    ),
+]
 
 
 @verb(
@@ -53,102 +152,21 @@ def run_command(
     study_folder: StudyFolder,
     campaign: Campaign,
     grid: FlownGrid,
-    mutants: Annotated[
-        tuple[str, ...],
-        Option(
-            "A cell's name (its default), an id, or a pattern over names and ids (repeatable).",
-            "--mutant",
-            metavar="ID|GLOB",
-            complete=names.mutants,
-            otherwise="every cell's default and the controls",
-        ),
-    ],
-    situations: Annotated[
-        tuple[str, ...],
-        Option(
-            "A situation's key or alias, or a pattern (repeatable).",
-            "--situation",
-            metavar="KEY|GLOB",
-            complete=names.situations,
-            otherwise="those of --choose",
-        ),
-    ],
-    how: Annotated[
-        str | None,
-        Option(
-            "Which of these situations: all, random:N (distinct), draws:N (with replacement; a repetition takes the "
-            "next seed), draws:P% (until that share was drawn), sobol:N (distinct, spread evenly over all axes), "
-            "first:N (in the grid's order), or a covering array such as 2-way.  random, draws and sobol draw numbers "
-            "from ranges.",
-            "--choose",
-            metavar="HOW",
-            complete=names.choices,
-            otherwise="what the grid says, else all; with --situation all",
-        ),
-    ],
-    choose_seed: Annotated[
-        int,
-        Option(
-            "Seed of the choice: another seed makes another choice of the same kind.",
-            metavar="S",
-            type=click.IntRange(min=0),
-            default=0,
-        ),
-    ],
-    seeds: Annotated[
-        str | None, Option("Seeds 0..N-1, or A to B inclusive.", metavar="N|A-B", complete=names.seeds, otherwise="1")
-    ],
-    baseline_seeds: Annotated[
-        str | None,
-        Option(
-            "Seeds of the baseline pool, flown in each situation where a mutant infects, beside the mutants' own.",
-            metavar="N|A-B",
-            otherwise="as many as make ten",
-        ),
-    ],
+    mutants: FlownMutants,
+    situations: FlownSituations,
+    choose: Choose,
+    choose_seed: ChooseSeed,
+    seeds: FlownSeeds,
+    baseline_seeds: BaselineSeeds,
     baseline_from: BaselineFrom,
-    sequential: Annotated[
-        bool,
-        Option(
-            "Fly 1, 3, 5 and 10 seeds in whole rounds: only the mutants that a round leaves undecided fly on, and each "
-            "round spends a quarter of alpha."
-        ),
-    ],
+    sequential: Sequential,
     jobs: Jobs,
-    executor: Annotated[
-        str,
-        Option(
-            "What runs the flights: processes of this machine, or the workers of a Dask scheduler.",
-            metavar="local|dask://HOST:PORT",
-            default="local",
-        ),
-    ],
-    certificates: Annotated[
-        Path | None,
-        Option(
-            "The folder of cert.pem and key.pem that scheduler and workers of --executor=dask://... have too.",
-            "--cluster-security",
-            metavar="DIR",
-        ),
-    ],
-    shard: Annotated[str | None, Option("Fly the K-th of N parts of the run; `merge` joins them.", metavar="K/N")],
-    no_share: Annotated[bool, Option("Fly every flight whole from take-off; the outcomes are the same.")],
-    budget: Annotated[
-        str | None,
-        Option(
-            "Begin no more flights after this wall time (90s, 10m, 2h); the order is random and stratified.",
-            metavar="TIME",
-        ),
-    ],
-    max_invalid: Annotated[
-        float,
-        Option(
-            "Exit with 4 when the harness fails over a larger share (0..1) of the flights.",
-            metavar="SHARE",
-            type=click.FloatRange(0.0, 1.0),
-            default=0.1,
-        ),
-    ],
+    executor: ExecutorName,
+    cluster_security: ClusterSecurity,
+    shard: Shard,
+    no_share: Share,
+    budget: BudgetTime,
+    max_invalid: MaxInvalid,
     same_platform: SamePlatform,
     everything: Everything,
     style: TableFormat,
@@ -180,9 +198,9 @@ def run_command(
 
     campaign = campaign_over(grid, campaign)
     request = Request(
-        mutants=mutants,
-        situations=situations,
-        choose=how,
+        mutants=several(mutants, "mutants"),
+        situations=several(situations, "situations"),
+        choose=choose,
         choose_seed=choose_seed,
         seeds=parse_seeds(seeds) if seeds else None,
         baseline_seeds=parse_seeds(baseline_seeds, "--baseline-seeds") if baseline_seeds else None,
@@ -197,7 +215,7 @@ def run_command(
             f"{baseline_seeds!r} makes {request.short_of_pool} of them; leave one out"
         )
     options = RunOptions(
-        executor=executor_named(executor, jobs, certificates),
+        executor=executor_named(executor, jobs, None if cluster_security is None else Path(cluster_security)),
         share=CAN_FORK and not no_share,
         max_invalid=max_invalid,
         warnings=warnings,

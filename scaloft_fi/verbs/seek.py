@@ -49,6 +49,7 @@ from scaloft_fi.verbs.options import (
     Option,
     Quiet,
     SamePlatform,
+    Several,
     StudyFolder,
     TableFormat,
     TablesFolder,
@@ -396,6 +397,68 @@ def _survivors(study: Study, campaign: str) -> set[str]:
     return set(study.roster.defaults.values()) - detected
 
 
+SoughtMutants = Annotated[
+    Several,
+    Option(
+        "Ids or patterns, or `baseline` for situations that break the unmutated drone.",
+        "",
+        metavar="[baseline | ID|GLOB...]",
+        complete=sought,
+        otherwise="every cell's default that the campaign does not detect and no found situation shows",
+    ),
+]
+SearchedGrid = Annotated[
+    str,
+    Option(
+        "The grid that is searched: a file in the study's sim/grids/, with free axes.",
+        metavar="NAME",
+        complete=grids,
+        default=SEARCHED,
+    ),
+]
+Into = Annotated[
+    str | None,
+    Option(
+        "The campaign that holds the flights of the search.",
+        metavar="NAME",
+        complete=campaigns,
+        otherwise="the name of the grid",
+    ),
+]
+SearchBudget = Annotated[
+    str | None,
+    Option(
+        "End after this wall time (90s, 10m, 2h), or after this number of flights (2000flights), stored ones "
+        "included.  It decides how far the search goes, not what it finds before.",
+        metavar="TIME|FLIGHTS",
+    ),
+]
+SearchSeed = Annotated[
+    int,
+    Option(
+        "Seed of the search: the same seed and mutants make the same finds.",
+        metavar="S",
+        type=click.IntRange(min=0),
+        default=0,
+    ),
+]
+Replicate = Annotated[
+    bool,
+    Option(
+        "Search nothing: fly the finds in sim/found.yaml (of the named mutants) on seeds that nothing before used; "
+        "what does not hold leaves the file."
+    ),
+]
+Anyhow = Annotated[
+    bool,
+    Option(
+        "Take situations too where the unmutated drone violates an operability requirement, or does not meet the "
+        "value of an axis; the find says so.",
+        "--any",
+    ),
+]
+
+
 @verb(
     "seek",
     examples=(
@@ -415,59 +478,15 @@ def _survivors(study: Study, campaign: str) -> set[str]:
 )
 def seek_command(
     *,
-    mutants: Annotated[tuple[str, ...], Option("", "", metavar="[baseline | ID|GLOB...]", complete=sought)] = (),
+    mutants: SoughtMutants = (),
     study_folder: StudyFolder,
     campaign: Campaign,
-    grid: Annotated[
-        str,
-        Option(
-            "The grid that is searched: a file in the study's sim/grids/, with free axes.",
-            metavar="NAME",
-            complete=grids,
-            default=SEARCHED,
-        ),
-    ],
-    into: Annotated[
-        str | None,
-        Option(
-            "The campaign that holds the flights of the search.",
-            metavar="NAME",
-            complete=campaigns,
-            otherwise="the name of the grid",
-        ),
-    ],
-    budget: Annotated[
-        str | None,
-        Option(
-            "End after this wall time (90s, 10m, 2h), or after this number of flights (2000flights), stored ones "
-            "included.  It decides how far the search goes, not what it finds before.",
-            metavar="TIME|FLIGHTS",
-        ),
-    ],
-    seed: Annotated[
-        int,
-        Option(
-            "Seed of the search: the same seed and mutants make the same finds.",
-            metavar="S",
-            type=click.IntRange(min=0),
-            default=0,
-        ),
-    ],
-    replicate: Annotated[
-        bool,
-        Option(
-            "Search nothing: fly the finds in sim/found.yaml (of the named mutants) on seeds that nothing before used; "
-            "what does not hold leaves the file."
-        ),
-    ],
-    anyhow: Annotated[
-        bool,
-        Option(
-            "Take situations too where the unmutated drone violates an operability requirement, or does not meet the "
-            "value of an axis; the find says so.",
-            "--any",
-        ),
-    ],
+    grid: SearchedGrid,
+    into: Into,
+    budget: SearchBudget,
+    seed: SearchSeed,
+    replicate: Replicate,
+    anyhow: Anyhow,
     jobs: Jobs,
     same_platform: SamePlatform,
     style: TableFormat,

@@ -13,7 +13,7 @@ from scaloft_fi.judge.status import Status, baseline_status, flights_of
 from scaloft_fi.marks import Choices
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.rows import WAITING, ordered
-from scaloft_fi.verbs.options import Campaign, StudyFolder, TableFormat, TablesFolder, answer
+from scaloft_fi.verbs.options import Campaign
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
@@ -164,7 +164,7 @@ def _of_archive(told: CampaignStatus) -> tuple[str, ...]:
     )
 
 
-def status(study: Study, campaign: str) -> Answer:
+def status(study: Study, campaign: Campaign) -> Answer:
     """How many flights a campaign holds, by status, and why those are stale that do not count any more.
 
     Raises:
@@ -175,20 +175,11 @@ def status(study: Study, campaign: str) -> Answer:
     return Answer(STATUS, lambda: told, lambda: status_tables(told))
 
 
-@verb(
+status_command = verb(
     "status",
     examples=(
         ("Count the flights of the campaign, and say why some are stale", "scaloft-fi status"),
         ("Look at another campaign", "scaloft-fi status --campaign night"),
         ("Let a script read it", "scaloft-fi status --format json"),
     ),
-)
-def status_command(
-    *,
-    study_folder: StudyFolder,
-    campaign: Campaign,
-    style: TableFormat,
-    tables_folder: TablesFolder,
-) -> None:
-    """Print how many flights a campaign holds, by status, and why those are stale that do not count any more."""
-    answer(status(Study.open(study_folder), campaign), style, tables_folder)
+)(status)

@@ -706,7 +706,7 @@ class Worksheet(Answer):
         return file
 
 
-def worksheet(study: Study, campaign: str) -> Worksheet:
+def worksheet(study: Study, campaign: Campaign) -> Worksheet:
     """Every deviation of the matrix beside what its default mutant did in the campaign.
 
     Raises:

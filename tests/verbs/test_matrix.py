@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import click
@@ -109,7 +108,7 @@ def process(*arguments: str, **extra: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, cwd=CHECKOUT, env=environment, check=False)
 
 
-def test_the_matrix_is_printed_without_numpy_in_under_half_a_second() -> None:
+def test_the_matrix_is_printed_without_what_takes_long_to_import() -> None:
     source = (
         "import sys\n"
         "from scaloft_fi.cli import main\n"
@@ -117,13 +116,8 @@ def test_the_matrix_is_printed_without_numpy_in_under_half_a_second() -> None:
         "try:\n    main()\n"
         "finally:\n    assert not {'numpy', 'numba', 'pybullet', 'tabulate'} & set(sys.modules)\n"
     )
-    times = []
-    for _ in range(3):  # the best of three: the machine may be busy with something else
-        start = time.perf_counter()
-        ended = process("-c", source)
-        times.append(time.perf_counter() - start)
-        assert ended.returncode == 0, ended.stderr
-    assert min(times) < 0.5
+    ended = process("-c", source)
+    assert ended.returncode == 0, ended.stderr
 
 
 @given(st.integers(0, 30), st.integers(0, 6), st.integers(1, 20))
