@@ -20,7 +20,7 @@ from scaloft_fi.campaign.flights.physics import Commanded, Physics, fly_in_windo
 from scaloft_fi.campaign.processes import one_thread_each
 from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive
 from scaloft_fi.campaign.store.flown_grid import opened, study_of
-from scaloft_fi.campaign.store.held import flight_key, flight_named
+from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.origin import differences, fingerprint
 from scaloft_fi.campaign.store.platforms import Platforms
 from scaloft_fi.console import json_text, say, tell, tell_line
@@ -213,7 +213,7 @@ def comparison(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> Co
     if not (is_archive(folder) or (folder / STORE_NAME).is_file()):
         return Comparison(Likeness.NOTHING, f"no campaign in {folder} to compare with")
     with opened(study, folder)[1] as store:
-        known, beside = (store.get(flight_key(study, one)) for one in (flight, clean))
+        known, beside = (store.get(Keys(study).key(one)) for one in (flight, clean))
         theirs = Platforms(store).of((flight.situation.key, flight.seed))
     if known is None or known.invalid:
         return Comparison(Likeness.NOTHING, f"the campaign in {folder} holds no such flight to compare with")

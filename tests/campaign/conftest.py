@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from running import Runs
 
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.campaign.flight import Batch, Flight
@@ -173,6 +174,11 @@ def study(tmp_path: Path) -> FakeStudy:
 @pytest.fixture
 def log(tmp_path: Path) -> Log:
     return Log(tmp_path / "flown.txt")
+
+
+@pytest.fixture(name="fly")
+def _fly(study: FakeStudy, log: Log) -> Runs:
+    return Runs(study, log)
 
 
 def _files(folder: Path) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from printed import no_terms
 
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.campaign.store.held import flight_key, flight_named
+from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
@@ -100,8 +100,8 @@ class _Replayed:
         self.baseline = Outcome(self.clean.subject, "T0O0W0D0H1", 0, "landed", digest="clean")
         with Store(folder / STORE_NAME) as store:
             store.set_meta({"numpy": "1"})
-            store.put(flight_key(self.study, self.flight), self.outcome)
-            store.put(flight_key(self.study, self.clean), self.baseline)
+            store.put(Keys(self.study).key(self.flight), self.outcome)
+            store.put(Keys(self.study).key(self.clean), self.baseline)
 
     def compared(self, numpy: str, outcome: Outcome, *, clean: str = "clean 2", same_platform: bool = False) -> str:
         """What `replay` says of `outcome` on the platform `numpy`, whose baseline has the digest `clean`."""

@@ -17,7 +17,7 @@ from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import alone
 from scaloft_fi.campaign.store.held import counting_flights, flight_named
 from scaloft_fi.campaign.store.origin import differences, fingerprint
-from scaloft_fi.campaign.store.platforms import BITS, FACTS, Platform, Platforms, claim, remember
+from scaloft_fi.campaign.store.platforms import BITS, FACTS, Platforms, claim, remember
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.campaign.workers.local import Executor, Workers
 from scaloft_fi.errors import GateError
@@ -132,8 +132,19 @@ def _too_many_invalid(outcomes: Sequence[Outcome], most: float) -> Iterator[str]
 
 
 def _same_bits(outcomes: Sequence[Outcome], repeats: Sequence[Outcome]) -> Iterator[str]:
-    yield from _differ("PLACEBO differs from the baseline", _placebos(outcomes))
-    yield from _differ("a repeated flight differs from the first", _repeated(outcomes, repeats))
+    baselines, first = baselines_of(outcomes), {outcome.name: outcome for outcome in outcomes}
+    placebos = (outcome for outcome in outcomes if outcome.mutant == PLACEBO_ID)
+    for what, pairs in (
+        ("PLACEBO differs from the baseline", [(one, baselines.get((one.situation, one.seed))) for one in placebos]),
+        ("a repeated flight differs from the first", [(one, first.get(one.name)) for one in repeats]),
+    ):
+        names = [
+            one.name
+            for one, other in pairs
+            if other and not (one.invalid or other.invalid) and digests(one) != digests(other)
+        ]
+        if names:
+            yield f"{what}: {_listed(names)}"
 
 
 def _placebo_detected(outcomes: Sequence[Outcome], spending: Spending) -> Iterator[str]:
@@ -148,28 +159,6 @@ def _placebo_detected(outcomes: Sequence[Outcome], spending: Spending) -> Iterat
     if detection.detected:
         p = ", ".join(f"{name} p = {detection.p[name]:.2g}" for name in detection.by)
         yield f"PLACEBO, which does nothing, is detected by the score's test ({p}): the flights are no fair comparison"
-
-
-def _differ(what: str, pairs: Iterable[tuple[Outcome, Outcome]]) -> Iterator[str]:
-    names = [first.name for first, second in pairs if digests(first) != digests(second)]
-    if names:
-        yield f"{what}: {_listed(names)}"
-
-
-def _placebos(outcomes: Sequence[Outcome]) -> Iterator[tuple[Outcome, Outcome]]:
-    baselines = baselines_of(outcomes)
-    for outcome in outcomes:
-        baseline = baselines.get((outcome.situation, outcome.seed))
-        if outcome.mutant == PLACEBO_ID and baseline and not (outcome.invalid or baseline.invalid):
-            yield outcome, baseline
-
-
-def _repeated(outcomes: Sequence[Outcome], repeats: Sequence[Outcome]) -> Iterator[tuple[Outcome, Outcome]]:
-    first = {outcome.name: outcome for outcome in outcomes}
-    for repeat in repeats:
-        known = first.get(repeat.name)
-        if known and not (known.invalid or repeat.invalid):
-            yield known, repeat
 
 
 def _nothing_steady(outcomes: Sequence[Outcome]) -> Iterator[str]:
@@ -204,15 +193,14 @@ def _grounded(outcomes: Sequence[Outcome]) -> Iterator[str]:
 
     The check uses the trajectory, because no requirement of the study need cover take-off.
     """
-    names = [o.name for o in outcomes if asks_for_track(o) and o.track and _rise_m(o.track) < RISE_M]
+    names = []
+    for outcome in outcomes:
+        if asks_for_track(outcome) and outcome.track:
+            heights = [row[_Z] for row in unpack_track(outcome.track)]
+            if max(heights) - heights[0] < RISE_M:
+                names.append(outcome.name)
     if names:
         yield f"the drone never leaves the ground without any fault: {_listed(names)}"
-
-
-def _rise_m(track: bytes) -> float:
-    """Greatest height of a trajectory above its start [m]."""
-    heights = [row[_Z] for row in unpack_track(track)]
-    return max(heights) - heights[0]
 
 
 def _silent_controls(
@@ -223,13 +211,10 @@ def _silent_controls(
         if cell_of(flight.outcome.mutant) in roster.controls and flight.status is not Status.INVALID:
             by_control.setdefault(flight.outcome.mutant, []).append(flight)
     judged: Collection[str] = by_control if whole_grid else by_control.keys() & {canary}
-    names = [name for name in by_control if name in judged and not any(map(_shows, by_control[name]))]
+    shows = {name for name in judged if any(one.revealed or one.operability_revealed for one in by_control[name])}
+    names = [name for name in by_control if name in judged and name not in shows]
     if names:
         yield f"a control shows nothing, so faults may not reach the drone: {_listed(names)}"
-
-
-def _shows(flight: JudgedFlight) -> bool:
-    return bool(flight.revealed or flight.operability_revealed)
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -324,8 +309,7 @@ def prove_platform(
     Raises:
         GateError: no flight of a sample could be flown.
     """
-    ours = fingerprint()
-    known = Platforms(store)
+    ours, known = fingerprint(), Platforms(store)
     if not known.own:
         store.set_meta(ours)
         return
@@ -342,9 +326,10 @@ def prove_platform(
                 f"compare: the {len(stored)} stored flights count"
             )
             continue
+        pairs = [_pair(flight) for flight in stored]
         if known.shown(FACTS, theirs, ours):
             if same_platform:
-                _outgrow(store, stored, ours)
+                claim(store, pairs, ours)
                 say(f"{len(stored)} flights of another platform ({changed}) have other digests: they do not count")
             continue
         sample = sample_of(stored, str(sorted(ours.items())))
@@ -358,8 +343,13 @@ def prove_platform(
                 f"{len(compared.equal)} stored flights have the same digests on this platform: the stored flights count"
             )
         elif compared.facts or same_platform:
-            _outgrow(store, stored, ours)
-            say(_stale(compared, len(stored)))
+            claim(store, pairs, ours)
+            differing = ", ".join((*compared.bits, *compared.facts))
+            facts = f", and in more than bits: {compared.named()}" if compared.facts else ""
+            say(
+                f"warning: {differing} came out with another digest{facts}: {len(stored)} stored flights of the "
+                "earlier platform do not count any more; `run` flies the requested ones again"
+            )
         else:
             remember(store, FACTS, theirs, ours)
             say(
@@ -400,21 +390,6 @@ def _again(
         reasons = "; ".join(f"{outcome.name}: {outcome.invalid}" for outcome in again)
         raise GateError(f"gate failed: the platform has changed, and no stored flight could be flown again: {reasons}")
     return agreement(first, again)
-
-
-def _outgrow(store: Store, stored: Sequence[FlownFlight], ours: Platform) -> None:
-    """Make stored flights stale, and every other flight of their situations and seeds."""
-    claim(store, map(_pair, stored), ours)
-
-
-def _stale(compared: Agreement, stored: int) -> str:
-    """The sentence about stored flights that became stale."""
-    differing = compared.bits + tuple(compared.facts)
-    facts = f", and in more than bits: {compared.named()}" if compared.facts else ""
-    return (
-        f"warning: {', '.join(differing)} came out with another digest{facts}: {stored} stored flights of the earlier "
-        "platform do not count any more; `run` flies the requested ones again"
-    )
 
 
 def _pair(flight: FlownFlight) -> tuple[str, int]:

@@ -24,7 +24,7 @@ from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import run, spending_of
 from scaloft_fi.campaign.store.archive import STORE_NAME, promising
 from scaloft_fi.campaign.store.held import current_in
-from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.campaign.store.store import read_store
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Fault, Matrix, mild_to_strong
 from scaloft_fi.hazop.name import cell_of
@@ -204,14 +204,17 @@ def find(
     """
     promising(folder)
     options = options or RunOptions()
-    question = _Question(study, targets, situations, seeds, kind)
-    outcomes, spending = _held(study, folder)
-    known = {outcome.name: outcome for outcome in outcomes}
+    question, known, spending = _Question(study, targets, situations, seeds, kind), dict[str, Outcome](), None
+    with read_store(folder / STORE_NAME) as store:
+        if store is not None:
+            known = {outcome.name: outcome for outcome in current_in(study, store)}
+            spending = spending_of(study, store)
     pooled: set[Situation] = set()
     while True:
         scored = question.score(known.values(), spending)
         flights = question.next(known.values(), scored)
-        lacking = [situation for situation in question.lacking(scored) if situation not in pooled]
+        # where a target infects and the campaign has no pool
+        lacking = [one for one in situations if one.key in scored.lacking and one not in pooled]
         if not (flights or lacking) and any(outcome.mutant == BASELINE for outcome in known.values()):
             break
         pooled.update(lacking)
@@ -225,14 +228,6 @@ def find(
     return question.margins(known.values(), question.score(known.values(), spending))
 
 
-def _held(study: Study, folder: Path) -> tuple[tuple[Outcome, ...], Spending]:
-    """The current outcomes of the campaign, which need not exist, and its spending of alpha."""
-    if not (folder / STORE_NAME).is_file():
-        return (), Spending(study.alpha)
-    with Store(folder / STORE_NAME, create=False) as store:
-        return current_in(study, store), spending_of(study, store)
-
-
 @dataclass(frozen=True)
 class _Question:
     """The searched margins: targets, situations, seeds, kind of requirements; every answer follows from outcomes."""
@@ -243,11 +238,11 @@ class _Question:
     seeds: Sequence[int]
     kind: Kind
 
-    def score(self, outcomes: Iterable[Outcome], spending: Spending) -> Score:
+    def score(self, outcomes: Iterable[Outcome], spending: Spending | None) -> Score:
         """The score of the targets' cells over every situation and seed of the campaign."""
         cells = {target.subject.cell for target in self.targets}
         asked = [outcome for outcome in outcomes if outcome.mutant == BASELINE or cell_of(outcome.mutant) in cells]
-        return score(asked, self.study.roster, self.study.space, spending)
+        return score(asked, self.study.roster, self.study.space, spending or Spending(self.study.alpha))
 
     def next(self, outcomes: Iterable[Outcome], scored: Score) -> tuple[Flight, ...]:
         """The next flights of every target in every situation."""
@@ -260,10 +255,6 @@ class _Question:
         ]
         mutants = {id_: realise(self.study.matrix, id_) for id_, _ in asked}
         return tuple(Flight(mutants[id_], situation, seed) for id_, situation in asked for seed in self.seeds)
-
-    def lacking(self, scored: Score) -> list[Situation]:
-        """The situations in which a target infects and the campaign has no pool."""
-        return [situation for situation in self.situations if situation.key in scored.lacking]
 
     def plan(self, flights: Sequence[Flight], lacking: Sequence[Situation], outcomes: Iterable[Outcome]) -> Plan:
         """The plan of a round: the flights of every run, the next flights, and the pool of known situations.

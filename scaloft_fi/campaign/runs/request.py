@@ -15,31 +15,29 @@ A plugin declares a strategy with one decorated function, in a module that its e
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.analysis.coverage import covering_array
 from scaloft_fi.analysis.detection import LOOKS, Verdict
 from scaloft_fi.analysis.pool import LEAST
-from scaloft_fi.analysis.score import Score, score
+from scaloft_fi.analysis.score import score
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.plan import Plan, canary, parse_mutants, plan, plan_draws
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import (
+    Budget,
     Report,
-    Run,
     borrowed,
     finish,
     fly_pool,
@@ -55,7 +53,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import Rulings, rulings_of
-from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.grid import ALL
 from scaloft_fi.sim.situation import Situation
@@ -158,13 +156,8 @@ class Asked:
             number = free.drawn(self._share(*stream, axis)) if free.goes_with(dict(situation.levels)) else None
             if number is not None and number != free.benign:
                 numbers.setdefault(axis, number)
-        numbers = {axis: numbers[axis] for axis, _ in self._numbered if axis in numbers}
-        return Situation.of(dict(situation.levels), numbers)
-
-    @property
-    def _numbered(self) -> tuple[tuple[str, object], ...]:
-        """The axes with numbers, in the order of keys."""
-        return *self.space.ranges, *self.space.free
+        order = [axis for axis, _ in (*self.space.ranges, *self.space.free) if axis in numbers]  # as in keys
+        return Situation.of(dict(situation.levels), {axis: numbers[axis] for axis in order})
 
     def _share(self, *stream: object) -> float:
         return (key_words("choice", *stream[:-1], self.seed, stream[-1])[0] >> 11) / 2**53  # exact, below 1
@@ -224,11 +217,18 @@ def draws(asked: Asked) -> Draws:
     """Draws with replacement: N draws, or draws until P % of the pool was drawn; a repetition takes the next seed."""
     if len(asked.seeds) > 1:
         raise asked.error("gives each draw a seed of its own: --seeds must name one, the first")
-    share = asked.match[2]
+    share, seen, times, made = asked.match[2], set[Situation](), Counter[Situation](), list[tuple[Situation, int]]()
     target = math.ceil(Fraction(share) / 100 * len(asked.pool)) if share else None
-    drawn = _until(asked.pool, asked.seed, target) if target else _numbered(asked.pool, asked.seed, int(asked.match[1]))
-    numbered = (asked.drawn(one, "draws", number) for number, one in enumerate(drawn))
-    return tuple(_with_seeds(numbered, asked.seeds[0]))
+    for number in count() if target else range(int(asked.match[1])):
+        # 64 bits modulo the pool: no situation is favoured by more than 1 in 10^13
+        one = asked.pool[key_words("choice", "draws", asked.seed, number)[0] % len(asked.pool)]
+        situation = asked.drawn(one, "draws", number)
+        made.append((situation, asked.seeds[0] + times[situation]))
+        times[situation] += 1
+        seen.add(one)
+        if len(seen) == target:  # the stopping condition of SCALOFT's loop
+            break
+    return tuple(made)
 
 
 @strategy("sobol", r"sobol:([1-9]\d{0,8})", "sobol:N")
@@ -239,9 +239,9 @@ def sobol(asked: Asked) -> Draws:
     drawn = next((one.key for one in asked.pool if one.numbers), None)
     if drawn is not None:
         raise asked.error(f"draws the numbers of ranges itself: --situation must name none, as in {drawn!r}")
-    count = int(asked.match[1])
-    found = spread(asked.pool, asked.space, count, asked.seed)
-    if len(found) < count:
+    most = int(asked.match[1])
+    found = spread(asked.pool, asked.space, most, asked.seed)
+    if len(found) < most:
         raise asked.error(f"must ask for at most {len(found)}, the distinct situations that it finds")
     return asked.each(found)
 
@@ -263,35 +263,10 @@ def covering(asked: Asked) -> Draws:
 
 
 def _count(asked: Asked) -> int:
-    count = int(asked.match[1])
-    if count > len(asked.pool):
+    most = int(asked.match[1])
+    if most > len(asked.pool):
         raise asked.error(f"must ask for at most {len(asked.pool)}, the situations to choose from")
-    return count
-
-
-def _numbered(pool: Sequence[Situation], seed: int, count: int) -> Iterator[Situation]:
-    """The first draws of the endless sequence of this seed."""
-    for number in range(count):
-        # 64 bits modulo the pool: no situation is favoured by more than 1 in 10^13
-        yield pool[key_words("choice", "draws", seed, number)[0] % len(pool)]
-
-
-def _until(pool: Sequence[Situation], seed: int, target: int) -> Iterator[Situation]:
-    """Draws until `target` distinct situations were drawn, the stopping condition of SCALOFT's loop."""
-    seen = set()
-    for situation in _numbered(pool, seed, 10**9):
-        yield situation
-        seen.add(situation)
-        if len(seen) >= target:
-            return
-
-
-def _with_seeds(drawn: Iterator[Situation], first: int) -> Iterator[tuple[Situation, int]]:
-    """Give each repetition of a situation the next seed, so that no flight occurs twice."""
-    times: dict[Situation, int] = {}
-    for situation in drawn:
-        times[situation] = times.get(situation, -1) + 1
-        yield situation, first + times[situation]
+    return most
 
 
 NOTE = "choice"
@@ -358,11 +333,10 @@ def remember_choice(study: Study, folder: Path, choice: Choice) -> None:
     if choice.text == ALL:
         return
     draws = [[situation.key, number] for situation, number in choice.draws]
-    content = json.dumps({"choose": choice.text, "seed": choice.seed, "pool": choice.pool, "draws": draws})
     promising(folder)
     with Store(writable(folder) / STORE_NAME) as store:
         remember_grid(store, study)
-        store.set_notes({f"{NOTE} {hashlib.sha256(content.encode()).hexdigest()[:16]}": content})
+        store.remember(NOTE, {"choose": choice.text, "seed": choice.seed, "pool": choice.pool, "draws": draws})
 
 
 @dataclass(frozen=True)
@@ -443,57 +417,31 @@ def run_looks(
     situations = list(dict.fromkeys(flight.situation for flight in question.baselines))
     mutants = list(dict.fromkeys(f.mutant for f in question.mutants if f.mutant is not None and f.mutant != PLACEBO))
     first = replace(plan(situations, range(LOOKS[0]), mutants, question.canary), pool_seeds=question.pool_seeds)
+    flights, looks = list[Flight](), list[Look]()
     with opened(study, folder, options, progress=progress, flyer=flyer, first=first.known) as campaign:
         for seeds in LOOKS:
             remember_seeds(campaign.store, (mutant.id for mutant in mutants), range(seeds))
         campaign.announce_pool(first)
-        rounds = _Rounds(campaign, first, others)
-        looks = tuple(rounds.looks(mutants, situations))
-        report = finish(campaign, first, rounds.flights)
+        for number, (before, seeds) in enumerate(pairwise((0, *LOOKS)), start=1):
+            if not mutants or not situations or campaign.stopped():
+                break
+            campaign.reporter.progress.stage = f"look {number} of {len(LOOKS)}"
+            due = replace(plan(situations, range(before, seeds), mutants, None), pool_seeds=first.pool_seeds)
+            campaign.plan(due.known)
+            campaign.fly(due.known)
+            flights = list(dict.fromkeys((*flights, *due.known, *fly_pool(due, campaign, Budget(None)))))
+            spending = spending_of(study, campaign.store)
+            scored = score(campaign.outcomes(flights), study.roster, study.space, spending, others)
+            judged = {one.subject.id: one.verdict for one in (*scored.mutants, *scored.controls)}
+            verdicts = {mutant: judged.get(mutant.id, Verdict.NOT_TESTED) for mutant in mutants}
+            planned = sum(flight.mutant != PLACEBO for flight in due.mutants)
+            looks.append(Look(seeds, len(mutants), planned, Counter(verdicts.values())))
+            mutants = [mutant for mutant, verdict in verdicts.items() if verdict is Verdict.UNDECIDED]
+            situations = [one for one in situations if scored.pool.steady(one.key, Kind.SAFETY)]
+        report = finish(campaign, first, flights)
         campaign.raise_if_stopped(f"{len(report.outcomes)} flights are")
         campaign.hold_gates(question, report.outcomes)
-        return report, looks
-
-
-class _Rounds:
-    """The looks of a run so far.
-
-    Attributes:
-        flights: flights of all looks, with their baselines and the pool.
-    """
-
-    def __init__(self, campaign: Run, first: Plan, others: Sequence[Outcome]) -> None:
-        self._campaign, self._first, self._others = campaign, first, others
-        self.flights: list[Flight] = []
-
-    def looks(self, mutants: Sequence[Mutant], situations: Sequence[Situation]) -> list[Look]:
-        """Fly look by look until every mutant is decided or the user stops the run."""
-        looks: list[Look] = []
-        for number, (before, seeds) in enumerate(pairwise((0, *LOOKS)), start=1):
-            if not mutants or not situations or self._campaign.stopped():
-                break
-            self._campaign.reporter.progress.stage = f"look {number} of {len(LOOKS)}"
-            due = plan(situations, range(before, seeds), mutants, None)
-            self._fly(replace(due, pool_seeds=self._first.pool_seeds))
-            scored = self._scored()
-            judged = {one.subject.id: one for one in (*scored.mutants, *scored.controls)}
-            verdicts = {m: judged[m.id].verdict if m.id in judged else Verdict.NOT_TESTED for m in mutants}
-            flights = sum(flight.mutant != PLACEBO for flight in due.mutants)
-            looks.append(Look(seeds, len(mutants), flights, Counter(verdicts.values())))
-            mutants = [mutant for mutant, verdict in verdicts.items() if verdict is Verdict.UNDECIDED]
-            situations = [s for s in situations if scored.pool.steady(s.key, Kind.SAFETY)]
-        return looks
-
-    def _fly(self, due: Plan) -> None:
-        """Fly a look, and the pool of the situations in which a mutant infects."""
-        self._campaign.plan(due.known)
-        self._campaign.fly(due.known)
-        pool = fly_pool(due, self._campaign)
-        self.flights = list(dict.fromkeys((*self.flights, *due.known, *pool)))
-
-    def _scored(self) -> Score:
-        study, spending = self._campaign.study, spending_of(self._campaign.study, self._campaign.store)
-        return score(self._campaign.outcomes(self.flights), study.roster, study.space, spending, self._others)
+        return report, tuple(looks)
 
 
 ONE_SEED = (0,)

@@ -8,14 +8,13 @@ The published log counts test cases; here a test case is a pair of situation and
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 import re
 import time
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeVar
@@ -35,14 +34,14 @@ from scaloft_fi.campaign.store.flown_grid import remember_grid, with_grid
 from scaloft_fi.campaign.store.held import Keys, counting_flights, current_in, flight_named
 from scaloft_fi.campaign.store.origin import fingerprint
 from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim
-from scaloft_fi.campaign.store.store import EmptyError, Store
+from scaloft_fi.campaign.store.store import Store, read_store
 from scaloft_fi.campaign.workers.local import Flag, Interrupted, Local, Workers, interruptible
 from scaloft_fi.console import json_text
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
-from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.output import write_whole
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
@@ -64,10 +63,8 @@ def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Ou
             raise InputError(f"{place} was flown over grid {theirs.name!r}, not over grid {study.grid.name!r}")
         wanted = dict.fromkeys(situations)
         flown = {f.key: f for f in store.flights() if f.mutant == BASELINE and f.situation in wanted}
-        flights = {
-            (f.situation, f.seed): Flight(None, study.grid.situation(f.situation), f.seed) for f in flown.values()
-        }
-        now = {keys.key(flight): flight for flight in flights.values()}
+        flights = [Flight(None, study.grid.situation(f.situation), f.seed) for f in flown.values()]
+        now = {keys.key(flight): flight for flight in flights}
         lent = tuple(outcome for outcome in store.outcomes(now) if not outcome.invalid)
         changed = Platforms(store).unproved(fingerprint(), lent, only_bits=True)
     if changed:
@@ -161,7 +158,9 @@ def fair_order(
     )
     mutants = list(dict.fromkeys(f.mutant for f in planned.mutants if f.mutant is not None and f.mutant != PLACEBO))
     order = interleaved(mutants, lambda mutant: mutant.parameter, lambda mutant: mutant.id, (*seed, "mutants"))
-    groups = _groups(order)
+    count = max(1, round(len(order) / GROUP))
+    bounds = [len(order) * group // count for group in range(count + 1)]
+    groups = [order[low:high] for low, high in pairwise(bounds)]
     for turn in range(len(groups)):
         for place, draw in enumerate(draws):
             members = (*([None, PLACEBO] if turn == 0 else []), *groups[(place + turn) % len(groups)])
@@ -197,13 +196,6 @@ def interleaved(
     return [item for _, _, item in sorted(placed, key=lambda entry: entry[:2])]
 
 
-def _groups(order: Sequence[Mutant]) -> list[list[Mutant]]:
-    """Split mutants into groups of about `GROUP`; without mutants, one empty group."""
-    count = max(1, round(len(order) / GROUP))
-    bounds = [len(order) * group // count for group in range(count + 1)]
-    return [list(order[low:high]) for low, high in pairwise(bounds)]
-
-
 NOTE = "asked"
 """Prefix of the names of these notes."""
 
@@ -217,8 +209,7 @@ def remember_seeds(store: Store, mutants: Iterable[str], seeds: Iterable[int]) -
     wanted, known = frozenset(seeds), _asked(store)
     news = sorted({mutant for mutant in mutants if not any(wanted <= before for before in known.get(mutant, ()))})
     if news:
-        content = json.dumps({"seeds": sorted(wanted), "mutants": news})
-        store.set_notes({f"{NOTE} {hashlib.sha256(content.encode()).hexdigest()[:16]}": content})
+        store.remember(NOTE, {"seeds": sorted(wanted), "mutants": news})
 
 
 def spending_of(study: Study, store: Store) -> Spending:
@@ -229,22 +220,10 @@ def spending_of(study: Study, store: Store) -> Spending:
 def _asked(store: Store) -> dict[str, set[frozenset[int]]]:
     """The recorded sets of seeds by mutant."""
     asked: dict[str, set[frozenset[int]]] = {}
-    for mutants, seeds in store.records(NOTE, _read):
+    for mutants, seeds in store.records(NOTE, lambda one: (list(map(str, one["mutants"])), one["seeds"])):
         for mutant in mutants:
-            asked.setdefault(mutant, set()).add(seeds)
+            asked.setdefault(mutant, set()).add(frozenset(map(int, seeds)))
     return asked
-
-
-def _read(content: Any) -> tuple[list[str], frozenset[int]]:
-    return list(map(str, content["mutants"])), frozenset(map(int, content["seeds"]))
-
-
-def violation_id(outcome: Outcome, violation: Violation) -> str:
-    """Id such as `SR1:LATE-human@3s/T1O0W0D0H1/0`; the part after the colon is the argument of `replay`.
-
-    The id is unique, because a flight has one first violation of a requirement, and does not depend on time.
-    """
-    return f"{violation.requirement}:{outcome.name}"
 
 
 def mission_log(
@@ -293,7 +272,8 @@ def _situation(space: Space, key: str, seed: int) -> dict[str, Any]:
 
 def _entry(outcome: Outcome, violation: Violation) -> dict[str, Any]:
     return {
-        "id": violation_id(outcome, violation),
+        # unique, because a flight has one first violation of a requirement; `replay` takes what follows the colon
+        "id": f"{violation.requirement}:{outcome.name}",
         "requirement": violation.requirement,
         "t_s": violation.t_s,
         "position": [violation.x, violation.y, violation.z],
@@ -302,11 +282,6 @@ def _entry(outcome: Outcome, violation: Violation) -> dict[str, Any]:
         "situation": outcome.situation,
         "seed": outcome.seed,
     }
-
-
-def to_json(log: dict[str, Any]) -> str:
-    """The text of the file."""
-    return json_text(log, indent=2) + "\n"
 
 
 Arrange = Callable[[Sequence[Flight]], Iterable[Batch]]
@@ -362,13 +337,14 @@ class Run:
         """Record planned flights in the store."""
         self.store.plan(self._keys.planned(flight, canary=canary) for flight in flights)
 
-    def arrange(self, flights: Sequence[Flight]) -> list[Batch]:
-        """Arrange flights in batches, the longest first; with the option `share`, mutants with their baseline."""
-        return together(flights, self.weight_s, self._workers.jobs) if self._shares else alone(flights)
+    def arrange(self, flights: Sequence[Flight], jobs: int | None = None) -> list[Batch]:
+        """Arrange flights in batches, the longest first; with the option `share`, mutants with their baseline.
 
-    def unit(self, flights: Sequence[Flight]) -> list[Batch]:
-        """Arrange flights in batches for one process."""
-        return together(flights, self.weight_s, 1) if self._shares else alone(flights)
+        Args:
+            flights: the flights.
+            jobs: number of processes; None = those of the run.
+        """
+        return together(flights, self.weight_s, jobs or self._workers.jobs) if self._shares else alone(flights)
 
     @property
     def _shares(self) -> bool:
@@ -395,8 +371,10 @@ class Run:
         asked = {flight.name: flight for flight in (*draws, *missing.values())}
         due = set(keys)
         for outcome in self._outcomes((arrange or self.arrange)(tuple(missing.values()))):
-            if not outcome.invalid:
-                self._claim((outcome.situation, outcome.seed))
+            pair = outcome.situation, outcome.seed
+            if not outcome.invalid and self._foreign(pair):  # this platform becomes that of the pair
+                claim(self.store, [pair], self._ours)
+                self._claimed.add(pair)
             news = outcome.name in keys and self.store.put(keys[outcome.name], outcome)
             if outcome.name in due:
                 due.remove(outcome.name)
@@ -404,18 +382,16 @@ class Run:
             elif not news:
                 self.repeats.append(outcome)
             self.reporter.arrived(asked[outcome.name], outcome, news=news)
-            if outcome.mutant in self._asking and infects(outcome):
-                self._expect_pool(asked[outcome.name].situation)
+            situation = asked[outcome.name].situation
+            if outcome.mutant in self._asking and infects(outcome) and situation not in self._expected:
+                self._expected.add(situation)
+                assert self._planned is not None
+                self.reporter.expect(self.missing(self._planned.pool(situation, LEAST)))
 
     def announce_pool(self, planned: Plan) -> None:
         """Announce the baseline pool of each situation as soon as a mutant of the plan infects there."""
         self._planned = planned
         self._asking = {flight.subject.id for flight in planned.mutants}
-
-    def _expect_pool(self, situation: Situation) -> None:
-        if self._planned is not None and situation not in self._expected:
-            self._expected.add(situation)
-            self.reporter.expect(self.missing(self._planned.pool(situation, LEAST)))
 
     def repeat(self, flights: Sequence[Flight]) -> None:
         """Repeat the shortest of the stored `flights`, if this run flew any; a gate compares the digests."""
@@ -446,8 +422,13 @@ class Run:
         Raises:
             GateError: a gate failed.
         """
+
+        def tracked(baseline: Outcome) -> Outcome:
+            flight = Flight(None, self.study.grid.situation(baseline.situation), baseline.seed)
+            return self.store.get(self._keys.key(flight)) or baseline
+
         gates.check_gates(
-            [self._tracked(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
+            [tracked(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
             self.study.roster,
             canary=asked.canary.id if asked.canary else None,
             whole_grid={flight.situation.key for flight in asked.baselines} == self.study.space.point.keys(),
@@ -480,12 +461,6 @@ class Run:
         """Whether the flights of a pair are of another platform, or would be taken for such flights."""
         return pair not in self._claimed and not self._platforms.equal(self._platforms.of(pair), self._ours)
 
-    def _claim(self, pair: Pair) -> None:
-        """Make this platform that of a pair, at the pair's first flight on it."""
-        if self._foreign(pair):
-            claim(self.store, [pair], self._ours)
-            self._claimed.add(pair)
-
     def _beside(self, flights: Iterable[Flight]) -> dict[str, Flight]:
         """The stored flights of another platform in the situations and seeds of `flights`, by key."""
         pairs = {pair for pair in map(_pair, flights) if self._foreign(pair)}
@@ -501,11 +476,6 @@ class Run:
                 "situation and seed must have a baseline of this platform"
             )
         return again
-
-    def _tracked(self, baseline: Outcome) -> Outcome:
-        """The baseline with its track, which the store keeps in another table."""
-        flight = Flight(None, self.study.grid.situation(baseline.situation), baseline.seed)
-        return self.store.get(self._keys.key(flight)) or baseline
 
     def _missing(self, flights: Iterable[Flight]) -> dict[str, Flight]:
         """The flights without a valid outcome in the store, by key."""
@@ -557,14 +527,9 @@ def opened(
 
 def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
     """Whether the store at `path` has all of `flights`; the store need not exist."""
-    if not path.is_file():
-        return False
-    try:
-        with Store(path, create=False) as store:
-            keys = set(map(Keys(study).key, flights))
-            return store.known(keys) == keys
-    except EmptyError:
-        return False
+    with read_store(path) as store:
+        keys = set(map(Keys(study).key, flights))
+        return store is not None and store.known(keys) == keys
 
 
 def _pair(flight: Flight) -> Pair:
@@ -635,15 +600,16 @@ def _fly(planned: Plan, campaign: Run, budget: Budget) -> Report:
         spending_of(campaign.study, campaign.store),
     )
     campaign.announce_pool(planned)
-    if campaign.options.budget_s is None:
-        campaign.fly(flights)
-    else:
-        campaign.fly(
-            flights,
-            lambda missing: budget.while_it_lasts(
-                fair_order(campaign.study, planned, campaign.unit, missing), campaign.wall_s
-            ),
-        )
+    one_by_one = partial(campaign.arrange, jobs=1)  # batches for one process
+    campaign.fly(
+        flights,
+        lambda missing: budget.while_it_lasts(
+            fair_order(campaign.study, planned, one_by_one, missing)
+            if campaign.options.budget_s
+            else campaign.arrange(missing),
+            campaign.wall_s,
+        ),
+    )
     pool = fly_pool(planned, campaign, budget)
     done = {outcome.name for outcome in campaign.outcomes((*flights, *pool))}
     left = tuple(flight for flight in (*flights, *pool) if flight.name not in done)
@@ -664,15 +630,12 @@ def finish(campaign: Run, planned: Plan, flights: Sequence[Flight], left: tuple[
     return Report(outcomes, campaign.flown, left, spending_of(campaign.study, campaign.store), mixture)
 
 
-def fly_pool(planned: Plan, campaign: Run, budget: Budget | None = None) -> tuple[Flight, ...]:
+def fly_pool(planned: Plan, campaign: Run, budget: Budget) -> tuple[Flight, ...]:
     """Fly the baseline pool in the situations in which a mutant of the plan infects; returns its flights."""
     situations = planned.infected(campaign.outcomes(planned.mutants))
     pool = tuple(flight for situation in situations for flight in planned.pool(situation, LEAST))
     campaign.plan(pool)
-    if budget is None or campaign.options.budget_s is None:
-        campaign.fly(pool)
-    else:
-        campaign.fly(pool, lambda missing: budget.while_it_lasts(alone(missing), campaign.wall_s))
+    campaign.fly(pool, lambda missing: budget.while_it_lasts(campaign.arrange(missing), campaign.wall_s))
     return pool
 
 
@@ -684,6 +647,6 @@ def write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:
     """
     path = folder / LOG_NAME
     try:
-        write_whole(path, to_json(mission_log(outcomes, study.roster, study.space)).encode())
+        write_whole(path, f"{json_text(mission_log(outcomes, study.roster, study.space), indent=2)}\n".encode())
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error

@@ -13,12 +13,13 @@ again get other seeds.  An interrupted replication goes on with the seeds that i
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from itertools import chain
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -38,7 +39,7 @@ from scaloft_fi.analysis.seeking import (
     replicas,
     shown_by,
 )
-from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.campaign.progress import Progress
@@ -46,9 +47,9 @@ from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Budget, Run, budget_s, opened, write_log
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import current_in
-from scaloft_fi.campaign.store.store import EmptyError, Store
+from scaloft_fi.campaign.store.store import Store, read_store
 from scaloft_fi.errors import InputError, ScaloftError
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Subject, Violation
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Violation
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.output import write_whole
@@ -88,7 +89,7 @@ class Unnamed:
         Raises:
             InputError: the store cannot be written.
         """
-        store.set_notes({f"{SEARCH_BEGUN} {self.number}": json.dumps(asdict(self))})
+        store.remember(SEARCH_BEGUN, asdict(self), self.number)
 
     def end(self, store: Store) -> None:
         """Remember that it came to its end, or used up its budget.
@@ -96,7 +97,7 @@ class Unnamed:
         Raises:
             InputError: the store cannot be written.
         """
-        store.set_notes({f"{SEARCH_ENDED} {self.number}": json.dumps(self.number)})
+        store.remember(SEARCH_ENDED, self.number, self.number)
 
 
 def interrupted(folder: Path, seed: int, campaign: str) -> Unnamed | None:
@@ -121,50 +122,16 @@ def anew(folder: Path, seed: int, campaign: str, mutants: Sequence[str]) -> Unna
 
 def _notes(folder: Path) -> tuple[list[Unnamed], set[int]]:
     """The searches that began, in their order, and the numbers of those that ended."""
-    path = folder / STORE_NAME
-    if not path.is_file():
-        return [], set()
-    try:
-        with Store(path, create=False) as store:
-            begun, ended = store.records(SEARCH_BEGUN, _read), set(store.records(SEARCH_ENDED, int))
-    except EmptyError:
-        return [], set()
-    return sorted(begun, key=lambda one: one.number), ended
 
+    def read(content: Any) -> Unnamed:
+        mutants = tuple(map(str, content["mutants"]))
+        return Unnamed(int(content["seed"]), str(content["campaign"]), mutants, int(content["number"]))
 
-class Candidates:
-    """The candidates of all searches of a campaign.
-
-    Args:
-        store: of the campaign.
-
-    Raises:
-        InputError: the store cannot be read.
-    """
-
-    def __init__(self, store: Store) -> None:
-        self._store = store
-        known = store.records(CANDIDATE, lambda one: (str(one["mutant"]), str(one["situation"]), int(one["number"])))
-        self._numbers = {(mutant, situation): number for mutant, situation, number in known}
-
-    def number(self, mutant: str, situation: str) -> int:
-        """Which candidate of the mutant a situation is, from 1; a new one is remembered.
-
-        Raises:
-            InputError: the store cannot be written.
-        """
-        place = mutant, situation
-        if place not in self._numbers:
-            number = 1 + max((one for (other, _), one in self._numbers.items() if other == mutant), default=0)
-            self._numbers[place] = number
-            note = {"mutant": mutant, "situation": situation, "number": number}
-            self._store.set_notes({f"{CANDIDATE} {mutant} {situation}": json.dumps(note)})
-        return self._numbers[place]
-
-
-def _read(content: Any) -> Unnamed:
-    mutants = tuple(map(str, content["mutants"]))
-    return Unnamed(int(content["seed"]), str(content["campaign"]), mutants, int(content["number"]))
+    with read_store(folder / STORE_NAME) as store:
+        if store is None:
+            return [], set()
+        begun = sorted(store.records(SEARCH_BEGUN, read), key=attrgetter("number"))
+        return begun, set(store.records(SEARCH_ENDED, int))
 
 
 SEEN_ON = (1_000, 1_001, 1_002)
@@ -295,7 +262,10 @@ class SearchFlights:
 
     def __init__(self, campaign: Run, allowance: Allowance, *, anyhow: bool = False) -> None:
         self._campaign, self._allowance, self.anyhow = campaign, allowance, anyhow
-        self._candidates = Candidates(campaign.store)
+        noted = campaign.store.records(
+            CANDIDATE, lambda one: (str(one["mutant"]), str(one["situation"]), one["number"])
+        )
+        self._candidates = {(mutant, situation): int(number) for mutant, situation, number in noted}
         self._budget = Budget(allowance.seconds)
         self._known: dict[str, Outcome | None] = {}
         self._unstored = 0
@@ -317,19 +287,21 @@ class SearchFlights:
         if not new:
             return
         self._afford(len(new))
-        flown = {name: _flown_for(flight) for name, flight in new.items()}
+        flown = {  # PLACEBO is the baseline with another seed
+            name: Flight(None, one.situation, one.seed + OTHER_SEEDS) if one.mutant == PLACEBO else one
+            for name, one in new.items()
+        }
         self._campaign.plan(flown.values())
-        self._campaign.fly(flown.values(), self._in_time)
+        self._campaign.fly(flown.values(), lambda flights: self._budget.while_it_lasts(self._campaign.arrange(flights)))
         self.raise_if_stopped()
         if self._budget.left_s <= 0.0 and self._campaign.missing(flown.values()):
             raise SpentError
         outcomes = {outcome.name: outcome for outcome in self._campaign.outcomes(flown.values())}
         for name, flight in new.items():
             outcome = outcomes.get(flown[name].name)
-            self._known[name] = outcome if outcome is None or flight.mutant != PLACEBO else _as_placebo(outcome)
-
-    def _in_time(self, flights: Sequence[Flight]) -> Iterable[Batch]:
-        return self._budget.while_it_lasts(self._campaign.arrange(flights))
+            if outcome is not None and flight.mutant == PLACEBO:  # as if it were a flight that altered something
+                outcome = replace(outcome, subject=flight.subject, seed=flight.seed, altered=1)
+            self._known[name] = outcome
 
     def spend(self, count: int) -> None:
         """Spend the budget on flights that the campaign does not store.
@@ -368,7 +340,11 @@ class SearchFlights:
         baselines = [Flight(None, situation, seed) for situation in situations for seed in seeds]
         if len(mutants) > TOGETHER:
             self.fly(baselines)
-        of_use = [one for one in baselines if one.name not in self._known or self._is_of_use(one)]
+        of_use = [
+            one
+            for one in baselines
+            if one.name not in self._known or is_of_use(self._known[one.name], anyhow=self.anyhow)
+        ]
         theirs = (Flight(mutant, one.situation, one.seed) for one in of_use for mutant in mutants)
         self.fly([*baselines, *theirs])
 
@@ -388,7 +364,13 @@ class SearchFlights:
         Raises:
             InputError: the store cannot be written.
         """
-        return self._candidates.number(mutant.id, situation.key)
+        place = mutant.id, situation.key
+        if place not in self._candidates:  # a new one is remembered
+            number = 1 + max((one for (other, _), one in self._candidates.items() if other == mutant.id), default=0)
+            self._candidates[place] = number
+            note = {"mutant": mutant.id, "situation": situation.key, "number": number}
+            self._campaign.store.remember(CANDIDATE, note, " ".join(place))
+        return self._candidates[place]
 
     def efforts(self) -> dict[str, Effort]:
         """How far the search came with each mutant, by id; without mutants that were not flown."""
@@ -401,21 +383,8 @@ class SearchFlights:
             mutant: effort_of(flights.values(), baselines, anyhow=self.anyhow) for mutant, flights in by_subject.items()
         }
 
-    def _is_of_use(self, baseline: Flight) -> bool:
-        return is_of_use(self.outcome(baseline), anyhow=self.anyhow)
-
     def _pair(self, mutant: Mutant, situation: Situation, seed: int) -> tuple[Outcome | None, Outcome | None]:
         return self.outcome(Flight(mutant, situation, seed)), self.outcome(Flight(None, situation, seed))
-
-
-def _flown_for(flight: Flight) -> Flight:
-    """The flight that is flown for a flight of the search."""
-    return Flight(None, flight.situation, flight.seed + OTHER_SEEDS) if flight.mutant == PLACEBO else flight
-
-
-def _as_placebo(baseline: Outcome) -> Outcome:
-    """A baseline as if it were a mutant's flight that altered something."""
-    return replace(baseline, subject=Subject.of(PLACEBO), seed=baseline.seed - OTHER_SEEDS, altered=1)
 
 
 HEADER = """\
@@ -622,7 +591,7 @@ class Recalls:
     """
 
     def __init__(self, campaign: Run, recall: Recall) -> None:
-        self._campaign, self._work = campaign, _Recalling(campaign.study, recall)
+        self._campaign, self._work = campaign, partial(_recall, campaign.study, recall)
         self._told: dict[str, Told] = {}
         self.count = 0
 
@@ -643,7 +612,14 @@ class Recalls:
             return
         self._campaign.prepare()
         jobs, stop = min(self._campaign.options.jobs, len(new)), self._campaign.stopped
-        with ProcessPool(self._work, jobs, left=lambda task, _: task, lost=_lost, stop=stop, patient=False) as pool:
+        with ProcessPool(
+            self._work,
+            jobs,
+            left=lambda task, _: task,
+            lost=lambda task, _: [(task[0].name, ())],
+            stop=stop,
+            patient=False,
+        ) as pool:
             self._told |= dict(pool.map(new))
         self.count += len(new)
 
@@ -652,25 +628,16 @@ class Recalls:
         return self._told.get(flight.name, ())
 
 
-class _Recalling:
+def _recall(study: Study, recall: Recall, task: _Task, report: Callable[[tuple[str, Told]], None]) -> None:
     """The work of a process: raises what is the user's to mend, never for a failure of the harness."""
-
-    def __init__(self, study: Study, recall: Recall) -> None:
-        self._study, self._recall = study, recall
-
-    def __call__(self, task: _Task, report: Callable[[tuple[str, Told]], None]) -> None:
-        flight, violations = task
-        try:
-            told = self._recall(self._study, flight, violations)
-        except ScaloftError:
-            raise
-        except Exception:  # noqa: BLE001 - as for a flight that is invalid: it says nothing
-            told = ()
-        report((flight.name, told))
-
-
-def _lost(task: _Task, _: str) -> Iterable[tuple[str, Told]]:
-    return ((task[0].name, ()),)
+    flight, violations = task
+    try:
+        told = recall(study, flight, violations)
+    except ScaloftError:
+        raise
+    except Exception:  # noqa: BLE001 - as for a flight that is invalid: it says nothing
+        told = ()
+    report((flight.name, told))
 
 
 FRESH, BLOCK = 100_000, 100
@@ -732,7 +699,7 @@ def replicate(
         finally:
             campaign.reporter.close()
             write_log(study, folder, current_in(study, campaign.store))
-        campaign.store.set_notes({f"{REPLICATION_ENDED} {number}": json.dumps(number)})
+        campaign.store.remember(REPLICATION_ENDED, number, number)
 
         def outcomes(wanted: Sequence[Flight]) -> list[Outcome]:
             return [outcome for flight in wanted if (outcome := flights.outcome(flight)) is not None]
@@ -758,16 +725,10 @@ def _block(finds: Sequence[Find]) -> int:
 
 def _begin(store: Store, ask: Ask, least: int) -> int:
     """The number of the replication: that of the last one if it did not end and asked for the same, else a new one."""
-    begun: list[tuple[int, Any]] = sorted(
-        store.records(REPLICATION_BEGUN, lambda one: (int(one["number"]), one["ask"])), key=_first
-    )
-    ended = set(store.records(REPLICATION_ENDED, int))
-    if begun and begun[-1][0] not in ended and begun[-1][1] == ask:
-        return begun[-1][0]
-    number = max([least, *(one + 1 for one, _ in begun)])
-    store.set_notes({f"{REPLICATION_BEGUN} {number}": json.dumps({"number": number, "ask": ask})})
+    begun: dict[int, Any] = dict(store.records(REPLICATION_BEGUN, lambda one: (int(one["number"]), one["ask"])))
+    last = max(begun, default=None)
+    if last is not None and last not in store.records(REPLICATION_ENDED, int) and begun[last] == ask:
+        return last
+    number = least if last is None else max(least, last + 1)
+    store.remember(REPLICATION_BEGUN, {"number": number, "ask": ask}, number)
     return number
-
-
-def _first(record: tuple[int, Any]) -> int:
-    return record[0]

@@ -19,29 +19,16 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache, partial
 from itertools import chain
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from pathlib import Path
 from sys import intern
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.store import record
 from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.origin import Origin
-from scaloft_fi.campaign.store.record import (
-    CHUNK,
-    MOST_SEED,
-    BadCellError,
-    Check,
-    Planned,
-    TooLargeError,
-    decoded,
-    labels,
-    most_flights,
-    numbers,
-    texts,
-    wholes,
-)
-from scaloft_fi.campaign.store.store import NOTE, FlownFlight, Stands, Store
+from scaloft_fi.campaign.store.record import BadCellError, Cell, Planned, TooLargeError, decoded, most_flights
+from scaloft_fi.campaign.store.store import CHUNK, NOTE, FlownFlight, Stands, Store
 from scaloft_fi.document import FILE_BYTES, is_file, is_folder, opened, read_bytes
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import FOLDERS
@@ -127,22 +114,17 @@ def campaign_folder(study: Study, name: str) -> Path:
         InputError: the name is no valid name of a folder.
     """
     if "/" in name or os.sep in name or name.endswith(ZIP):
-        return _reached(name)
+        try:
+            folder = Path(name).expanduser()
+            with suppress(FileNotFoundError, NotADirectoryError, PermissionError):
+                folder.stat()  # raises where the system refuses the name
+        except (OSError, RuntimeError, ValueError) as error:
+            reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
+            raise InputError(f"--campaign: name={shown(name)} must be the path of a folder: {reason}") from error
+        return folder
     if not name.strip() or name in {".", ".."} or "\0" in name or len(os.fsencode(name)) > LONGEST_NAME:
         raise InputError(f"--campaign: name={shown(name)} must be the name of a folder, such as 'default'")
     return study.results_folder / "campaigns" / name
-
-
-def _reached(name: str) -> Path:
-    """The folder at the path `name`, which need not exist."""
-    try:
-        folder = Path(name).expanduser()
-        with suppress(FileNotFoundError, NotADirectoryError, PermissionError):
-            folder.stat()  # raises where the system refuses the name
-    except (OSError, RuntimeError, ValueError) as error:
-        reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
-        raise InputError(f"--campaign: name={shown(name)} must be the path of a folder: {reason}") from error
-    return folder
 
 
 def is_archive(folder: Path) -> bool:
@@ -233,36 +215,18 @@ EXTRA: Mapping[str, Extra] = {
 beliefs; for each of `triggered` the number of episodes; for each of `violated` the place [m, world]."""
 
 
-def _seeds(name: str, column: Sequence[Any]) -> None:
-    wholes(name, column, MOST_SEED)
-
-
-_CHECKS: Mapping[str, tuple[str, Check]] = {
-    "mutant": (TEXT, labels),
-    "situation": (TEXT, labels),
-    "seed": (WHOLE, _seeds),
-    "ending": (TEXT, labels),
-    "violated": (TEXTS, labels),
-    "infected_at_s": (NUMBER, lambda name, column: numbers(name, column, none=True)),
-    "duration_s": (NUMBER, numbers),
-    "digest": (TEXT, texts),
-    "held": (TEXTS, labels),
-    "violation_times_s": (NUMBERS, numbers),
-    "violation_bodies": (TEXTS, labels),
-    "triggered": (TEXTS, labels),
-    "realised": (TEXTS, labels),
-    "carried": (WHOLE, wholes),
-    "altered": (WHOLE, wholes),
-    "invalid": (TEXT, texts),
-    "ended_by": (TEXT, labels),
-    "stack_error": (TEXT, texts),
-    "perceived_digest": (TEXT, texts),
-    "episodes": (WHOLES, wholes),
-    "violation_x": (NUMBERS, numbers),
-    "violation_y": (NUMBERS, numbers),
-    "violation_z": (NUMBERS, numbers),
+_CHECKS: Mapping[str, tuple[str, Cell]] = {
+    **dict.fromkeys(("mutant", "situation", "ending", "ended_by"), (TEXT, record.LABEL)),
+    **dict.fromkeys(("digest", "invalid", "stack_error", "perceived_digest"), (TEXT, record.TEXT)),
+    **dict.fromkeys(("violated", "held", "triggered", "realised", "violation_bodies"), (TEXTS, record.LABEL)),
+    **dict.fromkeys(("violation_times_s", "violation_x", "violation_y", "violation_z"), (NUMBERS, record.NUMBER)),
+    "seed": (WHOLE, record.SEED),
+    **dict.fromkeys(("carried", "altered"), (WHOLE, record.WHOLE)),
+    "episodes": (WHOLES, record.WHOLE),
+    "infected_at_s": (NUMBER, record.OPTIONAL),
+    "duration_s": (NUMBER, record.NUMBER),
 }
-"""The columns that are read: the type, and the check of the cells, or of the members of lists."""
+"""The columns that are read: the type, and what the cells, or the members of lists, may hold."""
 _ALONG: Mapping[str, str] = {
     **dict.fromkeys(("violation_times_s", "violation_bodies", "violation_x", "violation_y", "violation_z"), "violated"),
     "episodes": "triggered",
@@ -297,8 +261,9 @@ def read_outcomes(
         _check(columns, kinds)
     except BadCellError as error:
         raise InputError(f"{path}: column {error.column} must be {error.allowed}") from error
-    read = Rows(kinds, axes)
-    return tuple(read(dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True))
+    subjects = {id_: _subject(id_) for id_ in set(columns["mutant"])}
+    rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
+    return tuple(_outcome(row, subjects[row["mutant"]], kinds, axes) for row in rows)
 
 
 def _check(columns: Mapping[str, Sequence[Any]], kinds: Mapping[str, Kind]) -> None:
@@ -308,13 +273,13 @@ def _check(columns: Mapping[str, Sequence[Any]], kinds: Mapping[str, Kind]) -> N
         BadCellError: a cell has a value that no outcome has.
     """
     for name, column in columns.items():
-        kind, check = _CHECKS.get(name, (NUMBER, lambda name, column: numbers(name, column, none=True)))
+        kind, cell = _CHECKS.get(name, (NUMBER, record.OPTIONAL))
         if kind in (TEXTS, WHOLES, NUMBERS):
             if None in column:
                 raise BadCellError(name, "a list")
             column = list(chain.from_iterable(column))
-        if column:
-            check(name, column)
+        if not all(map(cell.holds, column)):
+            raise BadCellError(name, cell.allowed)
     for name, other in _ALONG.items():
         if list(map(len, columns[name])) != list(map(len, columns[other])):
             raise BadCellError(name, f"as long as {other}")
@@ -322,66 +287,51 @@ def _check(columns: Mapping[str, Sequence[Any]], kinds: Mapping[str, Kind]) -> N
         raise BadCellError("violated", f"names of {', '.join(kinds)}")
 
 
-class Rows:
-    """Makes outcomes of rows.
+def _subject(id_: str) -> Subject:
+    try:
+        name = parse(id_)
+    except InputError:  # the baseline and PLACEBO
+        return Subject(id_)
+    return Subject(id_, name.guideword, name.parameter, name.magnitude)
 
-    Args:
-        kinds: kind of each requirement, by its name.
-        axes: the axes of the situations.
-    """
 
-    def __init__(self, kinds: Mapping[str, Kind], axes: Sequence[str]) -> None:
-        self._kinds, self._axes = kinds, axes
-        self._subjects: dict[str, Subject] = {}
-
-    def __call__(self, row: Mapping[str, Any]) -> Outcome:
-        """The outcome of a row with the columns of `_CHECKS` and, for each requirement, its robustness."""
-        invalid, baseline = row["invalid"], row["mutant"] == BASELINE
-        at = dict(zip(row["violated"], row["violation_times_s"], strict=True))
-        episodes = dict(zip(row["triggered"], row["episodes"], strict=True))
-        places = zip(row["violation_x"], row["violation_y"], row["violation_z"], row["violation_bodies"], strict=True)
-        readings = [
-            Reading(
-                name,
-                kind,
-                row[RHO + name] or 0.0,
-                at.get(name),
-                episodes.get(name, 0),
-                open=name not in at and name not in row["held"],
-            )
-            for name, kind in self._kinds.items()
-        ]
-        came_true = ((axis, axis in row["realised"]) for axis in self._axes)
-        return Outcome(
-            subject=self._subject(row["mutant"]),
-            situation=intern(row["situation"]),
-            seed=row["seed"],
-            ending=intern(row["ending"]),
-            invalid=invalid,
-            readings=() if invalid else tuple(readings),
-            violations=tuple(
-                Violation(name, self._kinds[name], t_s, x, y, z, intern(body))
-                for (name, t_s), (x, y, z, body) in zip(at.items(), places, strict=True)
-            ),
-            carried=row["carried"],
-            altered=row["altered"],
-            infected_at_s=row["infected_at_s"],
-            struck=intern(row["ended_by"]),
-            duration_s=row["duration_s"],
-            digest=row["digest"],
-            perceived_digest=row["perceived_digest"],
-            stack_error=row["stack_error"],
-            realised=tuple(came_true) if baseline and not invalid else (),
+def _outcome(row: Mapping[str, Any], subject: Subject, kinds: Mapping[str, Kind], axes: Sequence[str]) -> Outcome:
+    """The outcome of a row with the columns of `_CHECKS` and, for each requirement, its robustness."""
+    at = dict(zip(row["violated"], row["violation_times_s"], strict=True))
+    episodes = dict(zip(row["triggered"], row["episodes"], strict=True))
+    places = zip(row["violation_x"], row["violation_y"], row["violation_z"], row["violation_bodies"], strict=True)
+    readings = (
+        Reading(
+            name,
+            kind,
+            row[RHO + name] or 0.0,
+            at.get(name),
+            episodes.get(name, 0),
+            open=name not in at and name not in row["held"],
         )
+        for name, kind in kinds.items()
+    )
+    came_true = ((axis, axis in row["realised"]) for axis in axes)
+    return Outcome(
+        subject=subject,
+        situation=intern(row["situation"]),
+        ending=intern(row["ending"]),
+        readings=() if row["invalid"] else tuple(readings),
+        violations=tuple(
+            Violation(name, kinds[name], t_s, x, y, z, intern(body))
+            for (name, t_s), (x, y, z, body) in zip(at.items(), places, strict=True)
+        ),
+        struck=intern(row["ended_by"]),
+        realised=tuple(came_true) if subject.id == BASELINE and not row["invalid"] else (),
+        **{name: row[name] for name in _AS_THEY_ARE},
+    )
 
-    def _subject(self, id_: str) -> Subject:
-        if id_ not in self._subjects:
-            try:
-                name = parse(id_)
-                self._subjects[id_] = Subject(id_, name.guideword, name.parameter, name.magnitude)
-            except InputError:  # the baseline and PLACEBO
-                self._subjects[id_] = Subject(id_)
-        return self._subjects[id_]
+
+_AS_THEY_ARE = (
+    *("seed", "invalid", "carried", "altered", "infected_at_s", "duration_s"),
+    *("digest", "perceived_digest", "stack_error"),
+)
+"""The columns that are fields of an outcome."""
 
 
 class Trajectories:
@@ -485,7 +435,10 @@ class Archive(Store):
     """
 
     def __init__(self, place: Path, study: Study) -> None:
-        self.place, self.path, self._folder = place, place / MANIFEST, _folder_of(place)
+        self.place, self.path, self._folder = place, place / MANIFEST, place
+        if not is_folder(place):  # a ZIP file, whose files lie in a folder until the process ends
+            state = place.stat()
+            self._folder = _unpacked(place.resolve(), state.st_mtime_ns, state.st_size)
         self._text = self._bytes(MANIFEST)
         self.manifest = Manifest.read(self._text, self.path)
         documents = [name for name in self.manifest.files if name.partition("/")[0] in FOLDERS]
@@ -529,12 +482,26 @@ class Archive(Store):
     @cached_property
     def _flown(self) -> Mapping[str, tuple[FlownFlight, Outcome]]:
         """The flights by key, ordered by mutant, situation, seed."""
-        path, keys, said = self.place / OUTCOMES, _KeysNow(self.study), self.manifest
+        path, said, study = self.place / OUTCOMES, self.manifest, self.study
         listed = read_outcomes(path, self._content(OUTCOMES), tuple(said.requirements.items()), said.axes)
         flown = {(one.mutant, one.situation, one.seed): one for one in listed}
         if len(flown) < len(listed):
             raise InputError(f"{path}: a flight occurs twice")
-        return {(key := keys(flown[name])): (FlownFlight(key, *name, None), flown[name]) for name in sorted(flown)}
+        _ = study.grid, study.matrix  # read here, so that an error in them is raised
+        keys, origins = Keys(study), dict[tuple[str, str], Origin | None]()
+        for place in {name[:2]: None for name in flown}:
+            try:
+                flight = flight_named(study, *place, 0)
+            except InputError:  # the study has no such flight any more
+                origins[place] = None
+            else:
+                origins[place] = keys.origin(flight)
+        found = {}
+        for name, outcome in sorted(flown.items(), key=itemgetter(0)):
+            origin = origins[name[:2]]
+            key = outcome.name if origin is None else origin.key(outcome.seed)
+            found[key] = FlownFlight(key, *name, None), outcome
+        return found
 
     @cached_property
     def _trajectories(self) -> Trajectories | None:
@@ -593,37 +560,10 @@ class Archive(Store):
         return sorted({**self.manifest.platform, **notes}.items())
 
 
-class _KeysNow:
-    """The keys of outcomes in a study; a flight that the study does not have any more gets its name."""
-
-    def __init__(self, study: Study) -> None:
-        self._study, self._keys = study, Keys(study)
-        _ = study.grid, study.matrix  # read here, so that an error in them is raised
-        self._flights: dict[tuple[str, str], Flight | None] = {}
-
-    def __call__(self, outcome: Outcome) -> str:
-        place = outcome.mutant, outcome.situation
-        if place not in self._flights:
-            try:
-                self._flights[place] = flight_named(self._study, *place, 0)
-            except InputError:
-                self._flights[place] = None
-        flight = self._flights[place]
-        return outcome.name if flight is None else self._keys.origin(flight).key(outcome.seed)
-
-
 def study_files(folder: Path) -> list[Path]:
     """The documents of a study: every file of its three folders but hidden ones, in the order of their paths."""
     paths = (path for name in FOLDERS for path in sorted((folder / name).rglob("*")))
     return [path for path in paths if is_file(path) and "/." not in path.relative_to(folder).as_posix()]
-
-
-def _folder_of(place: Path) -> Path:
-    """The folder with the files of an archive; those of a ZIP file lie there until the process ends."""
-    if is_folder(place):
-        return place
-    state = place.stat()
-    return _unpacked(place.resolve(), state.st_mtime_ns, state.st_size)
 
 
 @cache
@@ -636,29 +576,19 @@ def _unpacked(path: Path, _changed_ns: int, _size: int) -> Path:
     folder = Path(tempfile.mkdtemp(prefix="scaloft-fi-archive-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     try:
-        _unpack(path, folder)
+        with opened(path) as file, zipfile.ZipFile(file) as archive:
+            entries = [entry for entry in archive.infolist() if not entry.is_dir()]
+            # no more is read of a file than the list of files says
+            if len(entries) > MOST_FILES or sum(entry.file_size for entry in entries) > FILE_BYTES:
+                raise InputError(f"{path}: the archive has more than {MOST_FILES} files or {FILE_BYTES:,} bytes")
+            for entry in entries:
+                target = _target(folder, entry.filename)
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.write_bytes(archive.read(entry))
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError, ValueError) as error:
         own = ascii(str(error))[1:-1][:_SHOWN]
         raise InputError(f"{path}: the file is no archive that `export --format archive` wrote: {own}") from error
     return folder
-
-
-def _unpack(path: Path, folder: Path) -> None:
-    """Write the files of a ZIP file into a folder.
-
-    Raises:
-        InputError: the archive is too large.
-        ValueError: it has a file that no archive has.
-    """
-    with opened(path) as file, zipfile.ZipFile(file) as archive:
-        entries = [entry for entry in archive.infolist() if not entry.is_dir()]
-        # no more is read of a file than the list of files says
-        if len(entries) > MOST_FILES or sum(entry.file_size for entry in entries) > FILE_BYTES:
-            raise InputError(f"{path}: the archive has more than {MOST_FILES} files or {FILE_BYTES:,} bytes")
-        for entry in entries:
-            target = _target(folder, entry.filename)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_bytes(archive.read(entry))
 
 
 def _target(folder: Path, name: str) -> Path:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from scaloft_fi.campaign.store.archive import STORE_NAME, Archive, campaign_folder, existing, is_archive
-from scaloft_fi.campaign.store.store import EmptyError, Store
+from scaloft_fi.campaign.store.store import Store, read_store
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.sim.grids import grid_names
 from scaloft_fi.study import Study
@@ -44,18 +43,13 @@ def study_of_all(folder: Path | str | None, campaigns: Sequence[str]) -> Study:
         InputError: there is no such study, or two campaigns were flown over different grids.
     """
     study = Study.open(folder)
-    first: tuple[str, Study] | None = None
-    for name in campaigns:
-        flown = _flown(study, name)
-        if flown is None:
-            continue
-        first = first or (name, flown)
-        if flown.grid_name != first[1].grid_name:
-            grids = f"{shown(name)} was flown over grid {flown.grid.name!r}, and {shown(first[0])} over"
-            raise InputError(
-                f"campaign {grids} {first[1].grid.name!r}; only campaigns of one grid have the same situations"
-            )
-    return first[1] if first else study
+    flown = {name: there for name in campaigns if (there := _flown(study, name)) is not None}
+    for name, there in flown.items():
+        first, over = next(iter(flown.items()))
+        if there.grid_name != over.grid_name:
+            grids = f"{shown(name)} was flown over grid {there.grid.name!r}, and {shown(first)} over {over.grid.name!r}"
+            raise InputError(f"campaign {grids}; only campaigns of one grid have the same situations")
+    return next(iter(flown.values()), study)
 
 
 def opened(study: Study, folder: Path) -> tuple[Study, Store]:
@@ -89,22 +83,20 @@ def with_grid(study: Study, store: Store) -> Study:
     Raises:
         InputError: the study has no such grid.
     """
-    name = flown_grid(store)
-    own = name is None
-    if name is not None:
+    wanted = flown_grid(store)
+    if wanted is not None:
         names = grid_names(study.folder / "sim")
-        if name not in names:
-            lost = f"{store.path.parent}: the campaign was flown over grid {shown(name)}, which the study lacks"
-            raise InputError(f"{lost}{did_you_mean(name, names)}")
-        own = name == names[0]
-    wanted = None if own else name
+        if wanted not in names:
+            lost = f"{store.path.parent}: the campaign was flown over grid {shown(wanted)}, which the study lacks"
+            raise InputError(f"{lost}{did_you_mean(wanted, names)}")
+        wanted = None if wanted == names[0] else wanted
     return study if wanted == study.grid_name else replace(study, grid_name=wanted)
 
 
 def remember_grid(store: Store, study: Study) -> None:
     """Record the grid of a campaign; a campaign over the study's own grid needs no record."""
     if study.grid_name is not None and flown_grid(store) != study.grid_name:
-        store.set_notes({f"{NOTE} flown": json.dumps(study.grid_name)})
+        store.remember(NOTE, study.grid_name, "flown")
 
 
 def _flown(study: Study, campaign: str) -> Study | None:
@@ -112,16 +104,10 @@ def _flown(study: Study, campaign: str) -> Study | None:
     folder = campaign_folder(study, campaign)
     if is_archive(folder):
         return opened(study, folder)[0]
-    path = folder / STORE_NAME
-    if not path.is_file():
-        return None
-    try:
-        with Store(path, create=False) as store:
-            if flown_grid(store) is None and next(iter(store.planned()), None) is None:
-                return None
-            return with_grid(study, store)
-    except EmptyError:
-        return None
+    with read_store(folder / STORE_NAME) as store:
+        if store is None or (flown_grid(store) is None and not store.planned()):
+            return None
+        return with_grid(study, store)
 
 
 def flown_grid(store: Store) -> str | None:

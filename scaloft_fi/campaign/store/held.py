@@ -38,7 +38,7 @@ class Keys:
 
     def __init__(self, study: Study) -> None:
         self._study = study
-        self._mutants: dict[Mutant, str] = {}
+        self._mutants: dict[Mutant | None, str] = {}
         self._situations: dict[str, tuple[str, str]] = {}
 
     def origin(self, flight: Flight) -> Origin:
@@ -46,16 +46,21 @@ class Keys:
 
         Values of an axis that the situation does not have, other mutants and comments do not count.
         """
-        situation, realised = self._situation(flight)
-        inputs = self._study.inputs
+        mutant, key, inputs = flight.mutant, flight.situation.key, self._study.inputs
+        if mutant not in self._mutants:
+            self._mutants[mutant] = digest(mutant.to_json()) if mutant else ""
+        if key not in self._situations:  # the values that it sets, and the predicates of its values
+            changes, realised = self._study.changes(flight.situation), self._study.realised(flight.situation)
+            self._situations[key] = digest([key, changes]), digest(realised)
+        changed, predicates = self._situations[key]
         return Origin(
             sim=inputs["sim"],
             requirements=inputs["requirements"],
             code=inputs["code"],
-            mutant=self._mutant(flight.mutant) if flight.mutant else "",
-            situation=situation,
-            realised="" if flight.mutant else realised,
-            operator=inputs[f"operator {flight.mutant.operator}"] if flight.mutant else "",
+            mutant=self._mutants[mutant],
+            situation=changed,
+            realised="" if mutant else predicates,
+            operator=inputs[f"operator {mutant.operator}"] if mutant else "",
         )
 
     def key(self, flight: Flight) -> str:
@@ -66,24 +71,6 @@ class Keys:
         """The entry of a flight in the plan of the store."""
         origin = self.origin(flight)
         return Planned(origin.key(flight.seed), flight.subject.id, flight.situation.key, flight.seed, canary, origin)
-
-    def _mutant(self, mutant: Mutant) -> str:
-        if mutant not in self._mutants:
-            self._mutants[mutant] = digest(mutant.to_json())
-        return self._mutants[mutant]
-
-    def _situation(self, flight: Flight) -> tuple[str, str]:
-        """Hashes of the values that the situation sets, and of the predicates of its values."""
-        key = flight.situation.key
-        if key not in self._situations:
-            changes, realised = self._study.changes(flight.situation), self._study.realised(flight.situation)
-            self._situations[key] = digest([key, changes]), digest(realised)
-        return self._situations[key]
-
-
-def flight_key(study: Study, flight: Flight) -> str:
-    """The key of one flight; for many flights `Keys` is faster."""
-    return Keys(study).key(flight)
 
 
 def digest(content: Any) -> str:
@@ -230,10 +217,9 @@ class Now:
             now = self.origin(mutant, situation)
             return not isinstance(now, str) and now.key(seed) == key
         what = mutant, situation, number
-        known = self._stand.get(what)
-        if known is None:  # origin and seed determine the key
-            known = self._stand[what] = self.origin(mutant, situation) == self._then.get(number)
-        return known
+        if what not in self._stand:  # origin and seed determine the key
+            self._stand[what] = self.origin(mutant, situation) == self._then.get(number)
+        return self._stand[what]
 
     def stale(self, flights: Sequence[FlownFlight]) -> list[FlownFlight]:
         """The stale outcomes among `flights`."""
@@ -313,7 +299,8 @@ def with_tracks(
         if found is None or not found.track:
             return outcome
         if outcome.situation not in most:
-            most[outcome.situation] = _most_rows(study.limit_s(flight.situation))
+            # one row for every `TRACK_EVERY` samples, the first and the last
+            most[outcome.situation] = math.ceil(study.limit_s(flight.situation) * SAMPLE_HZ / TRACK_EVERY) + 3
         try:
             track_values(found.track, most[outcome.situation])
         except ValueError as error:
@@ -321,8 +308,3 @@ def with_tracks(
         return replace(outcome, track=found.track)
 
     return tuple(tracked(outcome) for outcome in outcomes)
-
-
-def _most_rows(limit_s: float) -> int:
-    """The greatest number of rows of a flight's track: one for every `TRACK_EVERY` samples, the first and the last."""
-    return math.ceil(limit_s * SAMPLE_HZ / TRACK_EVERY) + 3

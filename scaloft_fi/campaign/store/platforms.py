@@ -8,12 +8,11 @@ platform that a note names.  Flights of another platform in the pair are set apa
 from __future__ import annotations
 
 import json
-import sqlite3
 from collections.abc import Iterable, Mapping
 from hashlib import sha256
 from typing import TypeVar
 
-from scaloft_fi.campaign.store.origin import Origin, differences, fingerprint
+from scaloft_fi.campaign.store.origin import differences, fingerprint
 from scaloft_fi.campaign.store.record import Planned
 from scaloft_fi.campaign.store.store import NOTE, FlownFlight, Store
 from scaloft_fi.errors import InputError
@@ -53,7 +52,8 @@ class Platforms:
             if not is_pair_note(name):
                 continue
             try:
-                self._pairs[_pair(name.removeprefix(_PAIR))] = hash_
+                situation, _, seed = name.removeprefix(_PAIR).rpartition("/")
+                self._pairs[situation, int(seed)] = hash_
                 if hash_ not in self._platforms:
                     entries = json.loads(self._notes[_PLATFORM + hash_])
                     self._platforms[hash_] = {str(part): str(value) for part, value in entries.items()}
@@ -149,36 +149,26 @@ def claim(store: Store, pairs: Iterable[Pair], ours: Platform) -> None:
     Raises:
         InputError: the store cannot be written.
     """
-    claimed = set(pairs)
+    notes = {_PLATFORM + _hash(ours): json.dumps(dict(ours), sort_keys=True)}
     with store.transaction() as connection:
         known, origins = Platforms(store), store.origins()
-        for pair in claimed:
+        for pair in set(pairs):
             theirs = known.of(pair)
-            if theirs != ours:
-                _set_apart(connection, origins, pair, theirs, ", ".join(differences(ours, theirs)))
-        notes = {_PLATFORM + _hash(ours): json.dumps(dict(ours), sort_keys=True)}
-        notes |= {f"{_PAIR}{situation}/{seed}": _hash(ours) for situation, seed in claimed}
+            notes["{}{}/{}".format(_PAIR, *pair)] = _hash(ours)
+            stored = "SELECT key, origin FROM outcomes WHERE situation = ? AND seed = ?"
+            for key, number in connection.execute(stored, pair).fetchall() if theirs != ours else ():
+                origin = origins.get(number)
+                if origin is not None and origin.platform:  # it was set apart before
+                    continue
+                if origin is not None:
+                    number = store.origin(origin._replace(platform=", ".join(differences(ours, theirs))))
+                apart = sha256(f"{_digest(theirs)}\n{key}".encode()).hexdigest()  # a key that no request has
+                # a flight that was set apart before for the same reason has the same bits: one is enough
+                moved = "UPDATE OR REPLACE outcomes SET key = ?, origin = ? WHERE key = ?"
+                connection.execute(moved, (apart, number, key))
         connection.executemany(
             "INSERT OR REPLACE INTO meta VALUES (?, ?)", [(NOTE + name, text) for name, text in notes.items()]
         )
-
-
-def _set_apart(
-    connection: sqlite3.Connection, origins: Mapping[int, Origin], pair: Pair, theirs: Platform, reason: str
-) -> None:
-    """Give the flights of a pair keys that no request has, and origins with the reason."""
-    flights = connection.execute("SELECT key, origin FROM outcomes WHERE situation = ? AND seed = ?", pair).fetchall()
-    for key, number in flights:
-        origin = origins.get(number)
-        if origin is not None and origin.platform:  # it was set apart before
-            continue
-        if origin is not None:
-            parts = json.dumps(origin._replace(platform=reason)._asdict())
-            connection.execute("INSERT INTO origins (parts) VALUES (?) ON CONFLICT (parts) DO NOTHING", (parts,))
-            (number,) = connection.execute("SELECT id FROM origins WHERE parts = ?", (parts,)).fetchone()
-        apart = sha256(f"{_digest(theirs)}\n{key}".encode()).hexdigest()
-        # a flight that was set apart before for the same reason has the same bits: one is enough
-        connection.execute("UPDATE OR REPLACE outcomes SET key = ?, origin = ? WHERE key = ?", (apart, number, key))
 
 
 def set_apart(store: Store) -> list[Planned]:
@@ -194,11 +184,6 @@ def set_apart(store: Store) -> list[Planned]:
 def is_pair_note(name: str) -> bool:
     """Whether a note says which platform flew a pair, so that it holds in its own store only."""
     return name.startswith(_PAIR)
-
-
-def _pair(name: str) -> Pair:
-    situation, _, seed = name.rpartition("/")
-    return situation, int(seed)
 
 
 def _shown(what: str, theirs: Platform, ours: Platform) -> str:

@@ -8,13 +8,13 @@ import sqlite3
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, closing, contextmanager, suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, closing, contextmanager, nullcontext, suppress
 from functools import cache
 from hashlib import sha256
-from itertools import chain, repeat
 from operator import itemgetter
 from pathlib import Path
+from sys import intern
 from threading import Timer
 from types import TracebackType
 from typing import Any, NamedTuple, TypeVar
@@ -23,28 +23,34 @@ from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.record import (
     COLUMNS,
     FLIGHT,
-    MOST_BYTES,
-    MOST_CELL_BYTES,
+    KEY,
+    LABEL,
+    MOST_LINE,
+    TEXT,
     BadCellError,
+    Cell,
     Planned,
     Reader,
     Record,
     TooLargeError,
     check_rows,
-    chunks,
     decoded,
-    facts,
     most_flights,
-    origins,
-    planned,
     shown,
     to_row,
 )
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 
+MOST_CELL_BYTES = 65_536
+"""Greatest size of a cell of an outcome."""
+MOST_BYTES = 16 * 1024**2
+"""Greatest size of any other cell: a note with 250,000 draws, a packed track."""
+CHUNK = 2000
+"""Number of rows that are read at once; their columns are processed together and fit the processor's cache."""
 SCHEMA = 6
 """Version of the tables; a store of another version is refused."""
+_TYPES = {name: cell.sql for name, cell in COLUMNS.items()}
 _TABLES = (
     "CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID",
     "CREATE TABLE origins (id INTEGER PRIMARY KEY, parts TEXT NOT NULL UNIQUE)",
@@ -62,7 +68,7 @@ _TABLES = (
         key TEXT NOT NULL UNIQUE,
         origin INTEGER REFERENCES origins (id),
         track INTEGER REFERENCES tracks (id),
-        {", ".join(f"{name} {kind}" + " NOT NULL" * (kind != "REAL") for name, kind in COLUMNS.items())}
+        {", ".join(f"{name} {kind}" + " NOT NULL" * (kind != "REAL") for name, kind in _TYPES.items())}
     )""",
     "CREATE INDEX outcomes_by_flight ON outcomes (mutant, situation, seed, key, origin)",
     "CREATE INDEX invalid_outcomes ON outcomes (key) WHERE invalid != ''",
@@ -98,21 +104,6 @@ def _expected() -> frozenset[tuple[str, ...]]:
 
 def _entries(connection: sqlite3.Connection) -> frozenset[tuple[str, ...]]:
     return frozenset(connection.execute("SELECT type, name, tbl_name, sql FROM sqlite_master"))
-
-
-def insert(connection: sqlite3.Connection, key: str, outcome: Outcome) -> bool:
-    """Write an outcome unless its key has a valid one; returns whether anything was written."""
-    row = {"key": key, "track": _track(connection, outcome.track), **dict(zip(COLUMNS, to_row(outcome), strict=True))}
-    return connection.execute(_INSERT, row).rowcount > 0
-
-
-def _track(connection: sqlite3.Connection, track: bytes) -> int | None:
-    """The number of a track; flights with equal tracks share one row.  None for an empty track."""
-    if not track:
-        return None
-    digest = sha256(track).digest()
-    connection.execute("INSERT INTO tracks (sha256, track) VALUES (?, ?) ON CONFLICT DO NOTHING", (digest, track))
-    return int(connection.execute("SELECT id FROM tracks WHERE sha256 = ?", (digest,)).fetchone()[0])
 
 
 _INSERT = f"""
@@ -151,7 +142,8 @@ def connected(path: Path, *, write: bool) -> sqlite3.Connection:
     A reader of a file that nobody writes leaves no other file.  In a folder that cannot be written SQLite must not try
     to make a log, so the file is opened as immutable unless a log is there.
     """
-    fixed = not (write or _can_be_written(path) or log_of(path).exists())
+    writable = os.access(path.parent, os.W_OK) and os.access(path, os.W_OK)
+    fixed = not (write or writable or log_of(path).exists())
     mode = "immutable=1" if fixed else "mode=rwc" if write else "mode=rw"
     # rows are written one by one in explicit transactions
     connection = sqlite3.connect(f"{path.absolute().as_uri()}?{mode}", timeout=BUSY_S, isolation_level=None, uri=True)
@@ -163,17 +155,13 @@ def connected(path: Path, *, write: bool) -> sqlite3.Connection:
     return connection
 
 
-def _can_be_written(path: Path) -> bool:
-    return os.access(path.parent, os.W_OK) and os.access(path, os.W_OK)
-
-
 def is_new(connection: sqlite3.Connection, path: Path) -> bool:
     """Whether the file has no tables yet.
 
     Raises:
         InputError: the file has tables that are not those of a store of this version.
     """
-    version = int(connection.execute("PRAGMA user_version").fetchone()[0])
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
     if version not in (0, SCHEMA):
         raise InputError(
             f"{path}: another version of scaloft-fi wrote this store (schema {version}, not {SCHEMA}); "
@@ -190,22 +178,16 @@ def is_new(connection: sqlite3.Connection, path: Path) -> bool:
 def prepare(connection: sqlite3.Connection) -> None:
     """Set the page size, the write-ahead log and the safety of a connection that writes."""
     connection.execute(f"PRAGMA page_size={_PAGE_BYTES}")
-    _keep_log(connection)
-    connection.execute("PRAGMA synchronous=FULL")
-
-
-def _keep_log(connection: sqlite3.Connection) -> None:
-    """Turn on the write-ahead log; SQLite does not wait for another process that creates the same file."""
     end_s = time.monotonic() + BUSY_S
     while True:
         try:
             connection.execute("PRAGMA journal_mode=WAL")
+            break
         except sqlite3.OperationalError as error:
             if "locked" not in str(error) or time.monotonic() > end_s:
                 raise
-            time.sleep(RETRY_S)
-        else:
-            return
+            time.sleep(RETRY_S)  # SQLite does not wait for another process that creates the same file
+    connection.execute("PRAGMA synchronous=FULL")
 
 
 @contextmanager
@@ -248,8 +230,8 @@ class Place:
 
     def __init__(self, path: Path) -> None:
         self.path = path.absolute()
-        self._names = [str(self.path), str(log_of(self.path))]
-        self._open = {name: _identity(os.stat(name)) for name in self._names if os.path.exists(name)}  # noqa: PTH110, PTH116 - fast
+        names = str(self.path), str(log_of(self.path))
+        self._open = {name: _identity(os.stat(name)) for name in names if os.path.exists(name)}  # noqa: PTH110, PTH116 - fast
         self._size = 0
 
     def lost(self) -> str:
@@ -263,15 +245,11 @@ class Place:
                 return f"{os.path.basename(name)} cannot be reached ({error.strerror})"  # noqa: PTH119
             if _identity(state) != known:
                 return f"{os.path.basename(name)} was replaced by another file"  # noqa: PTH119
-            if name == self._names[0]:
+            if name == str(self.path):
                 if state.st_size < self._size:
-                    return f"{os.path.basename(name)} was cut"  # noqa: PTH119
+                    return f"{self.path.name} was cut"
                 self._size = state.st_size
         return ""
-
-    def is_locked(self) -> bool:
-        """Whether the folder can no longer be written."""
-        return not os.access(self.path.parent, os.W_OK)
 
 
 def _identity(state: os.stat_result) -> tuple[int, int]:
@@ -366,132 +344,14 @@ Stands = Callable[[FlownFlight], bool]
 
 Called once for each mutant, situation and origin, and for each flight without an origin.
 """
-Keep = Callable[[Record], bool]
 _COLUMNS = (*COLUMNS, "key", "origin")
-_KEY, _ORIGIN = _COLUMNS.index("key"), _COLUMNS.index("origin")
 _flown = itemgetter(*map(_COLUMNS.index, FlownFlight._fields))
 _place = itemgetter(*map(_COLUMNS.index, ("mutant", "situation", "origin")))
-
-
-def under(keys: set[str]) -> Keep:
-    """Select the rows with these keys."""
-    return lambda row: row[_KEY] in keys
-
-
-def standing(stands: Stands) -> Keep:
-    """Select the rows of current flights."""
-    answers: dict[tuple[Any, ...], bool] = {}
-
-    def keep(row: Record) -> bool:
-        place = _place(row)
-        answer = answers.get(place)
-        if answer is None:
-            flight = FlownFlight(*_flown(row))
-            if tuple(map(type, flight[1:3])) != (str, str) or type(flight.key) is not str:
-                check_rows("outcomes", [flight], FLIGHT)
-            answer = stands(flight)
-            if flight.origin is not None:
-                answers[place] = answer
-        return answer
-
-    return keep
-
-
-_ALL = f"SELECT {', '.join(FlownFlight._fields)} FROM outcomes ORDER BY mutant, situation, seed, key"
+_FLIGHTS = f"SELECT {', '.join(FlownFlight._fields)} FROM outcomes ORDER BY mutant, situation, seed, key"
 _ONE_EACH = (
     "SELECT min(key), mutant, situation, min(seed), origin FROM outcomes"
     " GROUP BY mutant, situation, origin ORDER BY mutant, situation, origin"
 )
-
-
-def flown(connection: sqlite3.Connection, *, one_each: bool = False) -> list[FlownFlight]:
-    """The flights with an outcome, ordered by mutant, situation, seed, key; or one for each mutant, situation, origin.
-
-    Raises:
-        BadCellError: a cell has a value that no flight has.
-        TooLargeError: there are more rows than `most_flights`.
-    """
-    found: list[FlownFlight] = []
-    for rows in chunks(connection, "outcomes", _ONE_EACH if one_each else _ALL):
-        check_rows("outcomes", rows, FLIGHT)
-        found += map(FlownFlight._make, rows)
-    return found
-
-
-def checked(read: Reader, rows: Sequence[Record], tracks: Iterable[bytes] = repeat(b"")) -> list[Outcome]:
-    """The outcomes of rows with `_COLUMNS`; an error names the first bad row.
-
-    Raises:
-        BadCellError: a cell has a value that no outcome has.
-        TooLargeError: the texts are larger than the limit.
-    """
-    try:
-        return read(rows, tracks)
-    except BadCellError:
-        for row in rows:
-            try:
-                Reader()([row])
-            except BadCellError as error:
-                value = row[_COLUMNS.index(error.column)]
-                raise error.at(f"table outcomes, key {shown(row[_KEY])}", value) from None
-        raise
-
-
-def outcomes(connection: sqlite3.Connection, keep: Keep | None = None) -> Iterator[tuple[str, Outcome]]:
-    """The outcomes of the selected rows, each with its key, ordered by mutant, situation, seed, key.
-
-    Args:
-        connection: connection to the store.
-        keep: whether a row is selected; None = all rows.
-
-    Raises:
-        BadCellError: a cell has a value that no outcome has.
-        TooLargeError: there are more rows or larger texts than the limit.
-    """
-    read = Reader()
-    places = defaultdict[tuple[str, str], list[tuple[int, str, Outcome]]](list)
-    # sorting here is faster than reading the rows in the order of an index
-    connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MOST_CELL_BYTES)
-    try:
-        for rows in chunks(connection, "outcomes", f"SELECT {', '.join(_COLUMNS)} FROM outcomes"):
-            kept = list(filter(keep, rows)) if keep else rows
-            for outcome, row in zip(checked(read, kept), kept, strict=True):
-                places[outcome.subject.id, outcome.situation].append((outcome.seed, row[_KEY], outcome))
-    except (sqlite3.DataError, sqlite3.OperationalError) as error:
-        raise _located(connection) or error from error
-    finally:
-        connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MOST_BYTES)
-    # keys are distinct
-    return ((key, one) for _, key, one in chain.from_iterable(sorted(places[place]) for place in sorted(places)))
-
-
-def tracked(connection: sqlite3.Connection, read: Reader, key: str) -> Outcome | None:
-    """The outcome with this key and its track; None without one.
-
-    Raises:
-        BadCellError: a cell has a value that no outcome has.
-    """
-    track = "(SELECT tracks.track FROM tracks WHERE tracks.id = outcomes.track)"
-    query = f"SELECT {', '.join(_COLUMNS)}, {track} FROM outcomes WHERE key = ?"
-    row = connection.execute(query, (key,)).fetchone()
-    if row is None:
-        return None
-    if not isinstance(row[-1], bytes | None):
-        raise BadCellError("track", "a packed track", f"table outcomes, key {shown(key)}", row[-1])
-    return checked(read, [row], [row[-1] or b""])[0]
-
-
-def _located(connection: sqlite3.Connection) -> BadCellError | None:
-    """The first cell of an outcome that SQLite cannot give, because it is too large or no UTF-8."""
-    for rows in chunks(connection, "outcomes", "SELECT id FROM outcomes"):
-        for (number,) in rows:
-            for column in _COLUMNS:
-                try:
-                    connection.execute(f"SELECT {column} FROM outcomes WHERE id = ?", (number,)).fetchone()
-                except (sqlite3.DataError, sqlite3.OperationalError):
-                    allowed = f"UTF-8 text of at most {MOST_CELL_BYTES} bytes"
-                    return BadCellError(column, allowed, f"table outcomes, id {number}")
-    return None
 
 
 T = TypeVar("T")
@@ -593,7 +453,7 @@ class Store:
         lost = self._place.lost()
         if lost:
             raise InputError(f"{self.path}: the campaign's store is lost: {lost}; {self._rescued(self._place.path)}")
-        if self._place.is_locked():
+        if not os.access(self._place.path.parent, os.W_OK):
             raise InputError(f"{self.path}: the results folder can no longer be written; {self._kept()}")
 
     def _rescued(self, path: Path) -> str:
@@ -632,8 +492,7 @@ class Store:
         Raises:
             InputError: the store cannot be written.
         """
-        with self.transaction():
-            self._written = int(insert(self._connection, key, outcome))
+        self.put_all([(key, outcome)])
         return bool(self._written)
 
     def put_all(self, rows: Iterable[tuple[str, Outcome]]) -> None:
@@ -643,7 +502,17 @@ class Store:
             InputError: the store cannot be written.
         """
         with self.transaction():
-            self._written = sum(insert(self._connection, key, outcome) for key, outcome in rows)
+            self._written = sum(self._insert(key, outcome) for key, outcome in rows)
+
+    def _insert(self, key: str, outcome: Outcome) -> int:
+        """Write an outcome unless its key has a valid one; returns the number of rows written."""
+        number = None
+        if outcome.track:  # flights with equal tracks share one row
+            track = sha256(outcome.track).digest(), outcome.track
+            self._connection.execute("INSERT INTO tracks (sha256, track) VALUES (?, ?) ON CONFLICT DO NOTHING", track)
+            (number,) = self._connection.execute("SELECT id FROM tracks WHERE sha256 = ?", track[:1]).fetchone()
+        row = {"key": key, "track": number, **dict(zip(COLUMNS, to_row(outcome), strict=True))}
+        return max(0, self._connection.execute(_INSERT, row).rowcount)
 
     def get(self, key: str) -> Outcome | None:
         """The outcome with this key and its track; None without one."""
@@ -651,12 +520,17 @@ class Store:
 
     def rows(self, keys: Iterable[str] | None = None) -> Iterator[tuple[str, Outcome]]:
         """Yield every outcome, or those with `keys`, with key and track, ordered by key."""
-        read = Reader()
+        read, track = Reader(), "(SELECT tracks.track FROM tracks WHERE tracks.id = outcomes.track)"
+        query = f"SELECT {', '.join(_COLUMNS)}, {track} FROM outcomes WHERE key = ?"
         for key in sorted(keys if keys is not None else (flight.key for flight in self.flights())):
             with self._sentences():
-                outcome = tracked(self._connection, read, key)
-            if outcome is not None:
-                yield key, outcome
+                row = self._connection.execute(query, (key,)).fetchone()
+                if row is None:
+                    continue
+                if not isinstance(row[-1], bytes | None):
+                    raise BadCellError("track", "a packed track", f"table outcomes, key {shown(key)}", row[-1])
+                (outcome,) = read([row], [row[-1] or b""])
+            yield key, outcome
 
     def known(self, keys: Iterable[str]) -> set[str]:
         """The `keys` with a valid outcome."""
@@ -672,7 +546,28 @@ class Store:
             one_each: whether one flight for each mutant, situation and origin is enough.
         """
         with self._sentences():
-            return flown(self._connection, one_each=one_each)
+            return [
+                FlownFlight(*row)
+                for rows in self._chunks("outcomes", _ONE_EACH if one_each else _FLIGHTS, FLIGHT)
+                for row in rows
+            ]
+
+    def _chunks(self, table: str, query: str, cells: Mapping[str, Cell]) -> Iterator[list[tuple[Any, ...]]]:
+        """The rows of a query on a table, in which every row of the table occurs once at most.
+
+        Raises:
+            BadCellError: a cell has a value that its table does not have.
+            TooLargeError: there are more rows than `most_flights`.
+        """
+        read, most = 0, most_flights()
+        # a query that is left open, as when a row of it cannot be read, keeps the file open after the connection
+        with closing(self._connection.execute(query)) as cursor:
+            while rows := cursor.fetchmany(CHUNK):
+                read += len(rows)
+                if read > most:
+                    raise TooLargeError(table)
+                check_rows(table, rows, cells)
+                yield rows
 
     def outcomes(self, keys: Iterable[str] | None = None) -> Iterator[Outcome]:
         """All outcomes, or those with `keys`, without their tracks, ordered by mutant, situation, seed."""
@@ -680,13 +575,55 @@ class Store:
 
     def keyed(self, keys: Iterable[str] | None = None) -> list[tuple[str, Outcome]]:
         """All outcomes, or those with `keys`, each with its key, in the order of `outcomes`."""
-        with self._sentences():
-            return list(outcomes(self._connection, None if keys is None else under(set(keys))))
+        wanted = None if keys is None else set(keys)
+        return self._selected(None if wanted is None else lambda row: row[KEY] in wanted)
 
     def standing(self, stands: Stands) -> tuple[Outcome, ...]:
         """The outcomes of the current flights, without their tracks, ordered by mutant, situation, seed."""
+        answers: dict[tuple[Any, ...], bool] = {}
+
+        def keep(row: Record) -> bool:
+            answer = answers.get(place := _place(row))
+            if answer is None:
+                flight = FlownFlight(*_flown(row))
+                check_rows("outcomes", [flight], FLIGHT)
+                answer = stands(flight)
+                if flight.origin is not None:
+                    answers[place] = answer
+            return answer
+
+        return tuple(outcome for _, outcome in self._selected(keep))
+
+    def _selected(self, keep: Callable[[Record], bool] | None) -> list[tuple[str, Outcome]]:
+        """The outcomes of the rows that `keep` keeps, or of all, each with its key: by mutant, situation, seed, key."""
+        read = Reader()
+        places = defaultdict[tuple[str, str], list[tuple[int, str, Outcome]]](list)
+        # sorting here is faster than reading the rows in the order of an index
         with self._sentences():
-            return tuple([outcome for _, outcome in outcomes(self._connection, standing(stands))])
+            self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MOST_CELL_BYTES)
+            try:
+                for rows in self._chunks("outcomes", f"SELECT {', '.join(_COLUMNS)} FROM outcomes", {}):
+                    kept = list(filter(keep, rows)) if keep else rows
+                    for outcome, row in zip(read(kept), kept, strict=True):
+                        places[outcome.subject.id, outcome.situation].append((outcome.seed, row[KEY], outcome))
+            except (sqlite3.DataError, sqlite3.OperationalError) as error:
+                raise self._located() or error from error
+            finally:
+                self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MOST_BYTES)
+        # keys are distinct
+        return [(key, one) for place in sorted(places) for _, key, one in sorted(places[place])]
+
+    def _located(self) -> BadCellError | None:
+        """The first cell of an outcome that SQLite cannot give, because it is too large or no UTF-8."""
+        for rows in self._chunks("outcomes", "SELECT id FROM outcomes", {}):
+            for (number,) in rows:
+                for column in _COLUMNS:
+                    try:
+                        self._connection.execute(f"SELECT {column} FROM outcomes WHERE id = ?", (number,)).fetchone()
+                    except (sqlite3.DataError, sqlite3.OperationalError):
+                        allowed = f"UTF-8 text of at most {MOST_CELL_BYTES} bytes"
+                        return BadCellError(column, allowed, f"table outcomes, id {number}")
+        return None
 
     def plan(self, flights: Iterable[Planned]) -> None:
         """Record planned flights in one transaction; earlier records stay.
@@ -695,35 +632,51 @@ class Store:
             InputError: the store cannot be written.
         """
         with self.transaction():
-            origins: dict[Origin, int] = {}
+            origins: dict[Origin | None, int | None] = {None: None}
             for flight in flights:
                 if flight.origin is not None and flight.origin not in origins:
-                    origins[flight.origin] = self._origin(flight.origin)
+                    origins[flight.origin] = self.origin(flight.origin)
                 self._connection.execute(
                     "INSERT INTO plan (key, mutant, situation, seed, canary, origin) VALUES (?, ?, ?, ?, ?, ?)"
                     " ON CONFLICT (key) DO UPDATE SET canary = min(canary, excluded.canary)"
                     " WHERE canary > excluded.canary",
-                    (*flight[:5], origins[flight.origin] if flight.origin is not None else None),
+                    (*flight[:5], origins[flight.origin]),
                 )
             (number,) = self._connection.execute("SELECT count(*) FROM plan").fetchone()
             if number > most_flights():
                 raise TooLargeError("plan")
 
-    def _origin(self, origin: Origin) -> int:
-        """The number of an origin; flights with equal origins share one row."""
+    def origin(self, origin: Origin) -> int:
+        """The number of an origin inside the caller's transaction; flights with equal origins share one row."""
         parts = json.dumps(origin._asdict())
         self._connection.execute("INSERT INTO origins (parts) VALUES (?) ON CONFLICT (parts) DO NOTHING", (parts,))
         return int(self._connection.execute("SELECT id FROM origins WHERE parts = ?", (parts,)).fetchone()[0])
 
     def origins(self) -> dict[int, Origin]:
         """The origins of all recorded flights by number."""
+        found: dict[int, Origin] = {}
         with self._sentences():
-            return origins(self._connection)
+            for rows in self._chunks("origins", "SELECT id, parts FROM origins", {}):
+                for number, parts in rows:
+                    try:
+                        if len(parts) > MOST_LINE:
+                            raise ValueError("too long")
+                        found[number] = Origin(**decoded(parts))
+                        "".join(found[number])
+                    except (TypeError, ValueError) as error:
+                        allowed = f"a JSON object with the texts {', '.join(Origin._fields)}"
+                        raise BadCellError("parts", allowed, f"table origins, id {number}", parts) from error
+        return found
 
     def planned(self) -> list[Planned]:
         """All recorded plans, ordered by key."""
+        known, query = self.origins(), "SELECT key, mutant, situation, seed, canary, origin FROM plan ORDER BY key"
         with self._sentences():
-            return planned(self._connection)
+            return [
+                Planned(key, intern(mutant), intern(situation), seed, bool(canary), known.get(origin))
+                for rows in self._chunks("plan", query, FLIGHT)
+                for key, mutant, situation, seed, canary, origin in rows
+            ]
 
     def set_meta(self, entries: Mapping[str, str]) -> None:
         """Record facts about the campaign, such as the fingerprint of the platform; the first value of a name stays.
@@ -752,6 +705,15 @@ class Store:
         """The notes recorded by `set_notes`."""
         return {name.removeprefix(NOTE): text for name, text in self._facts() if name.startswith(NOTE)}
 
+    def remember(self, prefix: str, content: object, name: object = None) -> None:
+        """Note `content` in JSON for `records`; the note is called `prefix` and `name`, else a hash of the content.
+
+        Raises:
+            InputError: the store cannot be written.
+        """
+        text = json.dumps(content)
+        self.set_notes({f"{prefix} {sha256(text.encode()).hexdigest()[:16] if name is None else name}": text})
+
     def records(self, prefix: str, read: Callable[[Any], T]) -> list[T]:
         """What `read` makes of the JSON of each note whose name begins with `prefix` and a space, in their order.
 
@@ -769,9 +731,21 @@ class Store:
         return found
 
     def _facts(self) -> list[tuple[str, str]]:
+        query = "SELECT name, value FROM meta ORDER BY name"
         with self._sentences():
-            return facts(self._connection)
+            return [row for rows in self._chunks("meta", query, {"name": LABEL, "value": TEXT}) for row in rows]
 
 
 def _flights(number: int) -> str:
     return f"{number} flight{'s' * (number != 1)}"
+
+
+@contextmanager
+def read_store(path: Path) -> Iterator[Store | None]:
+    """Open a store to read; None where there is no file, or one without tables."""
+    try:
+        store = Store(path, create=False) if path.is_file() else None
+    except EmptyError:
+        store = None
+    with store or nullcontext():
+        yield store

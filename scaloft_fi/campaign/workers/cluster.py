@@ -9,34 +9,32 @@ from __future__ import annotations
 import hashlib
 import io
 import logging
-import lzma
 import os
 import re
-import shutil
 import ssl
 import stat
-import tarfile
 import tempfile
 import threading
 import time
 import uuid
+import zipfile
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.campaign.flight import Batch
 from scaloft_fi.campaign.flights.fly import Flyer, left_of, lost
 from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.campaign.processes import ATTEMPTS, cores, started_clean
+from scaloft_fi.campaign.store.archive import study_files
 from scaloft_fi.campaign.store.origin import differences, fingerprint
 from scaloft_fi.campaign.workers.local import Executor, Interrupted, LateWorker, Local, Workers
-from scaloft_fi.document import is_file, read_bytes
+from scaloft_fi.document import read_bytes
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.load import FOLDERS
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.study import Study
@@ -120,91 +118,42 @@ def executor_named(name: str, jobs: int | None, certificates: Path | None = None
     return Cluster(match["address"], certificates)
 
 
-MOST_FILES = 10_000
-"""Greatest number of files in a bundle."""
-MOST_BYTES = 512 * 1024**2
-"""Greatest size of an unpacked bundle."""
-_MOST_MEMORY = 256 * 1024**2
-"""Greatest memory of the decompressor."""
-
-
 def packed(study: Path) -> bytes:
-    """Pack the three folders of a study without hidden files; equal content gives equal bytes.
+    """Pack the documents of a study; equal content gives equal bytes.
 
     Raises:
         InputError: a file cannot be read.
     """
     content = io.BytesIO()
-    with tarfile.open(fileobj=content, mode="w") as archive:
-        for path in sorted(path for name in FOLDERS for path in (study / name).rglob("*")):
-            name = path.relative_to(study)
-            if is_file(path) and not any(part.startswith((".", "__")) for part in name.parts):
-                entry = tarfile.TarInfo(name.as_posix())
-                data = read_bytes(path, MOST_BYTES - content.tell())
-                entry.size = len(data)
-                archive.addfile(entry, io.BytesIO(data))
-    return lzma.compress(content.getvalue())
-
-
-def digest_of(bundle: bytes) -> str:
-    """The name of a bundle: its hash."""
-    return hashlib.sha256(bundle).hexdigest()
+    with zipfile.ZipFile(content, "w") as archive:
+        for path in study_files(study):
+            name = zipfile.ZipInfo(path.relative_to(study).as_posix())
+            archive.writestr(name, read_bytes(path), zipfile.ZIP_DEFLATED)
+    return content.getvalue()
 
 
 def unpacked(bundle: bytes, folder: Path) -> Path:
     """Unpack the study of `bundle` into `folder` once; other processes may do the same at the same time.
 
     Raises:
-        InputError: the bundle is damaged, larger than the limits, or has anything but files in the folders of a study.
+        OSError, zipfile.BadZipFile: the study cannot be unpacked.
     """
     if not folder.is_dir():
-        files = _files(bundle)
-        begun = Path(tempfile.mkdtemp(prefix=f"{folder.name}-", dir=folder.parent))
-        try:
-            for name, data in files.items():
-                path = begun / name
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_bytes(data)
-        except OSError as error:
-            shutil.rmtree(begun, ignore_errors=True)
-            raise InputError(f"{folder}: the study cannot be unpacked: {error.strerror}") from error
-        try:
-            os.rename(begun, folder)  # noqa: PTH104 - it must fail if another process was faster
-        except OSError:
-            shutil.rmtree(begun, ignore_errors=True)
+        with tempfile.TemporaryDirectory(prefix=f"{folder.name}-", dir=folder.parent) as begun:
+            fresh = Path(begun) / folder.name
+            with zipfile.ZipFile(io.BytesIO(bundle)) as archive:
+                archive.extractall(fresh)
+            with suppress(OSError):  # another process was faster
+                os.rename(fresh, folder)  # noqa: PTH104 - it must fail then
     return folder
-
-
-def _files(bundle: bytes) -> dict[str, bytes]:
-    """The contents of the files of a bundle by name."""
-    try:
-        unpacking = lzma.LZMADecompressor(memlimit=_MOST_MEMORY)
-        content = unpacking.decompress(bundle, MOST_BYTES)
-        if not unpacking.eof:
-            raise _refused(f"it is damaged, or larger than {MOST_BYTES} bytes")
-        found: dict[str, bytes] = {}
-        with tarfile.open(fileobj=io.BytesIO(content), mode="r:") as archive:
-            for entry in archive:
-                parts = PurePosixPath(entry.name).parts
-                if not entry.isreg() or not parts or parts[0] not in FOLDERS or ".." in parts or entry.issparse():
-                    raise _refused(f"{entry.name[:80]!r} is no file in {', '.join(FOLDERS)}")
-                if len(found) == MOST_FILES:
-                    raise _refused(f"it has more than {MOST_FILES} files")
-                file = archive.extractfile(entry)
-                found[entry.name] = file.read() if file else b""
-    except (lzma.LZMAError, tarfile.TarError, ValueError, EOFError, OSError) as error:
-        raise _refused(f"it is damaged ({error})") from error
-    return found
-
-
-def _refused(reason: str) -> InputError:
-    return InputError(f"the bundle of the study is refused: {reason}")
 
 
 IDLE_S = 60.0
 """A process without a task for this time ends, because its run has ended or died [s, wall]."""
 
-_idle: dict[tuple[Path, str | None, Flyer], list[_Slot]] = defaultdict(list)
+_Kept = tuple[ProcessPool[Batch, Outcome], threading.Timer]
+"""A process that flies, and when it ends."""
+_idle: dict[tuple[Path, str | None, Flyer], list[_Kept]] = defaultdict(list)
 _lock = threading.Lock()
 
 
@@ -230,52 +179,70 @@ class Sent:
     def of(cls, study: Study) -> Sent:
         """Pack a study."""
         bundle = packed(study.folder)
-        return cls(bundle, digest_of(bundle), study.grid_name, dict(study.inputs), fingerprint())
+        name = hashlib.sha256(bundle).hexdigest()
+        return cls(bundle, name, study.grid_name, dict(study.inputs), fingerprint())
 
 
-@dataclass(frozen=True)
-class Greeting:
-    """What a worker answers to a run.
+def greet(sent: Sent) -> tuple[str, str]:
+    """Take the study of a run, and compare code, data and platform; runs on a worker.
 
-    Attributes:
-        refusal: why it flies nothing; "" if it flies.
-        platform: how its platform differs from the run's; "" if it does not.
+    Returns:
+        why it flies nothing, and how its platform differs from the run's; each "" where there is nothing to say.
     """
-
-    refusal: str = ""
-    platform: str = ""
-
-
-def greet(sent: Sent) -> Greeting:
-    """Take the study of a run, and compare code, data and platform; runs on a worker."""
     try:
         ours = _study(unpacked(sent.bundle, _folder(sent.name)), sent.grid).inputs
     except Exception as error:  # noqa: BLE001 - whatever it is, the run has to tell it
-        return Greeting(f"cannot fly the study: {error if isinstance(error, InputError) else in_one_line(error)}")
+        return f"cannot fly the study: {error if isinstance(error, InputError) else in_one_line(error)}", ""
     parts = [
         f"{part} {ours.get(part, 'none')[:12]}, not {digest[:12]}"
         for part, digest in sent.inputs.items()
         if ours.get(part) != digest
     ]
     refusal = f"has other code or data and flies nothing: {', '.join(parts)}" if parts else ""
-    return Greeting(refusal, ", ".join(differences(sent.platform, fingerprint())))
+    return refusal, ", ".join(differences(sent.platform, fingerprint()))
 
 
 def fly_batch(name: str, grid: str | None, flyer: Flyer, batch: Batch) -> list[Outcome] | None:
     """Fly one batch in a process of its own; runs on a worker.  None where the worker has lost the study `name`."""
+    folder = _folder(name)
+    if not folder.is_dir():
+        return None
+    idle = _idle[folder, grid, flyer]  # a pool starts its process at its first batch and replaces it when it dies
+    with _lock:
+        pool, expiry = idle.pop() if idle else (None, None)
+    if expiry is not None:
+        expiry.cancel()
+    if pool is None:
+        work = LateWorker(folder, grid, flyer)
+        pool = ProcessPool(work, 1, left=left_of, lost=lost, stop=_unwanted, patient=False, start=started_clean)
+    try:
+        flown = list(pool.map([batch]))
+    except BaseException:
+        pool.close()
+        raise
+    entry: _Kept = pool, threading.Timer(IDLE_S, lambda: _expire(idle, entry))
+    entry[1].daemon = True
+    with _lock:
+        idle.append(entry)
+    entry[1].start()
+    return flown
+
+
+def _unwanted() -> bool:
+    """Whether the run no longer wants the task that this thread of a worker flies."""
     from distributed import get_worker
 
     worker: DaskWorker = get_worker()
-    task, folder = worker.get_current_task(), _folder(name)
-    if not folder.is_dir():
-        return None
+    state = worker.state.tasks.get(worker.get_current_task())
+    return state is None or state.state == "cancelled"
 
-    def stop() -> bool:  # the run no longer wants the batch
-        state = worker.state.tasks.get(task)
-        return state is None or state.state == "cancelled"
 
-    with _slot(_study(folder, grid), flyer, stop) as pool:
-        return list(pool.map([batch]))
+def _expire(idle: list[_Kept], entry: _Kept) -> None:
+    with _lock:
+        if entry not in idle:
+            return
+        idle.remove(entry)
+    entry[0].close()
 
 
 def _folder(name: str) -> Path:
@@ -288,50 +255,6 @@ def _folder(name: str) -> Path:
 @lru_cache
 def _study(folder: Path, grid_name: str | None) -> Study:
     return Study.open(folder, grid_name)
-
-
-@dataclass(eq=False)
-class _Slot:
-    """A process that flies; its pool starts it at its first batch and replaces it when it dies."""
-
-    work: LateWorker
-    stop: Callable[[], bool] = lambda: False
-    pool: ProcessPool[Batch, Outcome] = field(init=False)
-    expiry: threading.Timer | None = None
-
-    def __post_init__(self) -> None:
-        self.pool = ProcessPool(
-            self.work, 1, left=left_of, lost=lost, stop=lambda: self.stop(), patient=False, start=started_clean
-        )
-
-
-@contextmanager
-def _slot(study: Study, flyer: Flyer, stop: Callable[[], bool]) -> Iterator[ProcessPool[Batch, Outcome]]:
-    """The pool of an idle slot, else of a new slot; the slot is kept for the next batch, or closed after an error."""
-    slots = _idle[study.folder, study.grid_name, flyer]
-    with _lock:
-        slot = slots.pop() if slots else _Slot(LateWorker(study.folder, study.grid_name, flyer))
-        if slot.expiry:
-            slot.expiry.cancel()
-    slot.stop = stop
-    try:
-        yield slot.pool
-    except BaseException:
-        slot.pool.close()
-        raise
-    with _lock:
-        slots.append(slot)
-        slot.expiry = threading.Timer(IDLE_S, _expire, (slots, slot))
-        slot.expiry.daemon = True
-        slot.expiry.start()
-
-
-def _expire(slots: list[_Slot], slot: _Slot) -> None:
-    with _lock:
-        if slot not in slots:
-            return
-        slots.remove(slot)
-    slot.pool.close()
 
 
 LOOK_UP_S = 0.1
@@ -395,7 +318,7 @@ class ClusterRun:
         self._trials: dict[Future[list[Outcome] | None], _Trial] = {}
         self._again: deque[tuple[Batch, int]] = deque()
         self._suspect: deque[tuple[Batch, int]] = deque()
-        self._greeted: dict[str, Future[Greeting]] = {}
+        self._greeted: dict[str, Future[tuple[str, str]]] = {}
         self._ready: set[str] = set()
         self._barred: dict[str, str] = {}
         self._said: set[str] = set()
@@ -430,7 +353,8 @@ class ClusterRun:
                         return
                     if self._room():
                         self._hand_out(*self._suspect.popleft(), alone=True)
-                ended = [future for future, trial in self._trials.items() if self._has_ended(future, trial)]
+                alive = self._threads.keys()  # a batch ends, or waits for workers that are gone
+                ended = [future for future, trial in self._trials.items() if future.done() or not trial.where & alive]
                 for future in ended:
                     yield from self._end(future, self._trials.pop(future))
                 if not ended:
@@ -450,10 +374,6 @@ class ClusterRun:
         words = {"key": self._key(), "workers": sorted(self._ready), "pure": False}
         future = self._client.submit(fly_batch, self._sent.name, self._sent.grid, self._flyer, batch, **words)
         self._trials[future] = _Trial(batch, begun + 1, frozenset(self._ready), alone)
-
-    def _has_ended(self, future: Future[list[Outcome] | None], trial: _Trial) -> bool:
-        """Whether a batch is done, or waits for workers that are gone."""
-        return future.done() or not trial.where & self._threads.keys()
 
     def _key(self) -> str:
         return f"scaloft-fi-{self._run}-{uuid.uuid4().hex}"
@@ -520,15 +440,15 @@ class ClusterRun:
         for worker, future in self._greeted.items():
             if worker in self._ready or worker in self._barred or future.status not in ("finished", "error"):
                 continue
-            if future.status == "error":
-                self._bar(worker, "cannot take the study; start it with the same scaloft-fi")
-                continue
-            told: Greeting = future.result(timeout=CONNECT_S)
-            if told.platform:
-                place = f"the worker at {worker}"
-                self._say_once(f"warning: {place} is another platform, digests may differ: {told.platform}")
-            if told.refusal:
-                self._bar(worker, told.refusal)
+            refusal, platform = "cannot take the study; start it with the same scaloft-fi", ""
+            if future.status == "finished":
+                refusal, platform = future.result(timeout=CONNECT_S)
+            place = f"the worker at {worker}"
+            if platform:
+                self._say_once(f"warning: {place} is another platform, digests may differ: {platform}")
+            if refusal:
+                self._barred[worker] = f"{place} {refusal}"
+                self._say_once(f"warning: {self._barred[worker]}")
             else:
                 self._ready.add(worker)
 
@@ -541,11 +461,6 @@ class ClusterRun:
         self._taken += 1
         if self._taken > TAKEN:
             raise InputError(ROBBED)
-
-    def _bar(self, worker: str, reason: str) -> None:
-        """Give a worker no batches."""
-        self._barred[worker] = f"the worker at {worker} {reason}"
-        self._say_once(f"warning: {self._barred[worker]}")
 
     def _say_once(self, line: str) -> None:
         if line not in self._said:

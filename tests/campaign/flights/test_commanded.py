@@ -11,7 +11,7 @@ import pytest
 from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.flights.fly import Worker
 from scaloft_fi.campaign.flights.physics import Commanded
-from scaloft_fi.campaign.store.held import flight_key, flight_named
+from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
@@ -160,7 +160,7 @@ def test_the_matrix_may_use_only_the_seams_that_the_command_offers(folder: Path)
 def test_program_mapping_and_declaration_are_part_of_the_key_of_a_flight(folder: Path) -> None:
     def key() -> str:
         study = Study.open(folder)
-        return flight_key(study, Flight(None, study.grid.situations[0], 0))
+        return Keys(study).key(Flight(None, study.grid.situations[0], 0))
 
     keys = {key()}
     _edit(folder / "fly.py", "0.8", "0.7")

@@ -1,4 +1,4 @@
-"""Runs without physics: what is flown, what is saved, what stops them."""
+"""Runs without physics: what is flown, what is saved, what stops them; the gates that a score must pass."""
 
 from __future__ import annotations
 
@@ -6,94 +6,86 @@ import io
 import json
 import multiprocessing
 import os
-import signal
+import shutil
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
+from builders import GRID, ROSTER, campaigns, outcome
+from hypothesis import given
+from running import CONTROL, LATE, MORE, Runs, asked, changed, interrupting, red, same
 
+from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.plan import Plan, plan
-from scaloft_fi.campaign.progress import Progress
-from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.runs.run import Report, run
+from scaloft_fi.campaign.plan import plan
+from scaloft_fi.campaign.progress import Progress, violation_line
+from scaloft_fi.campaign.runs.gates import RISE_M, check_gates
+from scaloft_fi.campaign.runs.merge import merge
+from scaloft_fi.campaign.runs.run import Report, mission_log, run
 from scaloft_fi.campaign.store.archive import LOG_NAME, STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers.local import Interrupted
+from scaloft_fi.console import json_text
 from scaloft_fi.errors import GateError, InputError
-from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.mutants.catalogue import realise
-from scaloft_fi.verbs.export.rows import export_rows, to_json
-
-CONTROL, LATE = "REVERSE-velcmd", "LATE-human@3s"
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
+from scaloft_fi.sim import observer
 
 
-def _plan(study: Any, seeds: tuple[int, ...] = (0,)) -> Plan:
-    return plan(study.grid, seeds, [realise(study.matrix, LATE)], realise(study.matrix, CONTROL))
-
-
-def _run(study: Any, log: Any, *, jobs: int = 1, planned: Plan | None = None, folder: str = "c") -> Report:
-    progress = Progress(stream=io.StringIO())
-    return run(study, planned or _plan(study), study.folder / folder, RunOptions(jobs), progress=progress, flyer=log)
-
-
-def _export(study: Any, report: Report) -> str:
-    return to_json(export_rows(report.outcomes, study.roster, study.space))
-
-
-def test_baseline_placebo_and_mutant_fly_everywhere_and_one_control_somewhere(study: Any, log: Any) -> None:
-    report = _run(study, log)
+def test_baseline_placebo_and_mutant_fly_everywhere_and_one_control_somewhere(study: Any, log: Any, fly: Runs) -> None:
+    report = fly()
     assert len(report.outcomes) == 3 * len(study.grid) + 1
     assert sum(name.startswith(CONTROL) for name in log.flown) == 1
 
 
-def test_the_control_flies_where_its_baseline_holds(study: Any, log: Any) -> None:
-    only = plan(study.grid[::-1], (0,), [], _plan(study).canary)
-    report = _run(study, log, planned=only)
+def test_the_control_flies_where_its_baseline_holds(study: Any, fly: Runs) -> None:
+    only = plan(study.grid[::-1], (0,), [], asked(study).canary)
+    report = fly(only)
     (control,) = [o for o in report.outcomes if o.mutant == CONTROL]
     assert control.situation != "D1H1"
 
 
-def test_one_flight_is_repeated_and_not_saved_twice(study: Any, log: Any) -> None:
-    report = _run(study, log)
+def test_one_flight_is_repeated_and_not_saved_twice(log: Any, fly: Runs) -> None:
+    report = fly()
     assert report.flown == len(report.outcomes)
     assert len(log.flown) == len(report.outcomes) + 1
     assert log.flown[-1] == "baseline/D0H0/0"
 
 
-def test_the_same_command_flies_nothing_again(study: Any, log: Any) -> None:
-    first = _run(study, log)
+def test_the_same_command_flies_nothing_again(log: Any, fly: Runs) -> None:
+    first = fly()
     flown = len(log.flown)
-    second = _run(study, log)
+    second = fly()
     assert (second.flown, len(log.flown)) == (0, flown)
-    assert _export(study, first) == _export(study, second)
+    assert fly.export(first.outcomes) == fly.export(second.outcomes)
 
 
-def test_another_number_of_jobs_exports_the_same_bytes(study: Any, log: Any) -> None:
-    one = _run(study, log, jobs=1, folder="one", planned=_plan(study, (0, 1)))
-    two = _run(study, log, jobs=2, folder="two", planned=_plan(study, (0, 1)))
-    assert _export(study, one) == _export(study, two)
+def test_another_number_of_jobs_exports_the_same_bytes(study: Any, fly: Runs) -> None:
+    one = fly(jobs=1, folder="one", planned=asked(study, (0, 1)))
+    two = fly(jobs=2, folder="two", planned=asked(study, (0, 1)))
+    assert fly.export(one.outcomes) == fly.export(two.outcomes)
 
 
-def test_changed_study_data_fly_again_and_changed_comments_do_not(study: Any, log: Any) -> None:
-    _run(study, log)
+def test_changed_study_data_fly_again_and_changed_comments_do_not(study: Any, log: Any, fly: Runs) -> None:
+    fly()
     flown = len(log.flown)
     changed = replace(study, predicate="u")
-    _run(changed, log)
+    fly(of=changed)
     assert set(log.flown[flown:]) == {f"baseline/{s.key}/0" for s in study.grid}
 
 
-def test_more_seeds_fly_only_what_is_new(study: Any, log: Any) -> None:
-    _run(study, log)
+def test_more_seeds_fly_only_what_is_new(study: Any, log: Any, fly: Runs) -> None:
+    fly()
     flown = len(log.flown)
-    _run(study, log, planned=_plan(study, (0, 1)))
+    fly(asked(study, (0, 1)))
     assert {name.rsplit("/", 1)[1] for name in log.flown[flown:-1]} == {"1"}
 
 
-def test_as_many_violations_are_counted_as_the_mission_log_has(study: Any, log: Any) -> None:
+def test_as_many_violations_are_counted_as_the_mission_log_has(study: Any, fly: Runs) -> None:
     stream = io.StringIO()
-    run(study, _plan(study), study.folder / "c", progress=Progress(stream=stream), flyer=log)
+    fly(stream=stream)
     path = study.folder / "c" / LOG_NAME
     listed = len(json.loads(path.read_text())["violations"])
     assert stream.getvalue().splitlines()[:-1] == [
@@ -101,36 +93,32 @@ def test_as_many_violations_are_counted_as_the_mission_log_has(study: Any, log: 
     ]
 
 
-def test_the_mission_log_names_every_safety_violation(study: Any, log: Any) -> None:
-    _run(study, log)
+def test_the_mission_log_names_every_safety_violation(study: Any, fly: Runs) -> None:
+    fly()
     written = json.loads((study.folder / "c" / LOG_NAME).read_text())
     assert written["total_test_cases"] == written["generated_test_cases"] == 4
     assert f"SR2:{LATE}/D0H1/0" in written["safety_violation_ids"]
 
 
-def _change(name: str, **changes: Any) -> Callable[[Flight, Outcome], Outcome]:
-    return lambda flight, outcome: replace(outcome, **changes) if flight.name == name else outcome
-
-
-def test_a_placebo_that_differs_fails_the_gate_by_name(study: Any, log: Any) -> None:
-    log.change = _change("PLACEBO/D0H1/0", digest="other")
+def test_a_placebo_that_differs_fails_the_gate_by_name(log: Any, fly: Runs) -> None:
+    log.change = changed("PLACEBO/D0H1/0", digest="other")
     with pytest.raises(GateError, match=r"PLACEBO differs from the baseline: PLACEBO/D0H1/0"):
-        _run(study, log)
+        fly()
 
 
-def test_a_placebo_that_is_only_perceived_otherwise_fails_the_gate(study: Any, log: Any) -> None:
-    log.change = _change("PLACEBO/D0H1/0", perceived_digest="other")
+def test_a_placebo_that_is_only_perceived_otherwise_fails_the_gate(log: Any, fly: Runs) -> None:
+    log.change = changed("PLACEBO/D0H1/0", perceived_digest="other")
     with pytest.raises(GateError, match="PLACEBO differs"):
-        _run(study, log)
+        fly()
 
 
-def test_a_repeat_that_differs_fails_the_gate(study: Any, log: Any) -> None:
+def test_a_repeat_that_differs_fails_the_gate(log: Any, fly: Runs) -> None:
     log.change = lambda _flight, outcome: replace(outcome, digest=f"{outcome.digest}-{len(log.flown) > 13}")
     with pytest.raises(GateError, match="a repeated flight differs from the first: baseline/D0H0/0"):
-        _run(study, log)
+        fly()
 
 
-def test_a_control_that_shows_nothing_fails_the_gate(study: Any, log: Any) -> None:
+def test_a_control_that_shows_nothing_fails_the_gate(log: Any, fly: Runs) -> None:
     def tame(flight: Flight, outcome: Outcome) -> Outcome:
         if flight.subject.id != CONTROL:
             return outcome
@@ -139,124 +127,109 @@ def test_a_control_that_shows_nothing_fails_the_gate(study: Any, log: Any) -> No
 
     log.change = tame
     with pytest.raises(GateError, match="a control shows nothing, so faults may not reach the drone: REVERSE-velcmd"):
-        _run(study, log)
+        fly()
 
 
-def test_red_baselines_everywhere_fail_the_gate(study: Any, log: Any) -> None:
-    def red(flight: Flight, outcome: Outcome) -> Outcome:
-        return replace(outcome, readings=tuple(replace(r, violated_at_s=2.0) for r in outcome.readings))
-
-    log.change = red
+def test_red_baselines_everywhere_fail_the_gate(log: Any, fly: Runs) -> None:
+    log.change = lambda _flight, outcome: red(outcome)
     with pytest.raises(GateError, match="no situation flown has a baseline that holds a safety requirement"):
-        _run(study, log)
+        fly()
 
 
-def test_a_crash_of_the_harness_is_invalid_with_its_reason_and_is_flown_again_next_time(study: Any, log: Any) -> None:
+def test_a_crash_of_the_harness_is_invalid_with_its_reason_and_is_flown_again_next_time(log: Any, fly: Runs) -> None:
     def crash(flight: Flight, outcome: Outcome) -> Outcome:
         if flight.name == f"{LATE}/D0H1/0":
             raise RuntimeError("no memory\nleft")
         return outcome
 
     log.change = crash
-    report = _run(study, log)
+    report = fly()
     (invalid,) = [o for o in report.outcomes if o.invalid]
     assert invalid.invalid == "RuntimeError: no memory left"
-    log.change = lambda _flight, outcome: outcome
-    assert not any(o.invalid for o in _run(study, log).outcomes)
+    log.change = same
+    assert not any(o.invalid for o in fly().outcomes)
 
 
-def test_more_than_a_tenth_of_invalid_flights_fails_the_gate(study: Any, log: Any) -> None:
-    log.change = _change(f"{LATE}/D0H1/0", invalid="its worker process died every time it was flown")
-    _run(study, log)
+def test_more_than_a_tenth_of_invalid_flights_fails_the_gate(log: Any, fly: Runs) -> None:
+    log.change = changed(f"{LATE}/D0H1/0", invalid="its worker process died every time it was flown")
+    fly()
     broken = (f"{LATE}/D0H0/0", f"{LATE}/D0H1/0")
     log.change = lambda flight, outcome: replace(outcome, invalid="no memory") if flight.name in broken else outcome
     with pytest.raises(GateError, match=r"2 of 13 flights are invalid, more than 10%: LATE-human@3s/D0H0/0 \(no"):
-        _run(study, log, folder="other")
+        fly(folder="other")
 
 
-def test_an_interrupted_run_saves_all_and_resumes(study: Any, log: Any) -> None:
-    def interrupt(flight: Flight, outcome: Outcome) -> Outcome:
-        if len(log.flown) == 6:
-            os.kill(os.getppid(), signal.SIGINT)
-        return outcome
-
-    log.change = interrupt
+def test_an_interrupted_run_saves_all_and_resumes(study: Any, log: Any, fly: Runs) -> None:
+    log.change = interrupting(lambda _flight: len(log.flown) == 6)
     with pytest.raises(Interrupted, match=r"flights are saved in .*; the same command resumes"):
-        _run(study, log)
-    with Store(study.folder / "c" / STORE_NAME, create=False) as store:
+        fly()
+    with fly.store() as store:
         saved = len(list(store.outcomes()))
     assert 5 <= saved < 13
     assert (study.folder / "c" / LOG_NAME).exists()
-    log.change = lambda _flight, outcome: outcome
-    assert _run(study, log).flown == 13 - saved
+    log.change = same
+    assert fly().flown == 13 - saved
 
 
-def test_flights_that_share_and_flights_that_do_not_export_the_same_bytes(study: Any, log: Any) -> None:
-    shared = _run(study, log, folder="shared")
-    progress = Progress(stream=io.StringIO())
-    whole = run(study, _plan(study), study.folder / "whole", RunOptions(share=False), progress=progress, flyer=log)
-    assert _export(study, shared) == _export(study, whole)
+def test_flights_that_share_and_flights_that_do_not_export_the_same_bytes(fly: Runs) -> None:
+    shared = fly(folder="shared")
+    whole = fly(folder="whole", share=False)
+    assert fly.export(shared.outcomes) == fly.export(whole.outcomes)
 
 
-def _three_mutants(study: Any) -> Plan:
-    mutants = [realise(study.matrix, name) for name in (LATE, "MORE-goal@1m", "LESS-goal@0.05m")]
-    return plan(study.grid, (0,), mutants, realise(study.matrix, CONTROL))
+THREE = (LATE, MORE, "LESS-goal@0.05m")
 
 
-def test_mutants_that_come_later_fly_with_their_baseline_again_and_nothing_else(study: Any, log: Any) -> None:
-    _run(study, log)
+def test_mutants_that_come_later_fly_with_their_baseline_again_and_nothing_else(
+    study: Any, log: Any, fly: Runs
+) -> None:
+    fly()
     before = len(log.flown)
-    report = _run(study, log, planned=_three_mutants(study))
+    report = fly(asked(study, names=THREE))
     again = log.flown[before:]
     assert report.flown == 2 * len(study.grid)
     assert sorted({name.split("/")[0] for name in again}) == ["LESS-goal@0.05m", "MORE-goal@1m", "baseline"]
 
 
-def test_a_known_baseline_that_comes_out_otherwise_fails_the_gate(study: Any, log: Any) -> None:
-    _run(study, log)
-    log.change = _change("baseline/D0H1/0", digest="other")
+def test_a_known_baseline_that_comes_out_otherwise_fails_the_gate(study: Any, log: Any, fly: Runs) -> None:
+    fly()
+    log.change = changed("baseline/D0H1/0", digest="other")
     with pytest.raises(GateError, match="a repeated flight differs from the first: baseline/D0H1/0"):
-        _run(study, log, planned=_three_mutants(study))
+        fly(asked(study, names=THREE))
 
 
-def test_a_folder_that_cannot_be_written_is_one_sentence_before_anything_flies(study: Any, log: Any) -> None:
+def test_a_folder_that_cannot_be_written_is_one_sentence_before_anything_flies(study: Any, log: Any, fly: Runs) -> None:
     (study.folder / "c").write_text("a file stands where the folder should be")
     with pytest.raises(InputError, match="the results folder cannot be written"):
-        _run(study, log)
+        fly()
     assert log.flown == []
 
 
-def test_a_study_that_cannot_be_flown_stops_the_run_with_its_sentence(study: Any, log: Any) -> None:
+def test_a_study_that_cannot_be_flown_stops_the_run_with_its_sentence(log: Any, fly: Runs) -> None:
     def refuse(_flight: Flight, _outcome: Outcome) -> Outcome:
         raise InputError("sim/stack.yaml: gain=-1 must be > 0")
 
     log.change = refuse
     with pytest.raises(InputError, match="gain=-1"):
-        _run(study, log)
+        fly()
 
 
-def test_the_declared_share_of_invalid_flights_decides_whether_a_run_is_believed(study: Any, log: Any) -> None:
-    log.change = _change(f"{LATE}/D0H1/0", invalid="no memory")
-    strict = RunOptions(max_invalid=0.05)
+def test_the_declared_share_of_invalid_flights_decides_whether_a_run_is_believed(log: Any, fly: Runs) -> None:
+    log.change = changed(f"{LATE}/D0H1/0", invalid="no memory")
     with pytest.raises(GateError, match=r"1 of 13 flights are invalid, more than 5%: LATE-human@3s/D0H1/0 \(no"):
-        run(study, _plan(study), study.folder / "c", strict, progress=Progress(stream=io.StringIO()), flyer=log)
+        fly(max_invalid=0.05)
 
 
-def test_an_interrupted_run_says_the_command_that_resumes_it(study: Any, log: Any) -> None:
-    def interrupt(flight: Flight, outcome: Outcome) -> Outcome:
-        os.kill(os.getppid(), signal.SIGINT)
-        return outcome
-
-    log.change = interrupt
-    typed = RunOptions(command="scaloft-fi run --mutant 'LATE-human*'")
+def test_an_interrupted_run_says_the_command_that_resumes_it(log: Any, fly: Runs) -> None:
+    log.change = interrupting(lambda _flight: True)
     with pytest.raises(Interrupted, match=r"the same command resumes: scaloft-fi run --mutant 'LATE-human\*'$"):
-        run(study, _plan(study), study.folder / "c", typed, progress=Progress(stream=io.StringIO()), flyer=log)
+        fly(command="scaloft-fi run --mutant 'LATE-human*'")
 
 
 def test_a_disk_that_fills_up_is_one_sentence_and_the_same_command_resumes(
-    study: Any, log: Any, monkeypatch: pytest.MonkeyPatch
+    log: Any, fly: Runs, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    whole = _export(study, _run(study, log, folder="whole"))
+    whole = fly.export(fly(folder="whole").outcomes)
     flown = len(log.flown)
     log.change = lambda _flight, outcome: replace(outcome, track=os.urandom(30_000))
     with monkeypatch.context() as patched:
@@ -268,31 +241,260 @@ def test_a_disk_that_fills_up_is_one_sentence_and_the_same_command_resumes(
 
         patched.setattr(Store, "__init__", small)
         with pytest.raises(InputError, match=r"c/outcomes\.sqlite: .* disk is full"):
-            _run(study, log)
-    with Store(study.folder / "c" / STORE_NAME, create=False) as store:
+            fly()
+    with fly.store() as store:
         saved = {outcome.name for outcome in store.outcomes()}
     assert 0 < len(saved) < 13
     tried = len(log.flown)
-    assert _export(study, _run(study, log)) == whole
+    assert fly.export(fly().outcomes) == whole
     assert not saved.intersection(name for name in log.flown[tried:] if not name.startswith("baseline"))
     assert tried > flown
 
 
-def test_a_run_that_was_killed_before_its_store_had_tables_is_resumed(study: Any, log: Any) -> None:
-    whole = _export(study, _run(study, log, folder="whole"))
+def test_a_run_that_was_killed_before_its_store_had_tables_is_resumed(study: Any, fly: Runs) -> None:
+    whole = fly.export(fly(folder="whole").outcomes)
     (study.folder / "c").mkdir()
     (study.folder / "c" / STORE_NAME).touch()
-    assert _export(study, _run(study, log)) == whole
+    assert fly.export(fly().outcomes) == whole
 
 
-def test_two_runs_of_one_campaign_at_once_lose_and_double_nothing(study: Any, log: Any) -> None:
-    whole = _export(study, _run(study, log, folder="whole"))
-    processes = [multiprocessing.get_context("fork").Process(target=_run, args=(study, log)) for _ in range(2)]
+def test_two_runs_of_one_campaign_at_once_lose_and_double_nothing(fly: Runs) -> None:
+    whole = fly.export(fly(folder="whole").outcomes)
+    processes = [multiprocessing.get_context("fork").Process(target=fly) for _ in range(2)]
     for process in processes:
         process.start()
     for process in processes:
         process.join(60)
     assert [process.exitcode for process in processes] == [0, 0]
-    again = _run(study, log)
+    again = fly()
     assert again.flown == 0
-    assert _export(study, again) == whole
+    assert fly.export(again.outcomes) == whole
+
+
+def _seeds(report: Report, situation: str) -> set[int]:
+    return {o.seed for o in report.outcomes if o.mutant == "baseline" and o.situation == situation}
+
+
+def test_a_pool_of_ten_is_flown_in_each_situation_where_a_mutant_infects(study: Any, fly: Runs) -> None:
+    report = fly(asked(study, canary="").with_pool())
+    assert {key: _seeds(report, key) for key in ("D0H0", "D0H1", "D1H0", "D1H1")} == {
+        "D0H0": {0},
+        "D0H1": set(range(10)),
+        "D1H0": {0},
+        "D1H1": set(range(10)),
+    }
+    assert {o.seed for o in report.outcomes if o.mutant != "baseline"} == {0}
+
+
+def test_a_resumed_run_completes_the_pool_and_flies_nothing_twice(study: Any, log: Any, fly: Runs) -> None:
+    planned = asked(study)
+    fly(planned)
+    before = len(log.flown)
+    report = fly(planned.with_pool())
+    assert [len(_seeds(report, key)) for key in ("D0H0", "D0H1", "D1H0", "D1H1")] == [1, 10, 1, 10]
+    # the last one is the flight that each run repeats
+    assert len(log.flown) - before == 2 * 9 + 1
+
+
+def test_a_pool_in_which_no_pair_is_steady_fails_the_gate(study: Any, log: Any, fly: Runs) -> None:
+    log.change = lambda flight, outcome: outcome if flight.mutant or flight.seed % 2 else red(outcome)
+    with pytest.raises(GateError, match="no situation flown has a steady pair"):
+        fly(asked(study).with_pool())
+
+
+def test_without_a_pool_some_baseline_must_hold_a_safety_requirement(log: Any, fly: Runs) -> None:
+    log.change = lambda flight, outcome: outcome if flight.mutant else red(outcome)
+    with pytest.raises(GateError, match="no situation flown has a baseline that holds a safety requirement"):
+        fly()
+
+
+def test_a_campaign_remembers_with_which_seeds_its_mutants_were_asked_for(study: Any, fly: Runs) -> None:
+    once = fly(asked(study, names=(LATE, MORE), canary=""))
+    assert once.spending == Spending(0.01, frozenset())
+    again = fly(asked(study, canary=""))
+    assert again.spending.grown == frozenset()
+    grown = fly(asked(study, range(3), canary=""))
+    assert grown.spending.grown == {LATE, "PLACEBO"}
+
+
+def test_to_ask_for_fewer_seeds_than_before_is_no_growth(study: Any, fly: Runs) -> None:
+    fly(asked(study, range(3), canary=""))
+    again = fly(asked(study, (1,), canary=""))
+    assert again.spending.grown == frozenset()
+
+
+ERROR = "autopilot at 0.000 s: RuntimeError: no bus"
+
+
+def _track(*heights: float) -> bytes:
+    signals = {name: [0.0] * 5 * len(heights) for name in TRACK_COLUMNS}
+    return pack_track(signals | {"z_m": [z for z in heights for _ in range(5)]})
+
+
+GROUNDED = {"ending": "timed_out", "track": _track(0.06, 0.06, 0.2, 0.06)}
+FLOWN = {"ending": "timed_out", "track": _track(0.06, 1.6, 1.6)}
+SENTENCE = "the drone never leaves the ground without any fault: baseline/D0H1/0"
+
+
+def test_a_stack_that_raises_in_a_baseline_fails_the_gate_with_flight_and_error(log: Any, fly: Runs) -> None:
+    log.change = changed("baseline/D0H1", stack_error=ERROR)
+    with pytest.raises(GateError) as caught:
+        fly()
+    assert str(caught.value) == f"gate failed: the stack raises without any fault: baseline/D0H1/0 ({ERROR})"
+
+
+def test_a_stack_that_raises_under_a_fault_is_no_gates_business(log: Any, fly: Runs) -> None:
+    log.change = changed("LATE-human", stack_error=ERROR)
+    fly()
+
+
+def test_a_baseline_that_never_rises_fails_the_gate_by_name(log: Any, fly: Runs) -> None:
+    log.change = changed("baseline/D0H1", **GROUNDED)
+    with pytest.raises(GateError) as caught:
+        fly()
+    assert str(caught.value) == f"gate failed: {SENTENCE}"
+
+
+def test_the_gate_holds_when_nothing_is_left_to_fly_and_in_a_part_of_a_run(log: Any, fly: Runs) -> None:
+    log.change = changed("baseline/D0H1", **GROUNDED)
+    for part in (False, True):
+        with pytest.raises(GateError, match=SENTENCE):
+            fly(part=part)
+    assert len(log.flown) == 14  # each once, and one again
+
+
+def test_a_mutant_may_stay_on_the_ground_and_a_baseline_may_fly_to_its_time_limit(log: Any, fly: Runs) -> None:
+    def change(flight: Flight, outcome: Outcome) -> Outcome:
+        how = GROUNDED if flight.name.startswith("LATE-human") else FLOWN if flight.mutant is None else {}
+        return replace(outcome, **how)
+
+    log.change = change
+    fly()
+
+
+def test_a_baseline_without_a_track_is_believed_to_have_flown(log: Any, fly: Runs) -> None:
+    log.change = changed("baseline", ending="timed_out", track=b"")
+    fly()
+
+
+def test_outcomes_that_come_with_their_tracks_are_judged_without_a_store(study: Any, log: Any) -> None:
+    clean = [replace(log(study, flight), **GROUNDED) for flight in asked(study).baselines[:1]]
+    with pytest.raises(GateError, match="the drone never leaves the ground without any fault: baseline/D0H0/0"):
+        check_gates(clean, study.roster, canary=None, whole_grid=False)
+
+
+def test_the_ground_is_left_at_the_height_from_which_a_touch_down_counts() -> None:
+    assert RISE_M == observer.AIRBORNE_M
+
+
+@pytest.mark.parametrize(
+    "lose",
+    [lambda folder: (folder / STORE_NAME).unlink(), shutil.rmtree, lambda folder: folder.rename(f"{folder}-moved")],
+    ids=["the file is removed", "the folder is removed", "the folder is renamed"],
+)
+def test_a_run_stops_at_the_next_save_and_its_copy_is_a_campaign_that_goes_on(
+    study: Any, log: Any, fly: Runs, lose: Callable[[Path], object]
+) -> None:
+    folder, rescued = study.folder / "c", study.folder / "c-rescued"
+
+    def losing(flight: Flight, outcome: Outcome) -> Outcome:
+        if len(log.flown) >= 5 and (folder / STORE_NAME).exists():
+            with suppress(OSError):  # the other process was faster
+                lose(folder)
+        return outcome
+
+    with pytest.raises(
+        InputError, match=rf"the campaign's store is lost: .* flights is in {rescued}, which --campaign"
+    ):
+        Runs(study, replace(log, change=losing))(asked(study, (0, 1)), jobs=2)
+    assert multiprocessing.active_children() == []
+    flown = len(log.flown)
+    assert 5 <= flown < 26
+    if folder.exists():
+        shutil.rmtree(folder)
+    with Store(rescued / STORE_NAME, create=False) as store:
+        saved = len(store.flights())
+    rescued.rename(folder)
+    assert fly(asked(study, (0, 1))).flown + saved == 25
+    assert (folder / LOG_NAME).exists()
+
+
+def test_a_store_that_is_lost_after_its_last_save_is_noticed_before_any_table(study: Any, log: Any, fly: Runs) -> None:
+    fly(asked(study, (0, 1)))
+    planned = plan(study.grid, (0, 1), [], None)
+
+    class Losing(Progress):
+        def close(self) -> None:
+            (study.folder / "c" / STORE_NAME).unlink()
+
+    with pytest.raises(InputError, match=r"store is lost: outcomes.sqlite was removed or renamed; a copy with its 25"):
+        run(study, planned, study.folder / "c", progress=Losing(stream=io.StringIO()), flyer=log)
+
+
+def test_a_merge_into_a_store_that_is_lost_says_where_the_copy_is(
+    study: Any, fly: Runs, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fly(asked(study, (0, 1)))
+    put_all = Store.put_all
+
+    def losing(self: Store, rows: Any) -> None:
+        self.path.unlink()
+        put_all(self, rows)
+
+    monkeypatch.setattr(Store, "put_all", losing)
+    with pytest.raises(InputError, match=r"store is lost: .*; a copy with its 25 flights is in .*/all-rescued"):
+        merge(study, study.folder / "all", [study.folder / "c"])
+
+
+def test_the_log_keeps_the_keys_of_the_published_one() -> None:
+    struck = outcome(LATE, "T1O0W0D1H0", violated={"SR1": 20.0}, struck="bar")
+    log = mission_log([outcome(), outcome(seed=1), struck], ROSTER, GRID)
+    assert (log["total_test_cases"], log["generated_test_cases"]) == (64, 3)
+    assert log["safety_violation_ids"] == ["SR1:LATE-human@3s/T1O0W0D1H0/0"]
+    assert log["generated_situations"][2] == {
+        "type": "corner+dark",
+        "parameters": {"T": "1", "O": "0", "W": "0", "D": "1", "H": "0"},
+        "situation": "T1O0W0D1H0",
+        "seed": 0,
+    }
+    assert log["generated_situations"][0]["type"] == "none"
+    assert log["coverage"] == {"distinct_situations": {"part": 2, "whole": 32}, "draws": 3}
+    assert log["violations"] == [
+        {
+            "id": "SR1:LATE-human@3s/T1O0W0D1H0/0",
+            "requirement": "SR1",
+            "t_s": 20.0,
+            "position": [1.0, 2.0, 1.65],
+            "struck": "bar",
+            "mutant": LATE,
+            "situation": "T1O0W0D1H0",
+            "seed": 0,
+        }
+    ]
+
+
+def test_an_operability_violation_is_kept_apart() -> None:
+    log = mission_log([outcome(violated={"OP1": 60.0, "SR2-literal": 9.0})], ROSTER, GRID)
+    assert log["safety_violation_ids"] == log["violations"] == []
+    assert [entry["id"] for entry in log["operability_violations"]] == ["OP1:baseline/T0O0W0D0H0/0"]
+
+
+def test_what_was_planned_is_told_where_it_is_known() -> None:
+    assert mission_log([outcome()], ROSTER, GRID, planned=7)["total_test_cases"] == 7
+    assert mission_log([], ROSTER, GRID)["total_test_cases"] == 32
+
+
+def test_a_warning_line_names_requirement_time_place_body_and_flight() -> None:
+    struck = outcome(LATE, violated={"SR1": 20.0}, struck="bar")
+    said = "SR1 violated at 20.00 s at (1.00, 2.00, 1.65) m, struck bar: LATE-human@3s/T0O0W0D0H0/0"
+    assert violation_line(struck, struck.violations[0]) == said
+
+
+@given(campaigns())
+def test_ids_are_unique_and_each_names_a_violation(outcomes: list[Outcome]) -> None:
+    log = mission_log(outcomes, ROSTER, GRID)
+    assert json.loads(json_text(log)) == log
+    ids = [entry["id"] for entry in log["violations"] + log["operability_violations"]]
+    assert len(set(ids)) == len(ids)
+    assert log["safety_violation_ids"] == [entry["id"] for entry in log["violations"]]
+    assert len(log["generated_situations"]) == log["generated_test_cases"] <= log["total_test_cases"]

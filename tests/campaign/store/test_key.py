@@ -13,7 +13,7 @@ from ranges import with_range
 
 from scaloft_fi import sources
 from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.store.held import Keys, flight_key, flight_named
+from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.study import PACKAGE, Study
 
@@ -82,7 +82,7 @@ def test_one_key_and_many_are_made_alike() -> None:
     study = Study(ROOT)
     keys = Keys(study)
     for flight in _flights(study).values():
-        assert keys.key(flight) == flight_key(study, flight) == keys.planned(flight).key
+        assert keys.key(flight) == Keys(study).key(flight) == keys.planned(flight).key
         assert keys.key(flight) != keys.key(replace(flight, seed=1))
 
 
@@ -128,7 +128,7 @@ SOURCES = {
 
 def _keys(folder: Path) -> dict[str, str]:
     study = Study(folder)
-    return {name: flight_key(study, flight_named(study, name, SITUATION, 0)) for name in EVERY}
+    return {name: Keys(study).key(flight_named(study, name, SITUATION, 0)) for name in EVERY}
 
 
 def _moved(before: Mapping[str, str], now: Mapping[str, str]) -> set[str]:
@@ -165,7 +165,7 @@ def test_a_file_beside_the_documents_a_seed_and_a_situation_move_every_key(copy:
     study = Study(copy)
     for name in EVERY:
         places = (SITUATION, 0), (SITUATION, 1), ("T0O0W0D0H0", 0)
-        assert len({flight_key(study, flight_named(study, name, *place)) for place in places}) == len(places)
+        assert len({Keys(study).key(flight_named(study, name, *place)) for place in places}) == len(places)
 
 
 def test_a_study_that_gains_the_operator_of_a_plugin_keeps_all_flights_but_those_of_its_mutants(

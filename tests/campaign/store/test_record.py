@@ -18,7 +18,7 @@ from scaloft_fi.judge.requirement import Kind
 def _stored(row: Record) -> Record:
     """What SQLite makes of a row."""
     with closing(sqlite3.connect(":memory:")) as connection:
-        connection.execute(f"CREATE TABLE t ({', '.join(f'{name} {kind}' for name, kind in COLUMNS.items())})")
+        connection.execute(f"CREATE TABLE t ({', '.join(f'{name} {cell.sql}' for name, cell in COLUMNS.items())})")
         connection.execute(f"INSERT INTO t VALUES ({', '.join('?' * len(row))})", row)
         stored: Record = connection.execute("SELECT * FROM t").fetchone()
         return stored

@@ -1,4 +1,7 @@
-"""Runs on a real Dask scheduler and real workers, without physics: who flies, who is refused, what is told."""
+"""Runs on a real Dask scheduler and real workers, without physics: who flies, who is refused, what is told.
+
+Strangers take no part in a run; who takes its tasks away does not make it wait.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +10,17 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import distributed
 import pytest
 
 from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.campaign.workers.cluster import Cluster
+from scaloft_fi.campaign.workers.cluster import MAKE, Cluster, security_of
 from scaloft_fi.campaign.workers.local import Interrupted
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
@@ -238,6 +243,70 @@ def test_without_distributed_it_is_said_how_to_install_it(
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"pip install 'scaloft-fi\[cluster\]'"):
         _flown(dask, "127.0.0.1:9", reference, flyer(), _flights(reference))
+
+
+@pytest.fixture(scope="module")
+def strange(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A certificate that nobody in the cluster knows."""
+    folder = tmp_path_factory.mktemp("strange")
+    subprocess.run(MAKE, shell=True, check=True, cwd=folder, capture_output=True)
+    return folder / "cluster"
+
+
+@pytest.mark.parametrize("scheme", ["tcp", "tls"])
+def test_a_client_without_the_certificate_is_not_let_in(address: str, strange: Path, scheme: str) -> None:
+    security = security_of(strange) if scheme == "tls" else None
+    with pytest.raises((OSError, TypeError)):
+        distributed.Client(f"{scheme}://{address}", set_as_default=False, security=security, timeout=2.0)
+
+
+def test_a_run_with_another_certificate_is_refused_in_a_sentence(
+    address: str, strange: Path, flyer: Any, reference: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.CONNECT_S", 1.0)
+    cluster = Cluster(address, strange)
+    with (
+        pytest.raises(InputError, match=r"cannot be reached: no Dask scheduler answers .* with the certificates in"),
+        cluster.workers(reference, flyer(), stop=lambda: False, say=print),
+    ):
+        pass
+
+
+def test_a_worker_without_the_certificate_gets_no_flight(
+    address: str, dask: Any, strange: Path, flyer: Any, reference: Study
+) -> None:
+    worker = dask.worker(address, "--no-nanny", certificates=strange)
+    flights = _flights(reference, LATE)
+    with Cluster(address, dask.certificates).workers(
+        reference, flyer(slow_s=0.2), stop=lambda: False, say=print
+    ) as workers:
+        assert _names(workers.map(_tasks(flights))) == _names(flights)
+        assert workers.jobs == 8, "one thread of the one worker, and those that batches are arranged for"
+    worker.kill()
+
+
+def test_a_run_whose_tasks_somebody_takes_away_flies_them_again_or_ends(
+    address: str, dask: Any, flyer: Any, reference: Study
+) -> None:
+    done, flights = threading.Event(), _flights(reference, LATE)
+
+    def attack() -> None:
+        with dask.client(address) as client:
+            while not done.wait(0.1):
+                keys = [key for key in client.processing().values() for key in key if str(key).startswith("scaloft-fi")]
+                client.cancel([distributed.Future(key, client) for key in keys], force=True)
+
+    attacker = threading.Thread(target=attack)
+    attacker.start()
+    said = ""
+    try:
+        assert _names(_flown(dask, address, reference, flyer(slow_s=0.3), flights)[0]) == _names(flights)
+    except (InputError, Interrupted) as error:
+        said = str(error)
+    finally:
+        done.set()
+        attacker.join()
+    assert not said or "is saved" in said
 
 
 def _wait_for(fact: Callable[[], bool]) -> None:

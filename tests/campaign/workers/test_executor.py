@@ -1,4 +1,4 @@
-"""`--executor` and the certificates that a cluster needs."""
+"""`--executor`, the certificates that a cluster needs, and the study that it is sent."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.workers.cluster import MAKE, Cluster, executor_named
+from scaloft_fi.campaign.workers.cluster import MAKE, Cluster, executor_named, packed, unpacked
 from scaloft_fi.campaign.workers.local import Local
 from scaloft_fi.errors import InputError
 
@@ -59,3 +59,15 @@ def test_files_that_do_not_fit_are_told_before_anything_is_flown(certificates: P
     (certificates / "key.pem").unlink()
     with pytest.raises(InputError, match=r"key\.pem is missing; `.*openssl"):
         executor_named("dask://host:1", None, certificates)
+
+
+def test_what_is_packed_is_unpacked_again(tmp_path: Path) -> None:
+    for name in ("sim/world.yaml", "sim/deep/mine.obj", "hazop/a.yaml", "mutants/catalogue.jsonl", "sim/.hidden"):
+        path = tmp_path / "study" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(name.encode())
+    folder = unpacked(packed(tmp_path / "study"), tmp_path / "there")
+    found = {path.relative_to(folder).as_posix(): path.read_text() for path in folder.rglob("*") if path.is_file()}
+    names = ("sim/world.yaml", "sim/deep/mine.obj", "hazop/a.yaml", "mutants/catalogue.jsonl")
+    assert found == {name: name for name in names}
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["study", "there"]
