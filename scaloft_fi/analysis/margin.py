@@ -10,6 +10,7 @@ import statistics
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.roster import Ratio
@@ -20,6 +21,7 @@ from scaloft_fi.hazop.name import parse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import apart
+from scaloft_fi.marks import About, Bounds
 
 RELATIVE = 0.1
 """An interval no wider than a tenth of its strong end counts as one number, and is what a search ends at."""
@@ -57,15 +59,20 @@ class Scale:
         return math.isfinite(kills) and abs(kills - survives) <= RELATIVE * size * (1 + 1e-9)
 
 
+Magnitudes = Annotated[float, Bounds(infinite=True)]
+"""A magnitude of a fault, in its unit."""
+
+
 @dataclass(frozen=True)
 class Margin:
     """The threshold of a fault in a situation, or the lowest of several.
 
     Attributes:
         scale: of its magnitudes.
-        survives: the strongest magnitude below `end` that survives; None where none is known.
-        kills: the mildest magnitude that is killed; None where none is.
-        seen: the mildest magnitude, below `kills`, of which most flights violate without a verdict; None without one.
+        survives: the strongest magnitude below the others that survives [the fault's unit]; null: none is known.
+        kills: the mildest magnitude that is killed [the fault's unit]; null: none is.
+        seen: the mildest magnitude, below the killed one, at which most flights violate, with too few to decide [the
+            fault's unit]; null: there is none.
         again: magnitudes that survive although a milder one is killed or seen: the response is not monotone.
         tried: every magnitude flown, mild to strong.
         situations: keys of those it holds in.
@@ -73,10 +80,10 @@ class Margin:
     """
 
     scale: Scale
-    survives: float | None
-    kills: float | None
-    seen: float | None = None
-    again: tuple[float, ...] = ()
+    survives: Magnitudes | None
+    kills: Magnitudes | None
+    seen: Magnitudes | None = None
+    again: tuple[Annotated[Magnitudes, About("a magnitude [the fault's unit]")], ...] = ()
     tried: tuple[Tried, ...] = ()
     situations: tuple[str, ...] = ()
     shown: bool = True
@@ -90,6 +97,23 @@ class Margin:
     def known(self) -> bool:
         """Whether the flights bound the threshold from either side."""
         return self.shown and (self.survives is not None or self.end is not None)
+
+    @property
+    def monotone(self) -> bool:
+        """Whether no magnitude survives where a milder one is killed or seen."""
+        return not self.again
+
+    def at(self, magnitude: float | None) -> Tried:
+        """What was flown at a magnitude; nothing where it was not."""
+        return next((entry for entry in self.tried if entry.magnitude == magnitude), _NOTHING)
+
+    @property
+    def strong(self) -> Tried:
+        """What was flown at the magnitude that is killed, else at the one that is seen."""
+        return self.at(self.seen if self.kills is None else self.kills)
+
+
+_NOTHING = Tried(math.nan, Reaction.UNTESTED)
 
 
 def margin_of(scale: Scale, tried: Iterable[Tried], situation: str = "") -> Margin:
@@ -164,9 +188,9 @@ class Strike:
     """One phase of a fault.
 
     Attributes:
-        id: of the mutant.
+        id: id of the mutant.
         phase: as in the id, such as `#5s` or `#sight`; empty for phase 0.
-        at_event: whether the phase is an event of the flight.
+        at_event: whether the phase is an event of the flight, not a time.
         acts_s: first, median and last time of the first altered sample over all flights [s]; None where none has one.
         kills: situations with a kill, of those that put it to the test.
         verdict: on the mutant.

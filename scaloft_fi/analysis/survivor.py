@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from datetime import date
 from enum import StrEnum
 from functools import cached_property
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from scaloft_fi.analysis.condition import condition
 from scaloft_fi.analysis.detection import Detection, Verdict
@@ -29,6 +29,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, measured_rho
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import JudgedFlight, Status, apart, flights_of
+from scaloft_fi.marks import About, Bounds, ByName
 from scaloft_fi.mutants.catalogue import realise, source_of
 
 
@@ -186,22 +187,22 @@ class Tried:
     """One magnitude in one situation.
 
     Attributes:
-        magnitude: in the scale's unit.
+        magnitude: in the fault's unit.
         reaction: what its flights show together.
         flown: flights that count.
         requirements: what kills the mutant here, or is seen to be violated.
-        violated: per requirement, the flights that violate it, where any does.
+        violated: by requirement.
         rho: the least robustness of each requirement over the flights that put it to the test, in its own unit.
         seeds: flown.
-        needed: of `seen`, the number of seeds that would decide if it goes on; None where none would.
+        needed: of `seen`, seeds that would decide; null: nothing to decide, or none would.
         anew: whether that takes a campaign of its own.
     """
 
-    magnitude: float
+    magnitude: Annotated[float, Bounds(infinite=True)]
     reaction: Reaction
     flown: int = 0
     requirements: tuple[str, ...] = ()
-    violated: tuple[tuple[str, int], ...] = ()
+    violated: Annotated[tuple[tuple[str, Annotated[int, About("flights that violate it")]], ...], ByName()] = ()
     rho: tuple[tuple[str, float], ...] = ()
     seeds: frozenset[int] = frozenset()
     needed: int | None = None
@@ -210,7 +211,14 @@ class Tried:
 
 @dataclass(frozen=True)
 class PhasedFault:
-    """A fault of a cell with its shift in time [s], or its event: what has one margin in each situation."""
+    """A fault of a cell: what has one margin in each situation.
+
+    Attributes:
+        cell: name of its cell.
+        unit: unit of its magnitudes.
+        phase_s: its shift in time [s].
+        event: the event at which it strikes; empty for none.
+    """
 
     cell: str
     unit: str

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Annotated
 
 import click
 
 from scaloft_fi.analysis.detection import LARGER, Verdict
 from scaloft_fi.analysis.margin import Margin, Scale, Strike, When, lowest, margins, whens
-from scaloft_fi.analysis.score import MutantScore, Score
-from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried, detection_of, phased_fault
+from scaloft_fi.analysis.score import Score
+from scaloft_fi.analysis.survivor import PhasedFault, Tried, detection_of, phased_fault
 from scaloft_fi.campaign.plan import parse_seeds
 from scaloft_fi.campaign.processes import cores, one_thread_each
 from scaloft_fi.campaign.progress import Progress, Silence
@@ -26,6 +27,7 @@ from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix
 from scaloft_fi.hazop.name import cell_of, parse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
+from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import realise, source_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
@@ -48,25 +50,10 @@ from scaloft_fi.verbs.options import (
     several,
     typed,
 )
-from scaloft_fi.verbs.score_record import VERDICTS
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import in_campaign
-from scaloft_fi.views.output import (
-    Answer,
-    Output,
-    Shape,
-    by_name,
-    count,
-    flag,
-    listing,
-    number,
-    optional,
-    ratio,
-    record,
-    text,
-    texts,
-)
+from scaloft_fi.views.output import Answer, Output, shape_of
 from scaloft_fi.views.table import Table
 
 UNKNOWN = "?"
@@ -109,175 +96,193 @@ def margin_text(margin: Margin) -> str:
     return "seen " * (margin.kills is None and margin.seen is not None) + text + " !" * bool(margin.again)
 
 
-def finite(value: float | None) -> float | str | None:
-    """A number of JSON, which has no infinite ones: those are texts.
+ENDS = tuple(f"margin.{key}" for key in ("known", "survives", "seen", "kills", "monotone", "again"))
+"""What an answer has of a margin."""
 
-    >>> finite(0.5), finite(math.inf), finite(None)
-    (0.5, 'inf', None)
+
+@dataclass(frozen=True)
+class FaultMargin:
+    """A fault.
+
+    Attributes:
+        fault: the fault with its phase, as an id without the magnitude.
+        of: the same.
+        margin: over all situations.
     """
-    return value if value is None or math.isfinite(value) else f"{value:g}"
+
+    fault: str
+    of: PhasedFault
+    margin: Margin
+    KEYS = ("fault", "of.cell", "of.unit", "of.phase_s", "of.event", *ENDS)
 
 
-FAULT = text("a fault with its phase, as an id without the magnitude")
+@dataclass(frozen=True)
+class SituationMargin:
+    """A fault in a situation.
+
+    Attributes:
+        fault: the fault with its phase, as an id without the magnitude.
+        situation: key of the situation.
+        margin: there.
+    """
+
+    fault: str
+    situation: str
+    margin: Margin
+    KEYS = ("fault", "situation", *ENDS, "requirements")
+
+    @property
+    def requirements(self) -> tuple[str, ...]:
+        """Those that are violated at the killed magnitude, else at the seen one."""
+        return self.margin.strong.requirements
 
 
-def magnitude(about: str) -> Shape:
-    """A magnitude: a number in the fault's unit, or a text where it is infinite."""
-    return {
-        "type": ["number", "string"],
-        "pattern": "^-?inf$",
-        "description": f"{about} [the fault's unit]; the text inf where it is infinite",
-    }
+_Rho = Annotated[float | None, About("the least robustness, in the requirement's unit; null: it is not finite")]
 
 
-END_SHAPES: Mapping[str, Shape] = {
-    "known": flag("whether the flights bound the margin from either side"),
-    "survives": optional(magnitude("the strongest magnitude that survives, below the others"), "none is known"),
-    "seen": optional(magnitude("the mildest at which most flights violate, with too few to decide"), "there is none"),
-    "kills": optional(magnitude("the mildest that is killed"), "none is"),
-    "monotone": flag("whether no magnitude survives where a milder one is killed or seen"),
-    "again": listing("the magnitudes that do", magnitude("a magnitude")),
-}
-"""What bounds a margin."""
-_FAULT = {
-    "fault": FAULT,
-    "cell": text("name of its cell"),
-    "unit": text("unit of its magnitudes"),
-    "phase_s": number("its shift in time", "s"),
-    "event": text("the event at which it strikes; empty for none"),
-}
-MARGIN = Output(
-    "margin",
-    "1.0",
-    "the smallest magnitude of each fault that is killed; with --when, where in the flight it is",
-    {
-        "faults": listing(
-            "the faults, each over all situations; with --when empty", record("a fault", {**_FAULT, **END_SHAPES})
-        ),
-        "situations": listing(
-            "each fault in each situation; with --when empty",
-            record(
-                "a fault in a situation",
-                {
-                    "fault": FAULT,
-                    "situation": text("key of the situation"),
-                    **END_SHAPES,
-                    "requirements": texts("that are violated at the killed magnitude, else at the seen one"),
-                },
-            ),
-        ),
-        "tried": listing(
-            "each magnitude that was flown; with --when empty",
-            record(
-                "a magnitude in a situation",
-                {
-                    "fault": FAULT,
-                    "situation": text("key of the situation"),
-                    "magnitude": magnitude("the magnitude"),
-                    "answer": text("what its flights show together", [reaction.value for reaction in Reaction]),
-                    "flown": count("flights that count"),
-                    "violated": by_name("by requirement", count("flights that violate it")),
-                    "rho": by_name(
-                        "by requirement that was put to the test",
-                        optional(number("the least robustness, in the requirement's unit"), "it is not finite"),
-                    ),
-                    "needed": optional(count("of `seen`, seeds that would decide"), "nothing to decide, or none would"),
-                    "anew": flag("whether that takes a campaign of its own"),
-                },
-            ),
-        ),
-        "phases": listing(
-            "with --when: each phase at which a fault was flown; else empty",
-            record(
-                "a phase",
-                {
-                    "id": text("id of the mutant"),
-                    "fault": text("its id without the phase"),
-                    "phase": text("the phase as in the id; empty for phase 0"),
-                    "at_event": flag("whether it is an event of the flight, not a time"),
-                    "acts_first_s": optional(number("earliest first altered sample", "s from take-off"), "none was"),
-                    "acts_median_s": optional(number("median first altered sample", "s from take-off"), "none was"),
-                    "acts_last_s": optional(number("latest first altered sample", "s from take-off"), "none was"),
-                    "kills": ratio("situations with a kill, of those that put it to the test"),
-                    "verdict": text("on the mutant", VERDICTS),
-                    "lasts_s": number("median duration of the baselines in these situations", "s"),
-                },
-            ),
-        ),
-    },
-    rows="situations",
-)
-CELL_MARGINS: Shape = optional(
-    listing(
-        "with --margins: the margins of its faults, over all situations",
-        record(
-            "a fault",
-            {
-                "unit": text("unit of its magnitudes; empty where it has none"),
-                **END_SHAPES,
-                "verdicts": by_name(
-                    "of a fault without an order, by magnitude or form that was flown", text("on the mutant", VERDICTS)
-                ),
-            },
-        ),
-    ),
-    "not asked for",
-)
+@dataclass(frozen=True)
+class TriedMagnitude:
+    """A magnitude in a situation.
+
+    Attributes:
+        fault: the fault with its phase, as an id without the magnitude.
+        situation: key of the situation.
+        tried: what its flights show.
+    """
+
+    fault: str
+    situation: str
+    tried: Tried
+    KEYS = (
+        *("fault", "situation", "tried.magnitude", "answer=tried.reaction", "tried.flown", "tried.violated"),
+        *("rho", "tried.needed", "tried.anew"),
+    )
+
+    @property
+    def rho(self) -> Mapping[str, _Rho]:
+        """By requirement that was put to the test."""
+        return {name: value if math.isfinite(value) else None for name, value in self.tried.rho}
 
 
-def margin_values(by_fault: Mapping[PhasedFault, Sequence[Margin]]) -> dict[str, Any]:
-    """The plain JSON values of the form `MARGIN`."""
-    each = [
-        (fault, margin, key) for fault, listed in by_fault.items() for margin in listed for key in margin.situations
-    ]
-    return {
-        "faults": [
-            {
-                "fault": str(fault),
-                "cell": fault.cell,
-                "unit": fault.unit,
-                "phase_s": fault.phase_s,
-                "event": fault.event,
-                **_ends(lowest(listed)),
-            }
+@dataclass(frozen=True)
+class Phase:
+    """A phase.
+
+    Attributes:
+        fault: id of the mutant without the phase.
+        strike: the phase.
+        lasts_s: median duration of the baselines in these situations [s].
+        acts_first_s: earliest first altered sample [s from take-off]; null: none was.
+        acts_median_s: median first altered sample [s from take-off]; null: none was.
+        acts_last_s: latest first altered sample [s from take-off]; null: none was.
+    """
+
+    fault: str
+    strike: Strike
+    lasts_s: float
+    acts_first_s: float | None
+    acts_median_s: float | None
+    acts_last_s: float | None
+    KEYS = (
+        *("strike.id", "fault", "strike.phase", "strike.at_event", "acts_first_s", "acts_median_s", "acts_last_s"),
+        *("strike.kills", "strike.verdict", "lasts_s"),
+    )
+
+
+@dataclass(frozen=True)
+class Margins:
+    """The smallest magnitude of each fault that is killed; with --when, where in the flight it is.
+
+    Attributes:
+        faults: the faults, each over all situations; with --when empty.
+        situations: each fault in each situation; with --when empty.
+        tried: each magnitude that was flown; with --when empty.
+        phases: with --when: each phase at which a fault was flown; else empty.
+    """
+
+    faults: tuple[FaultMargin, ...] = ()
+    situations: tuple[SituationMargin, ...] = ()
+    tried: tuple[TriedMagnitude, ...] = ()
+    phases: tuple[Phase, ...] = ()
+
+    @classmethod
+    def of(cls, by_fault: Mapping[PhasedFault, Sequence[Margin]]) -> Margins:
+        """What a search found."""
+        each = [
+            SituationMargin(str(fault), key, margin)
             for fault, listed in by_fault.items()
-        ],
-        "situations": [
-            {"fault": str(fault), "situation": key, **_ends(margin), "requirements": _requirements(margin)}
-            for fault, margin, key in each
-        ],
-        "tried": [
-            {"fault": str(fault), "situation": key, **_tried(entry)}
-            for fault, margin, key in each
-            for entry in margin.tried
-        ],
-        "phases": [],
-    }
+            for margin in listed
+            for key in margin.situations
+        ]
+        return cls(
+            tuple(
+                FaultMargin(str(fault), fault, lowest(listed) or unknown(fault.unit))
+                for fault, listed in by_fault.items()
+            ),
+            tuple(each),
+            tuple(TriedMagnitude(one.fault, one.situation, entry) for one in each for entry in one.margin.tried),
+        )
+
+    @classmethod
+    def when(cls, found: Iterable[When]) -> Margins:
+        """What the phases of faults show."""
+        return cls(
+            phases=tuple(
+                Phase(when.fault, strike, when.lasts_s, *(strike.acts_s or (None, None, None)))
+                for when in found
+                for strike in when.strikes
+            )
+        )
 
 
-def when_values(found: Iterable[When]) -> dict[str, Any]:
-    """The plain JSON values of the form `MARGIN` for `margin --when`."""
-    phases = [
-        {
-            "id": strike.id,
-            "fault": when.fault,
-            "phase": strike.phase,
-            "at_event": strike.at_event,
-            **dict(zip(("acts_first_s", "acts_median_s", "acts_last_s"), strike.acts_s or [None] * 3, strict=True)),
-            "kills": {"part": strike.kills.part, "whole": strike.kills.whole},
-            "verdict": strike.verdict.value,
-            "lasts_s": when.lasts_s,
-        }
-        for when in found
-        for strike in when.strikes
-    ]
-    return {"faults": [], "situations": [], "tried": [], "phases": phases}
+MARGIN = Output.of("margin", "1.0", Margins, rows="situations")
 
 
-def cell_margin_values(
+def unknown(unit: str) -> Margin:
+    """The margin of a fault of which nothing is known."""
+    return Margin(Scale(unit), None, None, shown=False)
+
+
+@dataclass(frozen=True)
+class CellMargin:
+    """A fault.
+
+    Attributes:
+        fault: of a credible cell.
+        margin: over all situations, unshifted in time.
+        verdicts: of a fault without an order, by magnitude or form that was flown.
+    """
+
+    fault: Fault
+    margin: Margin
+    verdicts: Mapping[str, Annotated[Verdict, About("on the mutant")]]
+    KEYS = ("unit", *ENDS, "verdicts")
+
+    @property
+    def unit(self) -> str:
+        """Unit of its magnitudes; empty where it has none."""
+        return self.fault.magnitude.unit if self.fault.magnitude else ""
+
+    @property
+    def text(self) -> str:
+        """The margin; of a fault without an order the forms that are detected, else the verdict that says most."""
+        for verdict in (Verdict.DETECTED, Verdict.UNDECIDED, Verdict.NOT_DETECTED):
+            if forms := [form for form, own in self.verdicts.items() if own is verdict]:
+                named = self.fault.magnitude and verdict is Verdict.DETECTED
+                return " ".join([*(forms if named else ()), verdict.words])
+        return margin_text(self.margin)
+
+
+CELL_MARGINS = shape_of(
+    tuple[CellMargin, ...] | None,
+    "with --margins: the margins of its faults, over all situations; null: not asked for",
+)
+
+
+def cell_margins(
     outcomes: Iterable[Outcome], scored: Score, matrix: Matrix, kind: Kind = Kind.SAFETY
-) -> dict[str, list[dict[str, Any]]]:
-    """The margins of each credible cell, a record for each fault, by the cell's name.
+) -> Mapping[str, tuple[CellMargin, ...]]:
+    """The margins of the faults of each cell, by its name; of a cell that is not credible none.
 
     Args:
         outcomes: of a campaign.
@@ -286,53 +291,26 @@ def cell_margin_values(
         kind: of the requirements whose violation kills.
     """
     by_fault = margins(outcomes, scored, matrix, kind)
-    verdicts = {mutant.subject.id: detection_of(mutant, kind).verdict.value for mutant in scored.mutants}
-    return {cell.name: _of_cell(cell, by_fault, verdicts) for cell in matrix}
+    verdicts = {mutant.subject.id: detection_of(mutant, kind).verdict for mutant in scored.mutants}
 
-
-def _of_cell(
-    cell: Cell, by_fault: Mapping[PhasedFault, Sequence[Margin]], verdicts: Mapping[str, str]
-) -> list[dict[str, Any]]:
-    if cell.status is not CellStatus.CREDIBLE:
-        return []
-    found = []
-    for fault in cell.faults:
-        listed = by_fault.get(phased_fault(cell.name, fault), ())
+    def of(cell: Cell, fault: Fault) -> CellMargin:
+        phased = phased_fault(cell.name, fault)
+        listed = by_fault.get(phased, ())
         ids = [] if listed else [cell.mutant_ids(fault, rung)[0] for rung in fault.rungs]
         own = {parse(id_).magnitude or id_: verdicts[id_] for id_ in ids if id_ in verdicts}
-        unit = fault.magnitude.unit if fault.magnitude else ""
-        found.append({"unit": unit, **_ends(lowest(listed)), "verdicts": own})
-    return found
+        return CellMargin(fault, lowest(listed) or unknown(phased.unit), own)
 
-
-def _ends(margin: Margin | None) -> dict[str, Any]:
-    if margin is None:
-        return {"known": False, "survives": None, "seen": None, "kills": None, "monotone": True, "again": []}
     return {
-        "known": margin.known,
-        "survives": finite(margin.survives),
-        "seen": finite(margin.seen),
-        "kills": finite(margin.kills),
-        "monotone": not margin.again,
-        "again": [finite(again) for again in margin.again],
+        cell.name: tuple(of(cell, one) for one in cell.faults) if cell.status is CellStatus.CREDIBLE else ()
+        for cell in matrix
     }
 
 
-def _requirements(margin: Margin) -> list[str]:
-    strong = margin.seen if margin.kills is None else margin.kills
-    return next((list(entry.requirements) for entry in margin.tried if entry.magnitude == strong), [])
-
-
-def _tried(entry: Tried) -> dict[str, Any]:
-    return {
-        "magnitude": finite(entry.magnitude),
-        "answer": entry.reaction.value,
-        "flown": entry.flown,
-        "violated": dict(entry.violated),
-        "rho": {name: value if math.isfinite(value) else None for name, value in entry.rho},
-        "needed": entry.needed,
-        "anew": entry.anew,
-    }
+def margin_texts(matrix: Matrix, found: Mapping[str, Sequence[CellMargin]]) -> Mapping[str, str]:
+    """What each cell shows, by its name; `found` as of `cell_margins`."""
+    others = {CellStatus.NOT_MEANINGFUL: "-", CellStatus.CONTROL: "CONTROL"}
+    told = {name: [one.text for one in listed if one.text != UNKNOWN] for name, listed in found.items()}
+    return {cell.name: others.get(cell.status) or "; ".join(told[cell.name]) or UNKNOWN for cell in matrix}
 
 
 HEADERS = ("situation", "margin", "survives", "seen", "killed", "violated", "robustness", "flown at", "again")
@@ -342,7 +320,6 @@ ENDS_LEGEND = (
     "it.  Violated: flights at the killed magnitude, else at the seen one; robustness: at the surviving one and there, "
     "below 0 it is violated."
 )
-_NOTHING = Tried(math.nan, Reaction.UNTESTED)
 LEGEND_AT = 11
 """Where the meanings begin in the legend [characters]."""
 LEGEND = (
@@ -385,7 +362,7 @@ def _table(
     where: tuple[str, str],
 ) -> Table:
     least = lowest(listed)
-    violated = {name for margin in listed for name in _strong(margin).requirements}
+    violated = {name for margin in listed for name in margin.strong.requirements}
     notes = [_smallest(listed, least), ENDS_LEGEND, *_seen(fault, listed, *where)]
     if least and least.again:
         notes.append("Not monotone (!): magnitudes under `again` survive although a milder one is killed or seen.")
@@ -411,7 +388,7 @@ def _seen(fault: PhasedFault, listed: Sequence[Margin], where: str, anew_in: str
     groups: dict[tuple[int, bool], dict[float, str]] = {}
     for margin in listed:
         if margin.seen is not None:
-            entry = _at(margin, margin.seen)
+            entry = margin.at(margin.seen)
             many = (entry.needed or LARGER[-1] + 1, entry.anew)
             groups.setdefault(many, {})[margin.seen] = magnitude_text(margin.scale, margin.seen)
     notes = []
@@ -429,7 +406,7 @@ def _seen(fault: PhasedFault, listed: Sequence[Margin], where: str, anew_in: str
 
 
 def _row(margin: Margin) -> tuple[str, ...]:
-    strong, survivor = _strong(margin), _at(margin, margin.survives)
+    strong, survivor = margin.strong, margin.at(margin.survives)
     rho = [
         (name, dict(survivor.rho).get(name, math.nan), value)
         for name, value in strong.rho
@@ -448,15 +425,6 @@ def _row(margin: Margin) -> tuple[str, ...]:
     )
 
 
-def _strong(margin: Margin) -> Tried:
-    """What was flown at the magnitude that is killed, else at the one that is seen."""
-    return _at(margin, margin.seen if margin.kills is None else margin.kills)
-
-
-def _at(margin: Margin, magnitude: float | None) -> Tried:
-    return next((entry for entry in margin.tried if entry.magnitude == magnitude), _NOTHING)
-
-
 def _magnitude(margin: Margin, magnitude: float | None) -> str:
     return "" if magnitude is None or not margin.known else magnitude_text(margin.scale, magnitude)
 
@@ -471,51 +439,6 @@ def _limit(requirement: Requirement) -> str:
     named = {name: text for name, text in requirement.definitions if name in requirement.text + requirement.trigger}
     where = "".join(f"; {name}: {text}" for name, text in named.items())
     return f"{requirement.text}{trigger}{where} [{requirement.unit}]"
-
-
-def cell_margins(
-    outcomes: Iterable[Outcome], scored: Score, matrix: Matrix, kind: Kind = Kind.SAFETY
-) -> Mapping[str, str]:
-    """What each cell of the matrix shows: its faults' smallest margins over all situations, unshifted in time.
-
-    Args:
-        outcomes: of a campaign.
-        scored: their score.
-        matrix: whose cells.
-        kind: of the requirements whose violation kills.
-
-    Returns:
-        By the cell's name.
-    """
-    by_fault = margins(outcomes, scored, matrix, kind)
-    scores = {mutant.subject.id: mutant for mutant in scored.mutants}
-    return {cell.name: _cell_margin(cell, by_fault, scores, kind) for cell in matrix}
-
-
-def _cell_margin(
-    cell: Cell, by_fault: Mapping[PhasedFault, Sequence[Margin]], scores: Mapping[str, MutantScore], kind: Kind
-) -> str:
-    if cell.status is not CellStatus.CREDIBLE:
-        return "-" if cell.status is CellStatus.NOT_MEANINGFUL else "CONTROL"
-    texts = []
-    for fault in cell.faults:
-        if fault.magnitude and Scale.of(fault.magnitude):
-            least = lowest(by_fault.get(phased_fault(cell.name, fault), ()))
-            texts.append(margin_text(least) if least else UNKNOWN)
-        else:
-            texts.append(_named(cell, fault, scores, kind))
-    return "; ".join(text for text in texts if text != UNKNOWN) or UNKNOWN
-
-
-def _named(cell: Cell, fault: Fault, scores: Mapping[str, MutantScore], kind: Kind) -> str:
-    """Which forms of a fault without an order are detected; else the verdict that says most."""
-    ids = [cell.mutant_ids(fault, rung)[0] for rung in fault.rungs]
-    verdicts = {id_: detection_of(scores[id_], kind).verdict for id_ in ids if id_ in scores}
-    for verdict in (Verdict.DETECTED, Verdict.UNDECIDED, Verdict.NOT_DETECTED):
-        forms = [parse(id_).magnitude for id_, own in verdicts.items() if own is verdict]
-        if forms:
-            return " ".join([*filter(None, forms if verdict is Verdict.DETECTED else ()), verdict.words])
-    return UNKNOWN
 
 
 WHEN_HEADERS = ("phase", "acts at [s]", "in the flight", "kills", "verdict")
@@ -620,7 +543,7 @@ def margin(
     )
     return Answer(
         MARGIN,
-        lambda: margin_values(by_fault),
+        lambda: Margins.of(by_fault),
         lambda: margin_tables(by_fault, study.requirements, len(seeds), campaign, study.space.grid),
     )
 
@@ -645,7 +568,7 @@ def when_answer(study: Study, campaign: str, mutants: MarginMutants, *, operabil
             command = f"scaloft-fi run --mutant '{bare}' --mutant '{bare}#*' --campaign {campaign}"
             raise InputError(f"campaign {campaign!r} has fewer than two phases of {bare}; fly them: {command}")
         found += own
-    return Answer(MARGIN, lambda: when_values(found), lambda: when_tables(found))
+    return Answer(MARGIN, lambda: Margins.when(found), lambda: when_tables(found))
 
 
 def _kind(operability: bool) -> Kind:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import click
 
@@ -17,6 +17,9 @@ from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import Campaign, Operability, Option, StudyFolder, TableFormat
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.table import Format, csv_text, tabulated
+
+if TYPE_CHECKING:
+    from scaloft_fi.verbs.margin import CellMargin
 
 
 @verb(
@@ -102,7 +105,7 @@ def _grid(matrix: Matrix, style: str) -> str:
     return _tabulated(header, lines, style)
 
 
-def _json(matrix: Matrix, margins: Mapping[str, Sequence[Mapping[str, Any]]] | None = None) -> str:
+def _json(matrix: Matrix, margins: Mapping[str, tuple[CellMargin, ...]] | None = None) -> str:
 
     from scaloft_fi.verbs.matrix_record import MATRIX, matrix_values
 
@@ -113,16 +116,17 @@ def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: st
     # a campaign needs numpy, the matrix alone does not
     from scaloft_fi.judge.requirement import Kind
     from scaloft_fi.study import Study
-    from scaloft_fi.verbs.margin import LEGEND, LEGEND_AT, cell_margin_values, cell_margins
+    from scaloft_fi.verbs.margin import LEGEND, LEGEND_AT, cell_margins, margin_texts
     from scaloft_fi.verbs.snapshot import snapshot
 
     study = Study.open(study_folder)
     kind = Kind.OPERABILITY if operability else Kind.SAFETY
     with snapshot(study, campaign) as now:
         study, matrix = now.study, now.study.matrix
-        by_cell = cell_margins(now.outcomes, now.score, study.matrix, kind)
+        found = cell_margins(now.outcomes, now.score, matrix, kind)
         if style == "json":
-            return _json(matrix, cell_margin_values(now.outcomes, now.score, study.matrix, kind)).rstrip("\n")
+            return _json(matrix, found).rstrip("\n")
+    by_cell = margin_texts(matrix, found)
     header = ["parameter", *(word.id for word in matrix.guidewords)]
     lines = [[p.id, *(by_cell[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
     if style == "table":

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix, SeverityClass
 from scaloft_fi.hazop.worksheet import record as cell_record
-from scaloft_fi.verbs.margin import CELL_MARGINS
+from scaloft_fi.verbs.margin import CELL_MARGINS, CellMargin
 from scaloft_fi.verbs.score_record import SEVERITY
 from scaloft_fi.views.output import (
     Output,
@@ -22,6 +22,7 @@ from scaloft_fi.views.output import (
     record,
     text,
     texts,
+    writer_of,
 )
 
 ARGUMENTS = by_name("arguments of the operator", anything("a value; an infinite number is the text inf"))
@@ -103,13 +104,13 @@ def argument_values(arguments: Mapping[str, Any]) -> dict[str, Any]:
     return {name: "inf" if value == math.inf else value for name, value in arguments.items()}
 
 
-def matrix_values(matrix: Matrix, margins: Mapping[str, Sequence[Mapping[str, Any]]] | None = None) -> dict[str, Any]:
-    """Plain JSON values of the form `MATRIX`; `margins` as of `cell_margin_values`."""
+def matrix_values(matrix: Matrix, margins: Mapping[str, tuple[CellMargin, ...]] | None = None) -> dict[str, Any]:
+    """Plain JSON values of the form `MATRIX`; `margins` as of `cell_margins`."""
     return {
         "cells": [
             {
                 **cell_values(cell, matrix.severities.get(cell.name)),
-                "margins": None if margins is None else margins[cell.name],
+                "margins": writer_of(tuple[CellMargin, ...] | None)(margins and margins[cell.name]),
             }
             for cell in matrix
         ]

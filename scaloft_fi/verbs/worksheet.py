@@ -35,7 +35,7 @@ from scaloft_fi.judge.status import Status
 from scaloft_fi.mutants.catalogue import default_of
 from scaloft_fi.output import write_named
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
-from scaloft_fi.verbs.margin import CELL_MARGINS, UNKNOWN, cell_margin_values, cell_margins
+from scaloft_fi.verbs.margin import CELL_MARGINS, UNKNOWN, CellMargin, cell_margins, margin_texts
 from scaloft_fi.verbs.matrix_record import CELL, cell_values
 from scaloft_fi.verbs.options import (
     FORMATS,
@@ -64,6 +64,7 @@ from scaloft_fi.views.output import (
     record,
     text,
     texts,
+    writer_of,
 )
 from scaloft_fi.views.table import FORMULA, Format, Table, csv_text, latex, markdown, render
 
@@ -159,7 +160,7 @@ class SheetRow:
         cell: of the matrix.
         values: by the column's key; the team's columns are empty.
         score: of its default mutant; None where it was not flown.
-        margins: of its faults, as plain JSON values.
+        margins: of its faults.
         disposition: of its default mutant; None where nobody accepted it.
         severity: class of the cell; None where it has none.
     """
@@ -167,7 +168,7 @@ class SheetRow:
     cell: Cell
     values: Mapping[str, SheetValue]
     score: MutantScore | None = None
-    margins: Sequence[Mapping[str, Any]] = ()
+    margins: tuple[CellMargin, ...] = ()
     disposition: Disposition | None = None
     severity: SeverityClass | None = None
 
@@ -200,7 +201,7 @@ def sheet_rows(
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
     outcomes = tuple(outcomes)
     margins = cell_margins(outcomes, scored, matrix)
-    bounds = cell_margin_values(outcomes, scored, matrix)
+    bounds = margin_texts(matrix, margins)
     accepted = {disposition.mutant: disposition for disposition in dispositions}
     parameters = {parameter.id: parameter for parameter in matrix.parameters}
     rows = []
@@ -213,12 +214,12 @@ def sheet_rows(
             mutant = default_of(cell).id
             score, known = flown.get(mutant), accepted.get(mutant)
             values |= {"mutant": mutant}
-            if cell.status is CellStatus.CREDIBLE and margins[cell.name] != UNKNOWN:
-                values |= {"margin": margins[cell.name]}
+            if cell.status is CellStatus.CREDIBLE and bounds[cell.name] != UNKNOWN:
+                values |= {"margin": bounds[cell.name]}
             values |= {"disposition": acceptance(known)} if known else {}
             if score:
                 values |= _of_flights(score, space, scored.lacking) | _of_find(score, finds, campaign, space.grid)
-        rows.append(SheetRow(cell, values, score, bounds[cell.name], known, severity))
+        rows.append(SheetRow(cell, values, score, margins[cell.name], known, severity))
     return tuple(rows)
 
 
@@ -622,7 +623,7 @@ def _row_values(row: SheetRow) -> dict[str, Any]:
     return {
         **cell_values(row.cell, row.severity),
         **{key: row.values[key] for key in ("node", "design_intent", "find", "flies_find")},
-        "margins": list(row.margins),
+        "margins": writer_of(tuple[CellMargin, ...])(row.margins),
         "results": None if row.score is None else _results(row, row.score),
         "disposition": accepted,
         "team": {column.key: None for column in TEAM},

@@ -22,7 +22,7 @@ from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.verbs.export.dossier import parquet
 from scaloft_fi.verbs.export.rows import columns, export_rows, to_csv, to_json
 from scaloft_fi.verbs.first_screen import requirement_table
-from scaloft_fi.verbs.margin import margin_tables, margin_values
+from scaloft_fi.verbs.margin import Margins, margin_tables
 
 SENTINEL = 24.0
 HUMAN = "T0O0W0D0H1"
@@ -85,4 +85,4 @@ def test_an_end_of_a_margin_that_tests_nothing_has_no_robustness() -> None:
     found = margins(flights, score(flights, ROSTER, GRID), matrix)
     (table,) = margin_tables(found, (), 1)
     assert table.rows[0][6] == "SR2 ? / -0.1"
-    assert ["SR2" in tried["rho"] for tried in margin_values(found)["tried"]] == [False, True]
+    assert ["SR2" in tried.rho for tried in Margins.of(found).tried] == [False, True]

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field
 from datetime import date
 from typing import Any
 
-from scaloft_fi.analysis.detection import Spending, Verdict
+from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.kill_matrix import KillMatrix
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margins, whens
 from scaloft_fi.analysis.roster import Roster, plain
@@ -27,7 +27,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import TRIGGER, Kind, Requirement
 from scaloft_fi.judge.stl import inside_always, tokenize
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.margin import cell_margins, finite, margin_text
+from scaloft_fi.verbs.margin import cell_margins, margin_text
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
 from scaloft_fi.verbs.survivors import short_units, survivors
 
@@ -286,10 +286,9 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
 
 def margin_texts(outcomes: Sequence[Outcome], scored: Score, cells: Matrix) -> dict[str, str]:
     """The margin of each cell that has one; faults without an order have a verdict and no margin."""
-    verdicts = tuple(verdict.words for verdict in Verdict)
     margins = {
-        cell: [part for part in text.split("; ") if any(map(str.isdigit, part)) and not part.endswith(verdicts)]
-        for cell, text in cell_margins(outcomes, scored, cells).items()
+        cell: [one.text for one in listed if one.margin.known]
+        for cell, listed in cell_margins(outcomes, scored, cells).items()
     }
     return {cell: "; ".join(parts) for cell, parts in margins.items() if parts}
 
@@ -380,3 +379,12 @@ def _situation(margin: Margin, against: Sequence[str]) -> dict[str, Any]:
 def _rho(tried: Tried | None, requirement: str) -> float | str | None:
     rho: Mapping[str, float] = dict(tried.rho) if tried else {}
     return finite(rho.get(requirement))
+
+
+def finite(value: float | None) -> float | str | None:
+    """A number of JSON, which has no infinite ones: those are texts.
+
+    >>> finite(0.5), finite(math.inf), finite(None)
+    (0.5, 'inf', None)
+    """
+    return value if value is None or math.isfinite(value) else f"{value:g}"
