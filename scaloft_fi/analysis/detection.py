@@ -153,7 +153,7 @@ class Detection:
         by: the requirements whose p is at most `share`.
         seeds: flights in each situation that the p rest on.
         share: what of alpha the p is compared with.
-        needed: least number of seeds that would decide if what was seen goes on; None where none would, or is needed.
+        needed: seeds that would decide it, if what was seen goes on; null: decided, or none would.
         anew: whether that takes a campaign of its own, whose size is fixed before it flies.
     """
 

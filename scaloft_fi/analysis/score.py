@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Subject
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import INVALID, Ruled, Rulings, Situations, Status, furthest, rulings_of
+from scaloft_fi.marks import About, ByName
 
 MOST_KILLED = 0.9
 """A detected mutant that is killed in this share of the situations that put it to the test is trivial."""
@@ -101,6 +102,9 @@ class Result:
         return tuple(name for name, _ in self.violated if name in self.steady)
 
 
+_Kills = Annotated[Ratio, About("situations with such a kill, of those that test it by it")]
+
+
 @dataclass(frozen=True)
 class MutantScore:
     """A mutant over all its situations.
@@ -114,7 +118,7 @@ class MutantScore:
         kills: by safety requirements, in the grid's order; operability_kills: by operability requirements.
         first: the earliest violation in a kill; of a mutant without one the earliest in a pair that tests it.
         statuses: flights of each status.
-        firmness: what remains of the verdict when one seed is left out; None where it is not detected.
+        firmness: whether it stays detected when any one seed is left out; null: it is not detected.
         severity: class of its cell; None where the cell has none.  It enters no ratio.
     """
 
@@ -208,8 +212,8 @@ class MutantScore:
         return tuple(result.situation for result in self.results if result.seen)
 
     @property
-    def requirements(self) -> tuple[tuple[str, Ratio], ...]:
-        """Per requirement that kills it, operability too, the situations it does so in, of those where it is a test."""
+    def requirements(self) -> Annotated[tuple[tuple[str, _Kills], ...], ByName()]:
+        """By requirement that kills it, operability too."""
         kills = Counter(name for r in self.results for name in (*r.kills, *r.operability_kills))
         tests = Counter(name for r in self.results for name in (*r.steady, *r.steady_operability))
         return tuple((name, Ratio(kills[name], tests[name])) for name in tests if kills[name])

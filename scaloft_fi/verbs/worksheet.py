@@ -13,15 +13,15 @@ import io
 import re
 import zipfile
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
 
 import click
 
 from scaloft_fi.analysis.detection import Verdict
-from scaloft_fi.analysis.roster import plain
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.console import PIPED, line, printable
@@ -32,10 +32,11 @@ from scaloft_fi.hazop.render import ladder
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
+from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import default_of
 from scaloft_fi.output import write_named
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
-from scaloft_fi.verbs.margin import CELL_MARGINS, UNKNOWN, CellMargin, cell_margins, margin_texts
+from scaloft_fi.verbs.margin import UNKNOWN, CellMargin, cell_margins
 from scaloft_fi.verbs.matrix_record import CELL, cell_values
 from scaloft_fi.verbs.options import (
     FORMATS,
@@ -47,25 +48,10 @@ from scaloft_fi.verbs.options import (
     tell_warnings,
     write,
 )
-from scaloft_fi.verbs.score_record import FIRM, VERDICTS, P
 from scaloft_fi.verbs.snapshot import STALE, Stale, snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import NO_POOL, acceptance, effect, flies, next_find, words, would_decide
-from scaloft_fi.views.output import (
-    Answer,
-    Output,
-    by_name,
-    count,
-    flag,
-    inner,
-    listing,
-    optional,
-    ratio,
-    record,
-    text,
-    texts,
-    writer_of,
-)
+from scaloft_fi.views.output import Answer, Output, listing, record, shape_of, writer_of
 from scaloft_fi.views.table import FORMULA, Format, Table, csv_text, latex, markdown, render
 
 SheetValue = str | int | float | None
@@ -153,29 +139,173 @@ COLUMNS = (*STUDY, *FINDINGS, *TEAM)
 
 
 @dataclass(frozen=True)
+class Results:
+    """What the flights of the default mutant say.
+
+    Attributes:
+        score: what they say together.
+        where: shortest condition for the situations with a kill, else for those with a violation seen.
+        decides: what would decide an undecided mutant, in words; empty for any other.
+    """
+
+    score: MutantScore
+    where: str
+    decides: str
+    KEYS = (
+        *("situations_flown", "reached", "infected", "score.status", "score.verdict", "firm=score.firmness"),
+        *("operability", "p", "score.safety.needed", "score.safety.anew", "score.kill_rate", "score.kill_rate_flown"),
+        *("score.requirements", "where", "score.killing", "stopped_at"),
+    )
+
+    @property
+    def situations_flown(self) -> int:
+        """Situations with a flight that counts."""
+        return len(self.score.results)
+
+    @property
+    def reached(self) -> int:
+        """Situations where the fault's seam carried a sample."""
+        return sum(result.reached for result in self.score.results)
+
+    @property
+    def infected(self) -> int:
+        """Situations where it changed a sample."""
+        return sum(result.infected for result in self.score.results)
+
+    @property
+    def operability(self) -> Verdict:
+        """By operability requirements."""
+        return self.score.operability.verdict
+
+    @property
+    def p(self) -> Mapping[str, Annotated[float, About("p (0..1)")]]:
+        """By requirement, the chance of as many violations if the fault did nothing; nothing of what was not tested."""
+        return self.score.safety.p if self.score.tested else {}
+
+    @property
+    def stopped_at(self) -> Mapping[Status, Annotated[int, About("situations with {}")]]:
+        """Situations without a kill, by the stage that flights reached."""
+        stopped = Counter(result.status for result in self.score.results if not result.kills)
+        return {status: stopped[status] for status in Status}
+
+    @property
+    def values(self) -> Mapping[str, SheetValue]:
+        """In the columns of `FINDINGS`."""
+        score, stages = self.score, sorted(Status, key=lambda status: status.stage, reverse=True)
+        return {
+            "situations_flown": self.situations_flown,
+            "reached": self.reached,
+            "infected": self.infected,
+            "verdict": score.verdict.words,
+            "firm": score.firmness.words if score.firmness else "",
+            "operability": self.operability.words,
+            "p": ", ".join(f"{name} {p:.2g}" for name, p in self.p.items()) or None,
+            "needed": self.decides or None,
+            "kill_rate": f"{score.kill_rate.part} of {score.kill_rate.whole}" if score.tested else None,
+            "killed_by": ", ".join(f"{name} {ratio.short}" for name, ratio in score.requirements),
+            "where": self.where,
+            "killing": " ".join(score.killing),
+            "stopped_at": ", ".join(f"{stage} {self.stopped_at[stage]}" for stage in stages if self.stopped_at[stage]),
+        }
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """Of a survivor that somebody accepted.
+
+    Attributes:
+        of: the disposition.
+    """
+
+    of: Disposition
+    KEYS = ("of.owner", "of.reason", "of.expires", "of.situations")
+
+
+@dataclass(frozen=True)
+class Team:
+    """What only people can fill in.
+
+    Attributes:
+        safeguards: existing safeguards.
+        likelihood: likelihood.
+        recommendation: recommendation.
+        responsible: responsible.
+        due: due date.
+        action_status: action status.
+    """
+
+    safeguards: str | None = None
+    likelihood: str | None = None
+    recommendation: str | None = None
+    responsible: str | None = None
+    due: str | None = None
+    action_status: str | None = None
+
+
+@dataclass(frozen=True)
 class SheetRow:
-    """One cell of the matrix as the sheet has it.
+    """A deviation: one cell of the matrix as the sheet has it.
 
     Attributes:
         cell: of the matrix.
-        values: by the column's key; the team's columns are empty.
-        score: of its default mutant; None where it was not flown.
-        margins: of its faults.
-        disposition: of its default mutant; None where nobody accepted it.
+        parameter: what the guideword is asked of.
         severity: class of the cell; None where it has none.
+        mutant: id of the default mutant; None where it has none.
+        margins: of its faults.
+        results: what the flights of the default mutant say; null: not flown.
+        disposition: of a survivor that somebody accepted; null: nobody has accepted it.
+        find: a situation that a search found, which shows the survivor, in words; null: there is none.
+        flies_find: the command that flies it; null: there is none.
+        team: what only people can fill in.
     """
 
     cell: Cell
-    values: Mapping[str, SheetValue]
-    score: MutantScore | None = None
-    margins: tuple[CellMargin, ...] = ()
-    disposition: Disposition | None = None
+    parameter: Parameter
     severity: SeverityClass | None = None
+    mutant: str | None = None
+    margins: tuple[CellMargin, ...] = ()
+    results: Results | None = None
+    disposition: Accepted | None = None
+    find: str | None = None
+    flies_find: str | None = None
+    team: Team = Team()
+    KEYS = (
+        *("parameter.node", "design_intent=parameter.intent", "margins", "results", "disposition", "find"),
+        *("flies_find", "team"),
+    )
 
     @property
     def survives(self) -> bool:
         """Whether the default mutant of a credible cell was flown and is not detected."""
-        return self.cell.status is CellStatus.CREDIBLE and self.score is not None and not self.score.detected
+        return self.cell.status is CellStatus.CREDIBLE and self.results is not None and not self.results.score.detected
+
+    @cached_property
+    def values(self) -> Mapping[str, SheetValue]:
+        """By the column's key; the team's columns are empty."""
+        cell = self.cell
+        faults = (f"{fault.operator} at {fault.seam} {ladder(fault)}".strip() for fault in cell.faults)
+        return {
+            **dict.fromkeys(column.key for column in COLUMNS),
+            "cell": cell.name,
+            "node": self.parameter.node,
+            "parameter": self.parameter.title,
+            "design_intent": self.parameter.intent,
+            "guideword": cell.guideword,
+            "deviation": cell.deviation,
+            "status": cell.status.replace("_", " "),
+            "rationale": cell.reason or cell.predicted,
+            "causes": "; ".join(cell.causes),
+            "effect": cell.effect,
+            "severity": self.severity.id if self.severity else None,
+            "requirements": ", ".join(cell.requirements),
+            "operators": "; ".join(faults),
+            "mutant": self.mutant,
+            "margin": "; ".join(one.text for one in self.margins if one.text != UNKNOWN) or None,
+            "disposition": acceptance(self.disposition.of) if self.disposition else None,
+            "find": self.find,
+            "flies_find": self.flies_find,
+            **(self.results.values if self.results else {}),
+        }
 
 
 def sheet_rows(
@@ -199,91 +329,29 @@ def sheet_rows(
         campaign: name of the campaign, for commands.
     """
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
-    outcomes = tuple(outcomes)
-    margins = cell_margins(outcomes, scored, matrix)
-    bounds = margin_texts(matrix, margins)
-    accepted = {disposition.mutant: disposition for disposition in dispositions}
+    margins = cell_margins(tuple(outcomes), scored, matrix)
+    accepted = {disposition.mutant: Accepted(disposition) for disposition in dispositions}
     parameters = {parameter.id: parameter for parameter in matrix.parameters}
-    rows = []
-    for cell in matrix:
-        values: dict[str, SheetValue] = dict.fromkeys(column.key for column in COLUMNS)
-        severity = matrix.severities.get(cell.name)
-        values |= _of_study(cell, parameters[cell.parameter]) | {"severity": severity.id if severity else None}
-        score = known = None
-        if cell.status is not CellStatus.NOT_MEANINGFUL:
-            mutant = default_of(cell).id
-            score, known = flown.get(mutant), accepted.get(mutant)
-            values |= {"mutant": mutant}
-            if cell.status is CellStatus.CREDIBLE and bounds[cell.name] != UNKNOWN:
-                values |= {"margin": bounds[cell.name]}
-            values |= {"disposition": acceptance(known)} if known else {}
-            if score:
-                values |= _of_flights(score, space, scored.lacking) | _of_find(score, finds, campaign, space.grid)
-        rows.append(SheetRow(cell, values, score, margins[cell.name], known, severity))
-    return tuple(rows)
 
+    def of(cell: Cell) -> SheetRow:
+        row = SheetRow(cell, parameters[cell.parameter], matrix.severities.get(cell.name), margins=margins[cell.name])
+        if cell.status is CellStatus.NOT_MEANINGFUL:
+            return row
+        row = replace(row, mutant=(mutant := default_of(cell).id), disposition=accepted.get(mutant))
+        if (score := flown.get(mutant)) is None:
+            return row
+        row = replace(row, results=Results(score, score.condition(space), would_decide(score, scored.lacking)))
+        if (find := next_find(score, finds)) is None:
+            return row
+        said = f"{find.name}: {words(find)} ({effect(find.shows[mutant])})"
+        return replace(row, find=said, flies_find=flies(find, mutant, finds, campaign, space.grid))
 
-def _of_study(cell: Cell, parameter: Parameter) -> dict[str, SheetValue]:
-    return {
-        "cell": cell.name,
-        "node": parameter.node,
-        "parameter": parameter.title,
-        "design_intent": parameter.intent,
-        "guideword": cell.guideword,
-        "deviation": cell.deviation,
-        "status": cell.status.replace("_", " "),
-        "rationale": cell.reason or cell.predicted,
-        "causes": "; ".join(cell.causes),
-        "effect": cell.effect,
-        "requirements": ", ".join(cell.requirements),
-        "operators": "; ".join(f"{fault.operator} at {fault.seam} {ladder(fault)}".strip() for fault in cell.faults),
-    }
-
-
-def _of_flights(score: MutantScore, space: Space, lacking: Collection[str]) -> dict[str, SheetValue]:
-    return {
-        "situations_flown": len(score.results),
-        "reached": sum(result.reached for result in score.results),
-        "infected": sum(result.infected for result in score.results),
-        "verdict": score.verdict.words,
-        "firm": score.firmness.words if score.firmness else "",
-        "operability": score.operability.verdict.words,
-        "p": ", ".join(f"{name} {p:.2g}" for name, p in p_of(score).items()) or None,
-        "needed": would_decide(score, lacking) or None,
-        "kill_rate": f"{score.kill_rate.part} of {score.kill_rate.whole}" if score.tested else None,
-        "killed_by": ", ".join(f"{name} {ratio.short}" for name, ratio in score.requirements),
-        "where": score.condition(space),
-        "killing": " ".join(score.killing),
-        "stopped_at": _stopped(score),
-    }
-
-
-def _of_find(score: MutantScore, finds: KnownFinds, campaign: str, grid: str) -> dict[str, SheetValue]:
-    find, mutant = next_find(score, finds), score.subject.id
-    if find is None:
-        return {}
-    return {
-        "find": f"{find.name}: {words(find)} ({effect(find.shows[mutant])})",
-        "flies_find": flies(find, mutant, finds, campaign, grid),
-    }
-
-
-def p_of(score: MutantScore) -> Mapping[str, float]:
-    """Nothing of a mutant that was not put to the test: there is nothing to explain."""
-    return score.safety.p if score.tested else {}
-
-
-def _stopped(score: MutantScore) -> str:
-    """The stages that flights reached in situations without a kill, with situations, furthest first."""
-    counts = Counter(result.status for result in score.results if not result.kills)
-    return ", ".join(
-        f"{status.value} {counts[status]}" for status in sorted(counts, key=lambda s: s.stage, reverse=True)
-    )
+    return tuple(map(of, matrix))
 
 
 def population(rows: Sequence[SheetRow]) -> str:
     """What the findings speak of, in a few sentences."""
-    flown = [row.score for row in rows if row.score is not None]
+    flown = [row.results.score for row in rows if row.results]
     most = max((len(score.results) for score in flown), default=0)
     meaningful = sum(row.cell.status is not CellStatus.NOT_MEANINGFUL for row in rows)
     pooled = any(score.tested for score in flown) or not any(score.verdict is Verdict.UNDECIDED for score in flown)
@@ -542,32 +610,6 @@ def _without_clock(raw: bytes) -> bytes:
     return text.getvalue()
 
 
-_RESULTS = record(
-    "what the flights of the default mutant say",
-    {
-        "situations_flown": count("situations with a flight that counts"),
-        "reached": count("situations where the fault's seam carried a sample"),
-        "infected": count("situations where it changed a sample"),
-        "status": text("the furthest stage that a flight reached", [status.value for status in Status]),
-        "verdict": text("by safety requirements", VERDICTS),
-        "firm": FIRM,
-        "operability": text("by operability requirements", VERDICTS),
-        "p": P,
-        "needed": optional(count("seeds that would decide an undecided mutant"), "decided, or none would"),
-        "anew": flag("whether that takes a campaign of its own"),
-        "kill_rate": ratio("situations with a kill, of those that put it to the test"),
-        "kill_rate_flown": ratio("situations with a kill, of those flown"),
-        "requirements": by_name(
-            "by requirement that kills it", ratio("situations with such a kill, of those that test it by it")
-        ),
-        "where": text("shortest condition for the situations with a kill, else for those with a violation seen"),
-        "killing": texts("keys of the situations with a kill"),
-        "stopped_at": record(
-            "situations without a kill, by the stage that flights reached",
-            {status.value: count(f"situations with {status.value}") for status in Status},
-        ),
-    },
-)
 WORKSHEET = Output(
     "worksheet",
     "2.0",
@@ -575,33 +617,7 @@ WORKSHEET = Output(
     {
         "rows": listing(
             "every deviation, in the order of the matrix",
-            record(
-                "a deviation",
-                {
-                    **CELL,
-                    "node": text("the stages between which the parameter flows"),
-                    "design_intent": text("what every deviation deviates from"),
-                    "margins": inner(CELL_MARGINS),
-                    "results": optional(_RESULTS, "not flown"),
-                    "disposition": optional(
-                        record(
-                            "of a survivor that somebody accepted",
-                            {
-                                "owner": text("who"),
-                                "reason": text("why"),
-                                "expires": {**text("last day"), "format": "date"},
-                                "situations": texts("keys of the situations for which; empty for all"),
-                            },
-                        ),
-                        "nobody has accepted it",
-                    ),
-                    "find": optional(text("a situation that a search found, which shows the survivor, in words")),
-                    "flies_find": optional(text("the command that flies it")),
-                    "team": record(
-                        "what only people can fill in", {one.key: optional(text(one.title)) for one in TEAM}
-                    ),
-                },
-            ),
+            record("a deviation", {**CELL, **shape_of(SheetRow)["properties"]}),
         ),
         **STALE,
     },
@@ -611,42 +627,8 @@ WORKSHEET = Output(
 
 def worksheet_values(rows: Sequence[SheetRow]) -> dict[str, Any]:
     """Plain JSON values of the form `WORKSHEET`."""
-    return {"rows": [_row_values(row) for row in rows]}
-
-
-def _row_values(row: SheetRow) -> dict[str, Any]:
-    known = row.disposition
-    accepted = None
-    if known is not None:
-        days = known.expires.isoformat()
-        accepted = {"owner": known.owner, "reason": known.reason, "expires": days, "situations": list(known.situations)}
-    return {
-        **cell_values(row.cell, row.severity),
-        **{key: row.values[key] for key in ("node", "design_intent", "find", "flies_find")},
-        "margins": writer_of(tuple[CellMargin, ...])(row.margins),
-        "results": None if row.score is None else _results(row, row.score),
-        "disposition": accepted,
-        "team": {column.key: None for column in TEAM},
-    }
-
-
-def _results(row: SheetRow, score: MutantScore) -> dict[str, Any]:
-    stopped = Counter(result.status for result in score.results if not result.kills)
-    return {
-        **{key: row.values[key] for key in ("situations_flown", "reached", "infected", "where")},
-        "status": score.status.value,
-        "verdict": score.verdict.value,
-        "firm": score.firmness.value if score.firmness else None,
-        "operability": score.operability.verdict.value,
-        "p": dict(p_of(score)),
-        "needed": score.safety.needed,
-        "anew": score.safety.anew,
-        "kill_rate": plain(score.kill_rate),
-        "kill_rate_flown": plain(score.kill_rate_flown),
-        "requirements": plain(dict(score.requirements)),
-        "killing": list(score.killing),
-        "stopped_at": {status.value: stopped[status] for status in Status},
-    }
+    write = writer_of(SheetRow)
+    return {"rows": [cell_values(row.cell, row.severity) | write(row) for row in rows]}
 
 
 XLSX = "xlsx"
