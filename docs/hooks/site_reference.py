@@ -26,7 +26,7 @@ from scaloft_fi.scripting.campaign import OpenCampaign
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.dossier import FORMATS
-from scaloft_fi.verbs.export.rows import BASIS, HEAD, TAIL
+from scaloft_fi.verbs.export.rows import EXPORT, HEAD
 from scaloft_fi.verbs.listing import Listing, shown
 from scaloft_fi.verbs.operators import operator_list
 from scaloft_fi.verbs.report.matrices import Sign
@@ -141,7 +141,7 @@ def _columns() -> str:
         "`rho_` and a requirement",
         "The robustness of the requirement in its unit; empty where the flight did not put it to the test.",
     )
-    rows = [(f"`{name}`", _meaning(name)) for name in (*HEAD, *TAIL, *BASIS)]
+    rows = [(f"`{name}`", _meaning(name)) for name in EXPORT.keys]
     rows.insert(len(HEAD), rho)
     parts.append(_table(("column", "meaning"), rows))
     parts += ["## Formats\n", "`scaloft-fi export --format NAME`:\n"]

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Literal
 
 from scaloft_fi.campaign.store.archive import MANIFEST
 from scaloft_fi.judge.outcome import BASELINE
-from scaloft_fi.judge.status import Status, baseline_status, flights_of
-from scaloft_fi.marks import Choices
+from scaloft_fi.judge.status import baseline_status, flights_of
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.export.rows import WAITING, ordered
+from scaloft_fi.verbs.export.rows import WAITING, FlightStatus, ordered
 from scaloft_fi.verbs.options import Campaign
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 from scaloft_fi.verbs.verb import verb
@@ -20,9 +19,6 @@ from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 
 _WORDS = {WAITING: "waiting for their baseline"}
-BASELINE_STATUSES = ("held", "violated", Status.INVALID)
-FlightStatus = Annotated[str, Choices(dict.fromkeys((*BASELINE_STATUSES, *Status, WAITING)))]
-"""What a flight shows beside its baseline, or `waiting` for it; of a baseline held, violated or invalid."""
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,9 @@ baselines together.  Beyond status and first safety violation a row has
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.console import json_text
@@ -28,7 +28,8 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import JudgedFlight, Status, baseline_status, flights_of
-from scaloft_fi.views.output import Columns, ColumnType, Rows, count, listing, number, optional, text, texts
+from scaloft_fi.marks import About, Choices
+from scaloft_fi.views.output import Columns, ColumnType, Field, Rows, shape_of, type_of, writer_of
 from scaloft_fi.views.table import csv_text
 
 FlightRow = dict[str, Any]
@@ -36,56 +37,78 @@ FlightRow = dict[str, Any]
 WAITING = "waiting"
 """Status of a flight that cannot be judged: the baseline of its situation and seed is not flown, or stale."""
 
+FlightStatus = Annotated[str, Choices(dict.fromkeys(("held", "violated", *Status, WAITING)))]
+"""What a flight shows beside its baseline, or `waiting` for it; of a baseline held, violated or invalid."""
+_Time = Annotated[float, About("time [s from take-off]")]
+
+
+class _Flight(NamedTuple):
+    """A flight.
+
+    Attributes:
+        mutant: `baseline`, `PLACEBO` or the id of a mutant.
+        situation: key of the situation.
+        seed: seed of the flight.
+        status: what the flight shows beside its baseline, or `waiting` for it; of a baseline held, violated or invalid.
+        ending: how it ended: landed, struck or timed_out; empty when invalid.
+        violated: requirements that it violates.
+        infected_at_s: first altered sample [s from take-off]; null: no sample was altered.
+        violated_at_s: first safety violation [s from take-off]; null: there is none.
+        x: x of the vehicle then [m, world]; null: there is none.
+        y: y of the vehicle then [m, world]; null: there is none.
+        z: z of the vehicle then [m, world]; null: there is none.
+        struck: the body that was struck then; empty for none.
+        duration_s: how long it lasted [s].
+        digest: SHA-256 over the ground truth.
+        held: requirements neither violated nor left open by a flight cut short.
+        revealed_by: requirements that it violates and its baseline holds: safety first, each earliest first.
+        violation_times_s: for each of `violated`, when.
+        violation_bodies: for each of `violated`, the body that was struck at that moment.
+        triggered: requirements whose condition came true.
+        realised: of a baseline, axes whose value came true.
+        carried: samples that crossed the patched seams.
+        altered: samples that were changed there.
+    """
+
+    mutant: str
+    situation: str
+    seed: int
+    status: FlightStatus
+    ending: str
+    violated: tuple[str, ...]
+    infected_at_s: float | None
+    violated_at_s: float | None
+    x: float | None
+    y: float | None
+    z: float | None
+    struck: str
+    duration_s: float
+    digest: str
+    held: tuple[str, ...]
+    revealed_by: tuple[str, ...]
+    violation_times_s: tuple[_Time, ...]
+    violation_bodies: tuple[str, ...]
+    triggered: tuple[str, ...]
+    realised: tuple[str, ...]
+    carried: int
+    altered: int
+
+
+_RHO = shape_of(
+    float | None,
+    "robustness of the requirement, in its own unit; below 0 it is violated; null: the flight does not put it to the "
+    "test",
+)
 EXPORT = Rows(
     "export",
     "1.0",
     "one row per flight, ordered by mutant, situation and seed",
-    {
-        "mutant": text("`baseline`, `PLACEBO` or the id of a mutant"),
-        "situation": text("key of the situation"),
-        "seed": count("seed of the flight"),
-        "status": text(
-            "what the flight shows beside its baseline, or `waiting` for it; of a baseline held, violated or invalid",
-            dict.fromkeys(("held", "violated", *(status.value for status in Status), WAITING)),
-        ),
-        "ending": text("how it ended: landed, struck or timed_out; empty when invalid"),
-        "violated": texts("requirements that it violates"),
-        "infected_at_s": optional(number("first altered sample", "s from take-off"), "no sample was altered"),
-        "violated_at_s": optional(number("first safety violation", "s from take-off"), "there is none"),
-        **{axis: optional(number(f"{axis} of the vehicle then", "m, world"), "there is none") for axis in "xyz"},
-        "struck": text("the body that was struck then; empty for none"),
-        "duration_s": number("how long it lasted", "s"),
-        "digest": text("SHA-256 over the ground truth"),
-        "held": texts("requirements neither violated nor left open by a flight cut short"),
-        "revealed_by": texts("requirements that it violates and its baseline holds: safety first, each earliest first"),
-        "violation_times_s": listing("for each of `violated`, when", number("time", "s from take-off")),
-        "violation_bodies": texts("for each of `violated`, the body that was struck at that moment"),
-        "triggered": texts("requirements whose condition came true"),
-        "realised": texts("of a baseline, axes whose value came true"),
-        "carried": count("samples that crossed the patched seams"),
-        "altered": count("samples that were changed there"),
-    },
+    shape_of(_Flight)["properties"],
     rows="flights",
-    named=(
-        "rho_",
-        optional(
-            number("robustness of the requirement, in its own unit; below 0 it is violated"),
-            "the flight does not put it to the test",
-        ),
-    ),
+    named=("rho_", _RHO),
 )
-"""The columns, of JSON and CSV alike; beside them stands `rho_REQUIREMENT` for each requirement of the study."""
-HEAD = ("mutant", "situation", "seed", "status", "ending", "violated")
-TAIL = ("infected_at_s", "violated_at_s", "x", "y", "z", "struck", "duration_s", "digest")
-BASIS = (
-    *("held", "revealed_by", "violation_times_s", "violation_bodies", "triggered", "realised", "carried", "altered"),
-)
-"""What else every figure of the score follows from."""
-WHOLE = frozenset({"seed", "carried", "altered"})
-TEXTS = frozenset({"mutant", "situation", "status", "ending", "struck", "digest"})
-LISTS_OF_TEXTS = frozenset({"violated", "held", "revealed_by", "violation_bodies", "triggered", "realised"})
-LISTS_OF_NUMBERS = frozenset({"violation_times_s"})
-"""Columns by type; every other one is a number."""
+"""The columns, of JSON and CSV alike; behind those of `HEAD` stands `rho_REQUIREMENT` for each requirement."""
+HEAD = _Flight._fields[:6]
 
 
 def column_type(name: str) -> ColumnType:
@@ -94,15 +117,7 @@ def column_type(name: str) -> ColumnType:
     >>> column_type("seed").value, column_type("rho_SR1").value
     ('int64', 'float64')
     """
-    for names, kind in (
-        (WHOLE, ColumnType.WHOLE),
-        (TEXTS, ColumnType.TEXT),
-        (LISTS_OF_TEXTS, ColumnType.TEXTS),
-        (LISTS_OF_NUMBERS, ColumnType.NUMBERS),
-    ):
-        if name in names:
-            return kind
-    return ColumnType.NUMBER
+    return type_of(Field(name, (), EXPORT.keys.get(name, _RHO)))
 
 
 def flight_columns(rows: Sequence[FlightRow], names: Sequence[str]) -> Columns:
@@ -125,11 +140,10 @@ def export_rows(
     names = list(dict.fromkeys([*requirements, *(r.requirement for outcome in listed for r in outcome.readings)]))
     flights = iter(flights_of(listed))
     clean = {(outcome.situation, outcome.seed) for outcome in listed if outcome.mutant == BASELINE}
-    rows = [_row(o, None if o.mutant == BASELINE else next(flights), names) for o in listed]
-    for row, outcome in zip(rows, listed, strict=True):
-        if not outcome.invalid and (outcome.situation, outcome.seed) not in clean:
-            row["status"] = WAITING
-    return rows
+    return [
+        _row(one, None if one.mutant == BASELINE else next(flights), names, (one.situation, one.seed) in clean)
+        for one in listed
+    ]
 
 
 def ordered(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> list[Outcome]:
@@ -140,44 +154,50 @@ def ordered(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> list[O
 
 def columns(rows: Sequence[FlightRow], requirements: Sequence[str] = ()) -> list[str]:
     """The columns of `rows`; of a campaign without flights those it would have."""
-    return list(rows[0]) if rows else [*HEAD, *(f"rho_{name}" for name in requirements), *TAIL, *BASIS]
+    return list(rows[0] if rows else _named(EXPORT.keys, dict.fromkeys(requirements)))
 
 
-def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[str]) -> FlightRow:
-    revealed_by: tuple[str, ...] = ()
-    if flight is None:
-        status = baseline_status(outcome)
-    else:
-        status, revealed_by = flight.status.value, flight.revealed + flight.operability_revealed
+def _named(row: Mapping[str, Any], rho: Mapping[str, Any]) -> FlightRow:
+    """A row with the robustness of each requirement behind the columns of `HEAD`."""
+    return {**{name: row[name] for name in HEAD}, **{f"rho_{name}": value for name, value in rho.items()}, **row}
+
+
+_write = writer_of(_Flight)
+
+
+def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[str], beside: bool) -> FlightRow:
+    """A row; `beside` tells whether a baseline of its situation and seed counts."""
+    status = flight.status if flight else baseline_status(outcome)
     violated = [reading for reading in outcome.readings if reading.violated]
     struck = {violation.requirement: violation.struck for violation in outcome.violations}
     rho = {reading.requirement: measured_rho(reading) for reading in outcome.readings}
     first = outcome.first_violation
-    return {
-        "mutant": outcome.mutant,
-        "situation": outcome.situation,
-        "seed": outcome.seed,
-        "status": status,
-        "ending": outcome.ending,
-        "violated": [reading.requirement for reading in violated],
-        **{f"rho_{name}": rho.get(name) for name in requirements},
-        "infected_at_s": outcome.infected_at_s,
-        "violated_at_s": first.t_s if first else None,
-        "x": first.x if first else None,
-        "y": first.y if first else None,
-        "z": first.z if first else None,
-        "struck": first.struck if first else "",
-        "duration_s": outcome.duration_s,
-        "digest": outcome.digest,
-        "held": [reading.requirement for reading in outcome.readings if not (reading.violated or reading.open)],
-        "revealed_by": list(revealed_by),
-        "violation_times_s": [reading.violated_at_s for reading in violated],
-        "violation_bodies": [struck.get(reading.requirement, "") for reading in violated],
-        "triggered": [reading.requirement for reading in outcome.readings if reading.triggered],
-        "realised": [axis for axis, came_true in outcome.realised if came_true],
-        "carried": outcome.carried,
-        "altered": outcome.altered,
-    }
+    t_s, x, y, z = (first.t_s, first.x, first.y, first.z) if first else (None,) * 4
+    row = _Flight(
+        outcome.mutant,
+        outcome.situation,
+        outcome.seed,
+        status if beside or outcome.invalid else WAITING,
+        outcome.ending,
+        tuple(reading.requirement for reading in violated),
+        outcome.infected_at_s,
+        t_s,
+        x,
+        y,
+        z,
+        first.struck if first else "",
+        outcome.duration_s,
+        outcome.digest,
+        held=tuple(reading.requirement for reading in outcome.readings if not (reading.violated or reading.open)),
+        revealed_by=(*flight.revealed, *flight.operability_revealed) if flight else (),
+        violation_times_s=tuple(reading.violated_at_s or 0.0 for reading in violated),
+        violation_bodies=tuple(struck.get(reading.requirement, "") for reading in violated),
+        triggered=tuple(reading.requirement for reading in outcome.readings if reading.triggered),
+        realised=tuple(axis for axis, came_true in outcome.realised if came_true),
+        carried=outcome.carried,
+        altered=outcome.altered,
+    )
+    return _named(_write(row), {name: rho.get(name) for name in requirements})
 
 
 def to_json(rows: Sequence[FlightRow]) -> str:
