@@ -68,9 +68,9 @@ def plain(value: Any) -> Any:
     return value
 
 
-def by_field(value: Any) -> dict[str, Any]:
-    """The fields of a dataclass as plain JSON values."""
-    return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+def by_field(value: Any, *names: str) -> dict[str, Any]:
+    """The fields of a dataclass, or those of its fields and properties that are named, as plain JSON values."""
+    return {name: plain(getattr(value, name)) for name in names or [field.name for field in fields(value)]}
 
 
 @dataclass(frozen=True)

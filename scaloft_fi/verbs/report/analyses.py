@@ -16,7 +16,7 @@ from typing import Any
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.kill_matrix import KillMatrix
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margins, whens
-from scaloft_fi.analysis.roster import Roster, plain
+from scaloft_fi.analysis.roster import Roster, by_field, plain
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.suite import interactions, minimal_suite, orders, subsumption
 from scaloft_fi.analysis.survivor import FAILING, PhasedFault, Tried, backgrounds
@@ -308,11 +308,9 @@ def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]
             "cell": cell.name,
             "rungs": [
                 {
-                    "id": rung.subject.id,
-                    "magnitude": rung.subject.magnitude,
+                    **by_field(rung.subject, "id", "magnitude"),
+                    **by_field(rung, "verdict", "kill_rate"),
                     "default": roster.counts(rung.subject),
-                    "verdict": rung.verdict.value,
-                    "kill_rate": plain(rung.kill_rate),
                 }
                 for rung in sorted(by_cell[cell.name], key=lambda one: order(one.subject.id))
             ],

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from typing import Any
 
+from scaloft_fi.analysis.roster import by_field
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.sim.found import Break, Evidence, Find
@@ -54,11 +55,8 @@ def found(study: Study, campaign: str, outcomes: Iterable[Outcome], mines: list[
 
 def _find(find: Find, finds: KnownFinds, mines: list[dict[str, Any]]) -> dict[str, Any]:
     assert finds.searched is not None
-    return {
-        "name": find.name,
-        "situation": find.situation,
+    return by_field(find, "name", "situation", "mutant") | {
         "words": words(find),
-        "mutant": find.mutant,
         "shows": [{"mutant": mutant, **_short(evidence)} for mutant, evidence in find.shows.items()],
         "scene": scene(finds.searched.world(finds.searched.situation(find.situation)), mines),
     }
@@ -122,25 +120,11 @@ def broken(finds: KnownFinds, mines: list[dict[str, Any]]) -> list[dict[str, Any
             stands = scene(finds.searched.world(finds.searched.situation(one.situation)), mines)
         except InputError:
             continue
-        listed.append({**_told(one), "command": _flies(one, finds.searched.name), "scene": stands})
+        told = by_field(one, "name", "situation", "requirement", "struck", "violated", "flights", "alike", "t_s")
+        told |= {"words": ", ".join(one.words) or "every value benign", "where": place(one), "belief": belief(one)}
+        told |= {"place": list(one.place[:2]), "command": _flies(one, finds.searched.name), "scene": stands}
+        listed.append(told)
     return listed
-
-
-def _told(one: Break) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "situation": one.situation,
-        "words": ", ".join(one.words) or "every value benign",
-        "requirement": one.requirement,
-        "struck": one.struck,
-        "where": place(one),
-        "belief": belief(one),
-        "violated": one.violated,
-        "flights": one.flights,
-        "alike": one.alike,
-        "t_s": one.t_s,
-        "place": list(one.place[:2]),
-    }
 
 
 def _flies(one: Break, grid: str) -> str:

@@ -21,10 +21,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from scaloft_fi.analysis.roster import by_field
 from scaloft_fi.console import all_printable
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK, TRACK_COLUMNS, TRACK_EVERY, Outcome, unpack_track
 from scaloft_fi.judge.requirement import Reading, measured_rho
-from scaloft_fi.judge.status import JudgedFlight, baseline_status, flight_of
+from scaloft_fi.judge.status import baseline_status, flight_of
 from scaloft_fi.sim.log import FAR_M, SAMPLE_HZ
 from scaloft_fi.views.picture import scene_of
 from scaloft_fi.views.table import ranges
@@ -280,29 +281,16 @@ def record(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[st
     flight = flight_of(outcome, baseline) if outcome.mutant != BASELINE else None
     readings = {reading.requirement: reading for reading in outcome.readings}
     return {
-        "mutant": outcome.mutant,
-        "seed": outcome.seed,
+        **by_field(outcome, "mutant", "seed", "ending", "invalid", "carried", "altered", "struck", "stack_error"),
         "status": flight.status.value if flight else baseline_status(outcome),
-        **_revealed(flight),
-        "ending": outcome.ending,
-        "invalid": outcome.invalid,
+        **({"revealed": [*flight.revealed, *flight.operability_revealed]} if flight else {}),
         "duration_s": _short(outcome.duration_s),
         "infected_at_s": _short(outcome.infected_at_s),
-        "carried": outcome.carried,
-        "altered": outcome.altered,
-        "struck": outcome.struck,
-        "stack_error": outcome.stack_error,
         "readings": [_reading(readings[name]) if name in readings else None for name in requirements],
         "violations": [
             [v.requirement, *(_short(value) for value in (v.t_s, v.x, v.y, v.z)), v.struck] for v in outcome.violations
         ],
     }
-
-
-def _revealed(flight: JudgedFlight | None) -> Mapping[str, Any]:
-    if flight is None:
-        return {}
-    return {"revealed": [*flight.revealed, *flight.operability_revealed]}
 
 
 def _reading(reading: Reading) -> list[Any]:

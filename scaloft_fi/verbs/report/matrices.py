@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.analysis.condition import Term, cover, term_text
 from scaloft_fi.analysis.kill_matrix import MOST_CELLS, KillEntry, KillMatrix, KillRow, cyclic, fold, gray_order
 from scaloft_fi.analysis.pool import Pool, State
-from scaloft_fi.analysis.roster import Ratio, Roster, plain
+from scaloft_fi.analysis.roster import Ratio, Roster, by_field, plain
 from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score
 from scaloft_fi.analysis.survivor import Disposition, Judged, judge
 from scaloft_fi.campaign.seeking.finds import words_of
@@ -119,14 +119,12 @@ def accepted(scored: Score, roster: Roster, known: Iterable[Disposition], today:
 
 def _entry(judged: Judged) -> dict[str, Any]:
     disposition = judged.disposition
-    entry: dict[str, Any] = {"mutant": judged.mutant, "state": judged.state.value, "surviving": list(judged.surviving)}
+    entry = by_field(judged, "mutant", "state", "surviving")
     if disposition is None:
         return entry
     return entry | {
-        "owner": disposition.owner,
-        "reason": disposition.reason,
+        **by_field(disposition, "owner", "reason", "situations"),
         "until": disposition.expires.isoformat(),
-        "situations": list(disposition.situations),
         "unnamed": [key for key in judged.surviving if disposition.situations and key not in disposition.situations],
     }
 
@@ -249,17 +247,9 @@ def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
         by_cell.setdefault(cell_of(mutant), []).append(mutant)
     return [
         {
-            "name": cell.name,
-            "guideword": cell.guideword,
-            "parameter": cell.parameter,
-            "status": cell.status.value,
-            "deviation": cell.deviation,
-            "causes": list(cell.causes),
-            "effect": cell.effect,
+            **by_field(cell, "name", "guideword", "parameter", "status", "deviation", "causes", "effect"),
+            **by_field(cell, "requirements", "reason", "predicted"),
             "severity": class_of(matrix.severities.get(cell.name)),
-            "requirements": list(cell.requirements),
-            "reason": cell.reason,
-            "predicted": cell.predicted,
             "expected": [fault.expected.reason for fault in cell.faults if fault.expected],
             "default": cell.default_id if cell.faults else "",
             "mutants": by_cell.get(cell.name, []),
@@ -295,13 +285,18 @@ def mutants(
         id_, flights = mutant.subject.id, rulings.mutants[mutant.subject]
         row = matrix.row[id_]
         entries = {entry.situation: entry for entry in row.entries}
+        # the most violated first
+        safety, operability = (
+            sorted(kills, key=lambda kill: -kill.violated / kill.flights)
+            for kills in (mutant.kills, mutant.operability_kills)
+        )
         results = {result.situation: result for result in mutant.results}
         described.append(
             {name: known[id_][name] for name in KEPT}
             | _mutant(mutant, flights, roster, matrix.space)
             | {
                 "certainty": certainty(mutant, scored.alpha),
-                "kills": [_kill(kill, flights[kill.situation], scored.pool) for kill in _kills(mutant)],
+                "kills": [_kill(kill, flights[kill.situation], scored.pool) for kill in (*safety, *operability)],
                 "searched": id_ in extra,
                 "tests": _tests(mutant, scored.pool),
                 "results": [_result(entries[key], results.get(key), flights, scored.pool) for key in keys],
@@ -320,16 +315,8 @@ def _mutant(scored: MutantScore, flights: Situations, roster: Roster, space: Spa
         "by": [*scored.safety.by, *scored.operability.by],
         "shows": list(shown_by(scored, flights)) if roster.is_control(scored.subject) else [],
         "condition": scored.condition(space),
-        "first": {"requirement": first.requirement, "t_s": first.t_s, "situation": first.situation, "seed": first.seed}
-        if first
-        else None,
+        "first": by_field(first, "requirement", "t_s", "situation", "seed") if first else None,
     }
-
-
-def _kills(scored: MutantScore) -> Iterable[Kill]:
-    """By safety requirements, of which the most violated come first, then by operability."""
-    for kills in (scored.kills, scored.operability_kills):
-        yield from sorted(kills, key=lambda kill: -kill.violated / kill.flights)
 
 
 def _kill(kill: Kill, flights: Sequence[Ruled], pool: Pool) -> dict[str, Any]:
@@ -340,13 +327,11 @@ def _kill(kill: Kill, flights: Sequence[Ruled], pool: Pool) -> dict[str, Any]:
     )
     beside = pool.pairs[kill.situation, kill.requirement]
     return {
-        "situation": kill.situation,
-        "requirement": kill.requirement,
+        **by_field(kill, "situation", "requirement"),
         "flights": plain(Ratio(kill.violated, kill.flights)),
         "baseline": plain(Ratio(beside.violated, beside.judged)),
         "seed": seed,
-        "t_s": violation.t_s,
-        "struck": violation.struck,
+        **by_field(violation, "t_s", "struck"),
     }
 
 
@@ -394,14 +379,8 @@ def _result(entry: KillEntry, result: Result | None, flights: Situations, pool: 
 def by_situation(scored: Score, roster: Roster, keys: Sequence[str]) -> list[dict[str, int]]:
     """Per situation the default mutants with a kill, of those that it puts to the test, and of those flown."""
     counted = [mutant for mutant in scored.mutants if roster.counts(mutant.subject)]
-    entries = []
-    for key in keys:
-        results = [result for mutant in counted for result in mutant.results if result.situation == key]
-        entries.append(
-            {
-                "killed": sum(bool(result.kills) for result in results),
-                "tested": sum(result.tested for result in results),
-                "flown": len(results),
-            }
-        )
-    return entries
+    here = ([result for mutant in counted for result in mutant.results if result.situation == key] for key in keys)
+    return [
+        {"killed": sum(bool(one.kills) for one in own), "tested": sum(one.tested for one in own), "flown": len(own)}
+        for own in here
+    ]
