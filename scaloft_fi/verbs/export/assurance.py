@@ -12,18 +12,18 @@ it is representative.  What only people can argue is left open, and says so.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Sequence
 from typing import Any
 
 import yaml
 
 from scaloft_fi.analysis.detection import Verdict
-from scaloft_fi.analysis.pool import Tally, findings, tallies
+from scaloft_fi.analysis.pool import findings, tallies
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.analysis.survivor import judge
-from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.requirement import Kind, rho_text
 from scaloft_fi.verbs.export.dossier import Dossier, export_format
 from scaloft_fi.verbs.verdict import NO_POOL, NOT_COMPARED, false_detections
@@ -46,6 +46,7 @@ def gsn(dossier: Dossier) -> str:
 def nodes(dossier: Dossier) -> dict[str, Any]:
     """The argument's nodes by id, the module's head among them."""
     names = ", ".join(requirement.name for requirement in dossier.requirements)
+    seeds = ", ".join(map(str, dossier.seeds)) or "none"
     argument: dict[str, Any] = {
         "module": {"name": "situation_coverage_and_fault_detection", "brief": f"Campaign {dossier.campaign}"},
         "G1": {
@@ -57,7 +58,7 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
             "text": f"Operational domain model: {len(dossier.space.axes)} axes, {len(dossier.space.points)} situations"
         },
         "C2": {"text": f"Requirements in signal temporal logic: {names}"},
-        "C3": {"text": f"{len(dossier.score.mutants)} mutants from a HAZOP deviation matrix, seeds {_seeds(dossier)}"},
+        "C3": {"text": f"{len(dossier.score.mutants)} mutants from a HAZOP deviation matrix, seeds {seeds}"},
         "A1": {"text": "The simulator represents the operating environment (argued elsewhere)"},
         "S1": {
             "text": "Argue over the extent of coverage and over its power to reveal faults",
@@ -74,19 +75,14 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
         argument["G4"] = {"text": "Every mutant flown is detected", "supportedBy": ["Sn3"]}
         argument["Sn3"] = {"text": "Verdict on every mutant: scaloft-fi score"}
     for number, mutant in enumerate(counted, start=1):
+        severity = f" (severity: {mutant.severity.id}, {mutant.severity.title})" if mutant.severity else ""
         argument[f"CG{number}"] = {
-            "text": f"{mutant.subject.id} {COUNTER[mutant.verdict]}{_severity(mutant)}",
+            "text": f"{mutant.subject.id} {COUNTER[mutant.verdict]}{severity}",
             "challenges": "G3",
             "supportedBy": [f"CSn{number}"],
         }
         argument[f"CSn{number}"] = {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}"}
     return argument
-
-
-def _severity(mutant: MutantScore) -> str:
-    """As in: ` (severity: injury, a person may be hurt)`; empty where its cell has no class."""
-    severity = mutant.severity
-    return f" (severity: {severity.id}, {severity.title})" if severity else ""
 
 
 def _justified(dossier: Dossier, counted: Sequence[MutantScore]) -> dict[str, Any]:
@@ -126,19 +122,11 @@ def _detection(dossier: Dossier) -> dict[str, Any]:
     )
     rule = "more violations of a safety requirement than chance explains, beside the unmutated drone's own flights"
     return {
-        "G3": {
-            "text": claim,
-            "supportedBy": ["Sn2"],
-            "inContextOf": ["C4", "C5"],
-        },
+        "G3": {"text": claim, "supportedBy": ["Sn2"], "inContextOf": ["C4", "C5"]},
         "C4": {"text": f"Detected: {rule} (exact stratified test, alpha {scored.alpha:g})"},
         "C5": {"text": false_detections(scored.alpha, scored.tested.part)},
         "Sn2": {"text": "Verdicts and kills: scaloft-fi score; every flight: scaloft-fi export"},
     }
-
-
-def _seeds(dossier: Dossier) -> str:
-    return ", ".join(map(str, dossier.seeds)) or "none"
 
 
 REPEATS = "Flights are deterministic: scaloft-fi replay flies each again, bit for bit, on the same platform."
@@ -156,15 +144,21 @@ NOT_CLAIMED = (
 
 def verification_log(dossier: Dossier) -> tuple[Table, ...]:
     """The log as tables, one a heading."""
+    required = tuple((r.name, r.kind.value, r.title, r.text) for r in dossier.requirements)
+    combined = tuple((f"{strength}-way", str(ratio)) for strength, ratio in dossier.coverage.t_way)
+    combinations = "Combinations of values of that many axes that some test case has, of all there are."
+    parts = (("scaloft-fi", dossier.version), *sorted(dossier.platform.items()))
+    repeats = REPEATS if dossier.deterministic else NO_REPEATS
+    coverage = "Sufficiency of coverage (2): operational domain model"
     return (
         _cases(dossier),
-        _required(dossier),
+        Table("Required results", ("requirement", "kind", "in words", "formula over the flight"), required),
         _by_requirement(dossier),
         *_accepted(dossier),
-        _domain(dossier),
+        Table(coverage, ("strength", "covered"), combined, (combinations,)),
         _scenarios(dossier),
         _edges(dossier),
-        _environment(dossier),
+        Table("Test environment", ("part", "version"), parts, (repeats,)),
         Table("Representativeness of the test environment", ("justification",), ((OPEN,),)),
         Table("Not claimed", ("claim",), tuple((claim,) for claim in NOT_CLAIMED)),
     )
@@ -185,46 +179,30 @@ def to_json(dossier: Dossier) -> dict[str, Any]:
 
 
 def _cases(dossier: Dossier) -> Table:
-    baselines, mutants = _seeds_flown(dossier, baseline=True), _seeds_flown(dossier, baseline=False)
+    seeds = defaultdict[tuple[str, bool], set[int]](set)
+    for outcome in dossier.outcomes:
+        seeds[outcome.situation, outcome.mutant == BASELINE].add(outcome.seed)
     rows = tuple(
-        (key, dossier.words(key), ranges(mutants.get(key, set())), ranges(baselines.get(key, set())))
-        for key in sorted(baselines.keys() | mutants.keys(), key=dossier.space.rank)
+        (key, dossier.words(key), ranges(seeds[key, False]), ranges(seeds[key, True]))
+        for key in sorted({key for key, _ in seeds}, key=dossier.space.rank)
     )
     headers = ("test case", "situation", "seeds of the mutants", "seeds of the unmutated drone")
     return Table("Test case details", headers, rows)
 
 
-def _seeds_flown(dossier: Dossier, *, baseline: bool) -> dict[str, set[int]]:
-    """By situation the seeds flown, of the unmutated drone or of everything else."""
-    by_situation: dict[str, set[int]] = {}
-    for outcome in dossier.outcomes:
-        if (outcome.mutant == BASELINE) == baseline:
-            by_situation.setdefault(outcome.situation, set()).add(outcome.seed)
-    return by_situation
-
-
-def _required(dossier: Dossier) -> Table:
-    rows = tuple((r.name, r.kind.value, r.title, r.text) for r in dossier.requirements)
-    return Table("Required results", ("requirement", "kind", "in words", "formula over the flight"), rows)
-
-
 def _by_requirement(dossier: Dossier) -> Table:
     """Consideration 1: are there test cases for each safety requirement, and would they show its violation."""
-    tested: dict[str, Tally] = {tally.requirement: tally for tally in tallies(dossier.outcomes)}
-    rows = tuple(
-        (
-            r.name,
-            tested[r.name].triggered if r.name in tested else 0,
-            str(_detected_by(dossier, r.name)),
-            rho_text(tested[r.name].least_rho) if r.name in tested else "n/a",
-        )
-        for r in dossier.requirements
-        if r.kind is not Kind.REPORTED
-    )
-    headers = (
-        *("requirement", "times triggered", "mutants detected by it, of those that it put to the test"),
-        "least robustness",
-    )
+    tested = {tally.requirement: tally for tally in tallies(dossier.outcomes)}
+
+    def row(name: str) -> tuple[str, int, str, str]:
+        able = [mutant for mutant in dossier.score.counted if name in mutant.tests]
+        detected = Ratio(sum(name in (*m.safety.by, *m.operability.by) for m in able), len(able))
+        tally = tested.get(name)
+        return name, tally.triggered if tally else 0, str(detected), rho_text(tally.least_rho) if tally else "n/a"
+
+    rows = tuple(row(r.name) for r in dossier.requirements if r.kind is not Kind.REPORTED)
+    detected = "mutants detected by it, of those that it put to the test"
+    headers = ("requirement", "times triggered", detected, "least robustness")
     fates = Counter(mutant.verdict for mutant in dossier.score.counted)
     verdicts = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
     firm = f"  Detected whichever one seed is left out: {dossier.score.firm.part}."
@@ -249,56 +227,33 @@ def _accepted(dossier: Dossier) -> tuple[Table, ...]:
     return (Table("Accepted survivors", headers, rows, notes),) if rows else ()
 
 
-def _detected_by(dossier: Dossier, requirement: str) -> Ratio:
-    able = [mutant for mutant in dossier.score.counted if requirement in mutant.tests]
-    return Ratio(sum(requirement in (*m.safety.by, *m.operability.by) for m in able), len(able))
-
-
-def _domain(dossier: Dossier) -> Table:
-    """Consideration 2: enough range of each feature of the domain, and enough combinations of features."""
-    rows = tuple((f"{strength}-way", str(ratio)) for strength, ratio in dossier.coverage.t_way)
-    note = "Combinations of values of that many axes that some test case has, of all there are."
-    return Table("Sufficiency of coverage (2): operational domain model", ("strength", "covered"), rows, (note,))
-
-
 def _scenarios(dossier: Dossier) -> Table:
     """Consideration 3: each operating scenario, what the unmutated drone does there, what a fault does."""
-    rows = tuple(
-        (f.situation, _violated(dossier, f.situation), ", ".join(f.vacuous), str(_killed_in(dossier, f.situation)))
-        for f in findings(dossier.outcomes, dossier.space)
-    )
+    pairs, counted = dossier.score.pool.pairs.values(), dossier.score.counted
+
+    def row(key: str, vacuous: Sequence[str]) -> tuple[str, ...]:
+        own = [one for one in pairs if one.situation == key and one.violated]
+        often = [f"{one.requirement} in {one.violated} of {one.flights}" for one in own]
+        tests = [one for mutant in counted for one in mutant.results if one.situation == key and one.tested]
+        killed = Ratio(sum(bool(one.kills) for one in tests), len(tests))
+        return key, ", ".join(often) or "nothing", ", ".join(vacuous), str(killed)
+
+    rows = tuple(row(one.situation, one.vacuous) for one in findings(dossier.outcomes, dossier.space))
     headers = ("situation", "the unmutated drone violates", "never tests", "mutants killed, of those put to the test")
     return Table("Sufficiency of coverage (3): operating scenarios", headers, rows)
 
 
-def _violated(dossier: Dossier, situation: str) -> str:
-    pairs = [pair for pair in dossier.score.pool.pairs.values() if pair.situation == situation and pair.violated]
-    return ", ".join(f"{pair.requirement} in {pair.violated} of {pair.flights}" for pair in pairs) or "nothing"
-
-
-def _killed_in(dossier: Dossier, situation: str) -> Ratio:
-    tests = [r for mutant in dossier.score.counted for r in mutant.results if r.situation == situation and r.tested]
-    return Ratio(sum(bool(result.kills) for result in tests), len(tests))
-
-
 def _edges(dossier: Dossier) -> Table:
     """Consideration 4: low probability, high impact."""
-    worst = sorted(_robustness(dossier), key=lambda row: (row[0], dossier.space.rank(row[2].situation), row[2].seed))
+    robust = [
+        (reading.rho, reading.requirement, outcome)
+        for outcome in dossier.outcomes
+        if outcome.mutant == BASELINE and not outcome.invalid
+        for reading in outcome.readings
+        if reading.kind is Kind.SAFETY and not reading.violated and reading.triggered
+    ]
+    worst = sorted(robust, key=lambda row: (row[0], dossier.space.rank(row[2].situation), row[2].seed))
     rows = tuple((o.situation, o.seed, name, f"{rho:.3f}") for rho, name, o in worst[:EDGES])
     headers = ("situation", "seed", "requirement", "robustness")
     note = f"The {EDGES} least robust flights of the unmutated drone that hold the safety requirement."
     return Table("Sufficiency of coverage (4): edge cases", headers, rows, (note,))
-
-
-def _robustness(dossier: Dossier) -> Iterator[tuple[float, str, Outcome]]:
-    for outcome in dossier.outcomes:
-        if outcome.mutant == BASELINE and not outcome.invalid:
-            for reading in outcome.readings:
-                if reading.kind is Kind.SAFETY and not reading.violated and reading.triggered:
-                    yield reading.rho, reading.requirement, outcome
-
-
-def _environment(dossier: Dossier) -> Table:
-    rows = (("scaloft-fi", dossier.version), *sorted(dossier.platform.items()))
-    note = REPEATS if dossier.deterministic else NO_REPEATS
-    return Table("Test environment", ("part", "version"), tuple(rows), (note,))

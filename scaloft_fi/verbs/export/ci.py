@@ -26,6 +26,7 @@ without accepted survivors.  The reason says more than the status.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from typing import Any
 from urllib.parse import quote
@@ -47,51 +48,40 @@ CONTROLS = "controls"
 def junit(dossier: Dossier) -> str:
     """The XML document."""
     root = ET.Element("testsuites", name=line(f"scaloft-fi {dossier.campaign}"))
-    suites: dict[str, list[MutantScore]] = {}
+    controls = {CONTROLS: list(dossier.score.controls)} if dossier.score.controls else {}
+    suites = defaultdict[str, list[MutantScore]](list)
     for mutant in dossier.score.mutants:
-        suites.setdefault(mutant.subject.parameter, []).append(mutant)
-    for name, mutants in suites.items():
-        root.append(_suite(dossier, name, mutants, [_kind(dossier, mutant) for mutant in mutants]))
-    controls = dossier.score.controls
-    if controls:
-        kinds = ["" if dossier.shows(control) else _control_kind(control) for control in controls]
-        root.append(_suite(dossier, CONTROLS, controls, kinds))
+        suites[mutant.subject.parameter].append(mutant)
+    for name, mutants in (*suites.items(), *controls.items()):
+        suite = ET.SubElement(root, "testsuite", name=line(name))
+        kinds = [_kind(dossier, mutant, control=name in controls) for mutant in mutants]
+        for mutant, kind in zip(mutants, kinds, strict=True):
+            case = ET.SubElement(suite, "testcase", classname=line(f"scaloft-fi.{name}"), name=line(mutant.subject.id))
+            if kind:
+                follows = dossier.acceptance(mutant) or f"next: {dossier.next_command(mutant)}"
+                told = ET.SubElement(case, kind, message=line(f"{dossier.verdict(mutant)}; {follows}"))
+                told.text = "\n".join(line(f"{step.does}: {step.command}") for step in dossier.steps(mutant))
+        suite.set("tests", str(len(mutants)))
+        for count, kind in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
+            suite.set(count, str(kinds.count(kind)))
     for count in ("tests", "failures", "errors", "skipped"):
         root.set(count, str(sum(int(suite.get(count, "0")) for suite in root)))
     ET.indent(root)
     return f"<?xml version='1.0' encoding='UTF-8'?>\n{ET.tostring(root, encoding='unicode')}\n"
 
 
-def _suite(dossier: Dossier, name: str, mutants: Sequence[MutantScore], kinds: Sequence[str]) -> ET.Element:
-    suite = ET.Element("testsuite", name=line(name))
-    for mutant, kind in zip(mutants, kinds, strict=True):
-        case = ET.SubElement(suite, "testcase", classname=line(f"scaloft-fi.{name}"), name=line(mutant.subject.id))
-        if kind:
-            follows = dossier.acceptance(mutant) or f"next: {dossier.next_command(mutant)}"
-            message = line(f"{dossier.verdict(mutant)}; {follows}")
-            told = ET.SubElement(case, kind, message=message)
-            told.text = "\n".join(line(f"{step.does}: {step.command}") for step in dossier.steps(mutant))
-    suite.set("tests", str(len(mutants)))
-    for count, kind in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
-        suite.set(count, str(kinds.count(kind)))
-    return suite
+def _kind(dossier: Dossier, mutant: MutantScore, *, control: bool) -> str:
+    """What stands under the test case; empty for a pass.
 
-
-def _kind(dossier: Dossier, mutant: MutantScore) -> str:
-    """What stands under the test case; empty for a pass."""
+    A control that does not show itself fails where it was tested and nothing is open.
+    """
+    verdicts = {mutant.verdict, mutant.operability.verdict} if control else {mutant.verdict}
+    if dossier.shows(mutant) if control else mutant.detected:
+        return ""
     if not mutant.flown:
         return "error"
-    if dossier.acceptance(mutant):
-        return "skipped"
-    return {Verdict.DETECTED: "", Verdict.NOT_DETECTED: "failure"}.get(mutant.verdict, "skipped")
-
-
-def _control_kind(control: MutantScore) -> str:
-    """The same of a control that does not show itself: it fails where it was tested and nothing is open."""
-    if not control.flown:
-        return "error"
-    verdicts = {control.verdict, control.operability.verdict}
-    return "failure" if Verdict.NOT_DETECTED in verdicts and Verdict.UNDECIDED not in verdicts else "skipped"
+    failed = Verdict.NOT_DETECTED in verdicts and Verdict.UNDECIDED not in verdicts
+    return "failure" if failed and not dossier.acceptance(mutant) else "skipped"
 
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
@@ -101,9 +91,9 @@ SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 def sarif(dossier: Dossier) -> dict[str, Any]:
     """The log as plain JSON values: a rule is a cell whose mutant is not detected, a result is that mutant."""
     mutants = dossier.of(Verdict.UNDECIDED, Verdict.NOT_DETECTED, Verdict.NOT_TESTED)
-    by_cell: dict[str, list[MutantScore]] = {}
+    by_cell = defaultdict[str, list[MutantScore]](list)
     for mutant in mutants:
-        by_cell.setdefault(dossier.cell(mutant).name, []).append(mutant)
+        by_cell[dossier.cell(mutant).name].append(mutant)
     cells, rules = list(by_cell), [_rule(dossier, name, members) for name, members in by_cell.items()]
     driver = {"name": "scaloft-fi", "version": dossier.version, "rules": rules}
     run = {
@@ -116,8 +106,8 @@ def sarif(dossier: Dossier) -> dict[str, Any]:
 
 def _rule(dossier: Dossier, name: str, mutants: Sequence[MutantScore]) -> dict[str, Any]:
     """The rule of a cell, whose help says what to call about its mutants."""
-    told = [Step("cell", "The deviation with its causes", f"scaloft-fi matrix --cell {name}")]
-    told += [step for mutant in mutants for step in dossier.steps(mutant)]
+    first = Step("cell", "The deviation with its causes", f"scaloft-fi matrix --cell {name}")
+    told = [first, *(step for mutant in mutants for step in dossier.steps(mutant))]
     cell = dossier.matrix.cell(name)
     return {
         "id": name,
@@ -130,32 +120,21 @@ def _rule(dossier: Dossier, name: str, mutants: Sequence[MutantScore]) -> dict[s
     }
 
 
-def _message(dossier: Dossier, mutant: MutantScore) -> str:
-    first = [step for step in dossier.steps(mutant) if step.name in ("replay", "next")]
-    commands = "".join(f"  {step.does}: {step.command}." for step in first)
-    return f"{mutant.subject.id} is {dossier.verdict(mutant)}.{commands}"
-
-
-def _suppressions(dossier: Dossier, mutant: MutantScore) -> list[dict[str, Any]]:
-    """Every result has the list (SARIF 2.1.0, 3.27.23); it is empty where nobody accepted the mutant."""
-    justification = dossier.acceptance(mutant)
-    return [{"kind": "external", "status": "accepted", "justification": justification}] if justification else []
-
-
 def _result(dossier: Dossier, mutant: MutantScore, rule: int) -> dict[str, Any]:
-    name, line = dossier.place(mutant)
-    region = {"startLine": line}
+    """Its list of suppressions is empty where nobody accepted the mutant (SARIF 2.1.0, 3.27.23)."""
+    (name, line), steps, accepted = dossier.place(mutant), dossier.steps(mutant), dossier.acceptance(mutant)
+    commands = "".join(f"  {step.does}: {step.command}." for step in steps if step.name in ("replay", "next"))
+    place = {"artifactLocation": {"uri": quote(name, errors="surrogateescape")}, "region": {"startLine": line}}
+    suppression = {"kind": "external", "status": "accepted", "justification": accepted}
     return {
         "ruleId": dossier.cell(mutant).name,
         "ruleIndex": rule,
         "level": "note" if mutant.verdict is Verdict.UNDECIDED else "warning",
-        "message": {"text": _message(dossier, mutant)},
-        "locations": [
-            {"physicalLocation": {"artifactLocation": {"uri": quote(name, errors="surrogateescape")}, "region": region}}
-        ],
-        "suppressions": _suppressions(dossier, mutant),
+        "message": {"text": f"{mutant.subject.id} is {dossier.verdict(mutant)}.{commands}"},
+        "locations": [{"physicalLocation": place}],
+        "suppressions": [suppression] if accepted else [],
         "partialFingerprints": {"mutant/v1": mutant.subject.id},
-        "properties": {step.name: step.command for step in dossier.steps(mutant)},
+        "properties": {step.name: step.command for step in steps},
     }
 
 
@@ -173,16 +152,14 @@ def mutation_testing(dossier: Dossier) -> dict[str, Any]:
     for mutant in (*dossier.score.mutants, *dossier.score.controls):
         name, line = dossier.place(mutant)
         files[name]["mutants"].append(_mutant(dossier, mutant, line))
-    flown = {outcome.situation for outcome in dossier.outcomes}
-    situations = sorted(flown, key=dossier.space.rank)
+    situations = sorted({outcome.situation for outcome in dossier.outcomes}, key=dossier.space.rank)
+    tests = [{"id": key, "name": f"{key}: {dossier.words(key)}"} for key in situations]
     return {
         "schemaVersion": SCHEMA_VERSION,
         "thresholds": dict(THRESHOLDS),
         "framework": {"name": "scaloft-fi", "version": dossier.version},
         "files": {name: file for name, file in files.items() if file["mutants"]},
-        "testFiles": {
-            dossier.grid_file: {"tests": [{"id": key, "name": f"{key}: {dossier.words(key)}"} for key in situations]}
-        },
+        "testFiles": {dossier.grid_file: {"tests": tests}},
     }
 
 
@@ -229,24 +206,27 @@ def _reason(dossier: Dossier, mutant: MutantScore) -> str:
 def summary(dossier: Dossier) -> str:
     """The page."""
     mutants = [_of(dossier, verdict) for verdict in Verdict if dossier.of(verdict)]
-    return render((_ratios(dossier), *mutants, *_accepted(dossier), _findings(dossier)), Format.MARKDOWN)
+    rows = tuple((id_, known.owner, known.reason, known.expires.isoformat()) for id_, known in dossier.accepted.items())
+    accepted = [Table(f"{len(rows)} accepted survivors", ("mutant", "owner", "reason", "expires"), rows)]
+    return render(
+        (_ratios(dossier), *mutants, *(accepted if rows else ()), _findings(dossier)),
+        Format.MARKDOWN,
+    )
 
 
 def _ratios(dossier: Dossier) -> Table:
     scored = dossier.score
     title, headers = f"scaloft-fi: campaign {dossier.campaign}", ("ratio", "part/whole", "of")
     flown = ("situations", dossier.coverage.situations.short, "distinct situations flown, of the grid")
-    exercised = (
-        "exercised",
-        scored.exercised.short,
-        "credible cells of the HAZOP matrix whose mutant was flown, of all",
-    )
+    credible = "credible cells of the HAZOP matrix whose mutant was flown, of all"
+    exercised = ("exercised", scored.exercised.short, credible)
+    others = ("without accepted", str(dossier.without_accepted), "the same, of those that are no accepted survivors")
     if not scored.pooled:
         return Table(title, headers, (exercised, flown), (f"No score: {NO_POOL}.",))
     rows = (
         ("mutation score", str(scored.mutation_score), "mutants detected by safety requirements, of those flown"),
         ("firm", str(scored.firm), "mutants detected whichever one seed is left out, of those flown"),
-        *_without_accepted(dossier),
+        *([others] if dossier.accepted else []),
         ("tested", str(scored.tested), "mutants put to the test, of those flown"),
         ("operability", str(scored.operability), "mutants detected by operability requirements, of those flown"),
         exercised,
@@ -264,32 +244,13 @@ def _ratios(dossier: Dossier) -> Table:
     return Table(title, headers, rows, (detected, killed))
 
 
-def _without_accepted(dossier: Dossier) -> list[tuple[str, str, str]]:
-    if not dossier.accepted:
-        return []
-    return [("without accepted", str(dossier.without_accepted), "the same, of those that are no accepted survivors")]
-
-
-def _accepted(dossier: Dossier) -> tuple[Table, ...]:
-    """The survivors that somebody accepted; no table where there are none."""
-    rows = tuple((id_, known.owner, known.reason, known.expires.isoformat()) for id_, known in dossier.accepted.items())
-    return (Table(f"{len(rows)} accepted survivors", ("mutant", "owner", "reason", "expires"), rows),) if rows else ()
-
-
 def _of(dossier: Dossier, verdict: Verdict) -> Table:
     """The mutants of a verdict, each with what it rests on."""
     members = dossier.of(verdict)
-    classed = any(mutant.severity for mutant in members)
-    rows = tuple(
-        (
-            mutant.subject.id,
-            *([class_of(mutant.severity)] if classed else []),
-            dossier.why(mutant) + dossier.find_told(mutant),
-        )
-        for mutant in members
-    )
-    headers = ("mutant", *(["severity"] if classed else []), "why")
-    return Table(f"{len(rows)} {verdict.words}", headers, rows)
+    rows = [(m.subject.id, class_of(m.severity), dossier.why(m) + dossier.find_told(m)) for m in members]
+    if not any(mutant.severity for mutant in members):
+        return Table(f"{len(rows)} {verdict.words}", ("mutant", "why"), tuple((id_, why) for id_, _, why in rows))
+    return Table(f"{len(rows)} {verdict.words}", ("mutant", "severity", "why"), tuple(rows))
 
 
 def _findings(dossier: Dossier) -> Table:
