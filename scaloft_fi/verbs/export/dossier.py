@@ -197,12 +197,21 @@ class Dossier:
         return next_command(mutant, self.score.lacking, self.campaign, self.space.grid, self.finds)
 
     def steps(self, mutant: MutantScore) -> list[Step]:
-        """What to call about a mutant that is not detected."""
-        flights = self._judged.get(mutant.subject.id, ())
-        searchable = self.searchable and next_find(mutant, self.finds) is None
-        return steps(
-            mutant, flights, self.next_command(mutant), self.cell(mutant), self.campaign, searchable=searchable
-        )
+        """What to call about a mutant that is not detected, the first to take first."""
+        known, cell = in_campaign(self.campaign), self.cell(mutant)
+        found = [Step("next", "Next", self.next_command(mutant))]
+        shown = telling(self._judged.get(mutant.subject.id, ()))
+        if shown is not None:
+            outcome = shown.outcome
+            name = shlex.quote(f"{outcome.mutant}/{outcome.situation}/{outcome.seed}")
+            found.insert(0, Step("replay", "Fly its most telling flight again", f"scaloft-fi replay {name}{known}"))
+        if any(fault.magnitude and Scale.of(fault.magnitude) for fault in cell.faults):
+            margin = f"scaloft-fi margin {cell.name}{known}"
+            found.append(Step("margin", "Find the smallest magnitude that is killed", margin))
+        if self.searchable and next_find(mutant, self.finds) is None:
+            seek = f"scaloft-fi seek {shlex.quote(mutant.subject.id)}"
+            found.append(Step("seek", "Search for a situation that shows it", seek))
+        return found
 
     @cached_property
     def _judged(self) -> Mapping[str, Sequence[JudgedFlight]]:
@@ -249,44 +258,14 @@ class Step(NamedTuple):
     command: str
 
 
-def steps(
-    mutant: MutantScore, flights: Sequence[JudgedFlight], following: str, cell: Cell, campaign: str, *, searchable: bool
-) -> list[Step]:
-    """The steps for a mutant that is not detected, the first to take first.
-
-    Args:
-        mutant: the mutant.
-        flights: its flights in the campaign.
-        following: the command that the verdict on it asks for next.
-        cell: the cell that it comes from.
-        campaign: name of the campaign.
-        searchable: whether the study can be searched for a situation that shows the mutant.
-    """
-    known = in_campaign(campaign)
-    found = [Step("next", "Next", following)]
-    shown = telling(flights)
-    if shown is not None:
-        outcome = shown.outcome
-        name = shlex.quote(f"{outcome.mutant}/{outcome.situation}/{outcome.seed}")
-        found.insert(0, Step("replay", "Fly its most telling flight again", f"scaloft-fi replay {name}{known}"))
-    if any(fault.magnitude and Scale.of(fault.magnitude) for fault in cell.faults):
-        margin = f"scaloft-fi margin {cell.name}{known}"
-        found.append(Step("margin", "Find the smallest magnitude that is killed", margin))
-    if searchable:
-        seek = f"scaloft-fi seek {shlex.quote(mutant.subject.id)}"
-        found.append(Step("seek", "Search for a situation that shows it", seek))
-    return found
-
-
 def telling(flights: Iterable[JudgedFlight]) -> JudgedFlight | None:
     """The flight that says most: where the fault got furthest, and of these the one nearest to a safety violation."""
-    return max(flights, key=lambda flight: (flight.status.stage, -_nearest(flight)), default=None)
 
+    def rank(flight: JudgedFlight) -> tuple[int, float]:
+        measured = [measured_rho(one) for one in flight.outcome.readings if one.kind is Kind.SAFETY]
+        return flight.status.stage, -min((rho for rho in measured if rho is not None), default=float("inf"))
 
-def _nearest(flight: JudgedFlight) -> float:
-    """The least robustness of the safety requirements that the flight puts to the test."""
-    measured = [measured_rho(one) for one in flight.outcome.readings if one.kind is Kind.SAFETY]
-    return min((rho for rho in measured if rho is not None), default=float("inf"))
+    return max(flights, key=rank, default=None)
 
 
 @export_format("csv", "one row per flight, the columns of json")

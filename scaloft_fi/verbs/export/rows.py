@@ -29,7 +29,7 @@ from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import JudgedFlight, Status, baseline_status, flights_of
 from scaloft_fi.marks import About, Choices
-from scaloft_fi.views.output import Columns, ColumnType, Field, Rows, shape_of, type_of, writer_of
+from scaloft_fi.views.output import Columns, ColumnType, Field, Rows, cell, shape_of, type_of, writer_of
 from scaloft_fi.views.table import csv_text
 
 FlightRow = dict[str, Any]
@@ -210,8 +210,4 @@ def to_csv(rows: Sequence[FlightRow], columns: Sequence[str]) -> str:
 
     A text that would be a formula in a spreadsheet has a `'` before it: see `spreadsheet_text`.
     """
-    return csv_text(columns, ([_in_csv(row[name]) for name in columns] for row in rows))
-
-
-def _in_csv(value: Any) -> Any:
-    return ";".join(map(str, value)) if isinstance(value, list) else value
+    return csv_text(columns, ([cell(row[name]) for name in columns] for row in rows))
