@@ -23,6 +23,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from openpyxl import load_workbook
 from refusal import sentence
+from said import as_recorded
 
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import score
@@ -35,7 +36,6 @@ from scaloft_fi.mutants.catalogue import derive
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.verbs.worksheet import (
     COLUMNS,
-    FINDINGS,
     LONGEST,
     TEAM,
     SheetRow,
@@ -103,100 +103,79 @@ def with_text(text: str) -> Matrix:
     return Matrix(MATRIX.guidewords, parameters, cells)
 
 
-def test_a_row_says_what_its_default_mutant_did() -> None:
-    values = named(rows(FLOWN), "LATE-human").values
-    assert (values["situations_flown"], values["reached"], values["infected"]) == (3, 2, 2)
-    assert (values["verdict"], values["operability"]) == ("detected", "not detected")
-    assert (values["kill_rate"], values["killed_by"]) == ("1 of 2", "SR2 1/2")
-    assert (values["p"], values["needed"]) == ("SR1 1, SR2 0.007", None)
-    assert values["margin"] == "1-3 s"
-    assert values["killing"] == HUMAN
-    assert values["where"] == "human & light"
-    assert values["stopped_at"] == "masked 1, not_reached 1"
-    assert values["requirements"] == "SR2"
-    assert values["node"] == "person detector -> speed limit"
+SILENT = [outcome("NO-human@100%", HUMAN, seed) for seed in SEEDS]
+SHOWN = known(found("NO-human@100%", struck="person"), found("LATE-human@3s"))
+RED = pool(DARK, red=10, violated={"SR1": 20.0, "SR2": 20.0})
+ONCE = outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})
+ACCEPTED = Disposition("NO-human@100%", "A. Engineer", "cannot happen", date(2027, 1, 31))
+CASES = {
+    "killed in the light, masked in the dark, not reached elsewhere": ("LATE-human", rows(FLOWN)),
+    "seen once": ("LATE-human", rows([*pool(HUMAN, DARK), ONCE, outcome("LATE-human@3s", DARK)])),
+    "put to no test": (
+        "LATE-human",
+        rows([*RED, *(outcome("LATE-human@3s", DARK, seed, violated={"SR2": 8.0}) for seed in SEEDS)]),
+    ),
+    "without a pool": ("LATE-human", rows([outcome(situation=HUMAN), ONCE])),
+    "not flown, and accepted": ("NO-human", rows(FLOWN, dispositions=(ACCEPTED,))),
+    "not credible": ("EARLY-collision", rows(FLOWN)),
+    "a survivor with a find": (
+        "NO-human",
+        sheet_rows(MATRIX, [*FLOWN, *SILENT], score([*FLOWN, *SILENT], ROSTER, GRID), GRID, (), SHOWN, "mine"),
+    ),
+}
 
 
-def test_an_undecided_row_says_what_would_decide_and_where_a_violation_was_seen() -> None:
-    flown = [*pool(HUMAN, DARK), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0}), outcome("LATE-human@3s", DARK)]
-    values = named(rows(flown), "LATE-human").values
-    assert (values["verdict"], values["kill_rate"], values["p"]) == ("undecided", "0 of 2", "SR1 1, SR2 0.18")
-    assert (values["needed"], values["where"]) == ("5 seeds", "light")
-    assert values["stopped_at"] == "revealed 1, survived 1"
+def test_what_the_columns_say_is_as_recorded_and_the_teams_are_empty() -> None:
+    told = {}
+    for name, (cell, found_) in CASES.items():
+        values = named(found_, cell).values
+        told[name] = "\n".join(f"{key}: {value}" for key, value in values.items() if value not in (None, ""))
+        assert all(row.values[column.key] is None for row in found_ for column in TEAM)
+    as_recorded(__file__, told)
 
 
-def test_a_row_that_was_not_tested_has_neither_kills_nor_p() -> None:
-    red = pool(DARK, red=10, violated={"SR1": 20.0, "SR2": 20.0})
-    flown = [*red, *(outcome("LATE-human@3s", DARK, seed, violated={"SR2": 8.0}) for seed in SEEDS)]
-    values = named(rows(flown), "LATE-human").values
-    assert (values["verdict"], values["kill_rate"], values["p"]) == ("not tested", None, None)
-
-
-def test_without_a_pool_the_sheet_says_what_would_decide_and_what_to_call() -> None:
-    found = rows([outcome(situation=HUMAN), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})])
-    values = named(found, "LATE-human").values
-    assert (values["verdict"], values["kill_rate"]) == ("undecided", None)
-    assert values["needed"] == "10 baseline flights in each situation"
-    assert "No verdict: no situation in which a mutant changes a sample has 10 baseline flights" in population(found)
+def test_without_a_pool_the_sheet_says_so() -> None:
+    alone = population(CASES["without a pool"][1])
+    assert "No verdict: no situation in which a mutant changes a sample has 10 baseline flights" in alone
     assert "No verdict" not in population(rows(FLOWN))
 
 
-def test_a_cell_that_was_not_flown_says_nothing_of_flights() -> None:
-    row = named(rows(FLOWN), "NO-human")
-    assert all(row.values[column.key] is None for column in FINDINGS)
-    assert row.values["mutant"] == "NO-human@100%"
-
-
-def test_the_teams_columns_are_empty_in_every_row() -> None:
-    assert all(row.values[column.key] is None for row in rows(FLOWN) for column in TEAM)
-
-
-def test_an_accepted_survivor_stands_with_owner_day_and_reason() -> None:
-    accepted = Disposition("NO-human@100%", "A. Engineer", "cannot happen", date(2027, 1, 31))
-    values = named(rows(FLOWN, dispositions=(accepted,)), "NO-human").values
-    assert values["disposition"] == "accepted by A. Engineer until 2027-01-31: cannot happen"
-
-
-def test_a_survivor_with_a_find_names_it_and_the_command_that_flies_it_in_every_format() -> None:
-    survivor, finds = "NO-human@100%", known(found("NO-human@100%", struck="person"), found("LATE-human@3s"))
-    flown = [*FLOWN, *(outcome(survivor, HUMAN, seed) for seed in SEEDS)]
-    told = sheet_rows(MATRIX, flown, score(flown, ROSTER, GRID), GRID, (), finds, "mine")
-    said = "shows-NO-human@100%: human walks, cruise speed 0.8 m/s (violates SR2 and strikes person)"
-    values = named(told, "NO-human").values
-    assert (values["find"], values["flies_find"]) == (said, flies(survivor))
+def test_a_find_and_the_command_that_flies_it_stand_in_every_format() -> None:
+    survivor, told = "NO-human@100%", CASES["a survivor with a find"][1]
+    said = str(named(told, "NO-human").values["find"])
     assert named(told, "LATE-human").values["find"] is None, "it is detected"
     line_, *_ = [line for line in to_markdown(told).splitlines() if line.startswith("| NO-human ")]
     assert markdown(said) in line_
     assert markdown(flies(survivor)) in line_
     assert latex(flies(survivor)) in to_latex(told)
-    (from_csv,) = [entry for entry in read_csv(told) if entry["cell"] == "NO-human"]
-    assert (from_csv["find"], from_csv["flies_find"]) == (said, flies(survivor))
     (record,) = [entry for entry in worksheet_values(told)["rows"] if entry["cell"] == "NO-human"]
     assert (record["find"], record["flies_find"]) == (said, flies(survivor))
-    texts = [cell.value for line in load_workbook(io.BytesIO(to_xlsx(told))).active.iter_rows() for cell in line]
-    assert {said, flies(survivor)} <= set(texts)
     terminal = " ".join(to_text(told).partition("Finds for survivors")[2].partition("Deviations not")[0].split())
     assert all(word in terminal for word in flies(survivor).split())
 
 
-def test_pages_have_no_columns_for_finds_where_there_are_none() -> None:
-    found_ = rows(FLOWN)
-    for text in (to_text(found_), to_markdown(found_), to_latex(found_)):
-        assert "Flies it" not in text
-    assert "flies_find" in read_csv(found_)[0]
+def test_a_page_has_no_columns_without_a_value_and_no_list_of_survivors_without_classes() -> None:
+    plain = rows(FLOWN, with_text("plain"))
+    for write in (to_text, to_markdown, to_latex):
+        assert "Flies it" not in write(rows(FLOWN))
+        assert not any(words in write(plain) for words in ("Severity", "worst class"))
+    assert "flies_find" in read_csv(rows(FLOWN))[0]
+    assert {row["severity"] for row in read_csv(plain)} == {""}
 
 
-def test_deviations_that_are_not_credible_are_in_a_log_with_their_reason() -> None:
-    found = rows(FLOWN)
-    row = named(found, "EARLY-collision")
-    assert row.values["rationale"] == row.cell.reason
-    for text in (to_text(found), to_markdown(found), to_latex(found)):
-        log = text[text.index("Deviations not credible") :]
-        assert "EARLY-collision" in log or r"EARLY{-}collision" in log
-    book = load_workbook(io.BytesIO(to_xlsx(found)))
-    assert [cell.value for cell in book["Deviations not credible"]["A"]][1:] == [
-        row.cell.name for row in found if row.cell.status is CellStatus.NOT_MEANINGFUL
-    ]
+def test_deviations_that_are_not_credible_are_in_a_log_and_survivors_stand_by_class() -> None:
+    early = [outcome(MATRIX.cell("EARLY-human").default_id, HUMAN, seed) for seed in SEEDS]
+    told = rows([*FLOWN, *SILENT, *early])
+    classed = {row.cell.name: row.values["severity"] for row in survivors(told)}
+    assert list(classed.items()) == [("NO-human", "injury"), ("EARLY-human", "delay")]
+    for text in (to_text(told), to_markdown(told), to_latex(told).replace("{-}", "-")):
+        alive, _, log = text.partition("Survivors, worst class first")[2].partition("Deviations not credible")
+        assert alive.index("NO-human") < alive.index("EARLY-human")
+        assert "EARLY-collision" in log
+    book = load_workbook(io.BytesIO(to_xlsx(told)))
+    log = [row.cell.name for row in told if row.cell.status is CellStatus.NOT_MEANINGFUL]
+    for title, names in (("Deviations not credible", log), ("Survivors, worst class first", list(classed))):
+        assert [cell.value for cell in book[title]["A"]][1:] == names
 
 
 @given(st.one_of(campaigns(), seeded()))
@@ -211,10 +190,7 @@ def test_every_figure_is_the_scores(outcomes: list[Outcome]) -> None:
         mutant = flown.get(str(row.values["mutant"]))
         assert (found is None) == (mutant is None)
         if found and mutant:
-            assert (found["kill_rate"]["part"], found["kill_rate"]["whole"]) == (
-                mutant.kill_rate.part,
-                mutant.kill_rate.whole,
-            )
+            assert found["kill_rate"] == vars(mutant.kill_rate)
             assert found["killing"] == list(mutant.killing)
             assert (found["verdict"], found["p"]) == (mutant.verdict, dict(mutant.safety.p) if mutant.tested else {})
             assert found["situations_flown"] == mutant.kill_rate_flown.whole
@@ -277,20 +253,14 @@ def cut(value: object) -> object:
     return shown if len(shown) <= LONGEST else shown[: LONGEST - 6] + " [cut]"
 
 
-def test_the_workbook_is_made_to_be_worked_with_and_carries_no_clock() -> None:
-    found = rows(FLOWN)
-    raw = to_xlsx(found)
-    assert raw == to_xlsx(found)
+def test_the_workbook_is_made_to_be_worked_with_and_carries_no_clock_and_no_formula() -> None:
+    told = rows(FLOWN, with_text("=1+1"))
+    raw = to_xlsx(told)
+    assert raw == to_xlsx(told)
     page = load_workbook(io.BytesIO(raw))["HAZOP worksheet"]
-    assert page.freeze_panes == "B2"
-    assert page.auto_filter.ref.startswith("A1:")
+    assert (page.freeze_panes, page.auto_filter.ref[:3]) == ("B2", "A1:")
     assert page["B2"].alignment.wrap_text
     assert all(page.column_dimensions[cell.column_letter].width >= 9 for cell in page[1])
-
-
-def test_a_formula_stays_a_text_when_somebody_edits_its_cell() -> None:
-    found = rows(FLOWN, with_text("=1+1"))
-    page = load_workbook(io.BytesIO(to_xlsx(found)))["HAZOP worksheet"]
     formulas = [cell for line in page.iter_rows(min_row=2) for cell in line if str(cell.value).startswith("=")]
     assert formulas
     assert all(cell.quotePrefix and cell.data_type == "s" for cell in formulas)
@@ -300,29 +270,6 @@ def test_every_row_of_the_markdown_has_as_many_cells_as_its_header() -> None:
     for block in to_markdown(rows(FLOWN, with_text("a|b\\|c\nd"))).split("\n\n"):
         lines = [line for line in block.splitlines() if line.startswith("|")]
         assert len({len(re.findall(r"(?<!\\)(?:\\\\)*\|", line)) for line in lines}) <= 1
-
-
-def test_a_cell_with_a_class_has_it_in_every_format_and_survivors_stand_by_class() -> None:
-    early = MATRIX.cell("EARLY-human").default_id
-    silent = [outcome(id_, HUMAN, seed) for id_ in ("NO-human@100%", early) for seed in SEEDS]
-    found = rows([*FLOWN, *silent])
-    assert [(row.cell.name, row.values["severity"]) for row in survivors(found)] == [
-        ("NO-human", "injury"),
-        ("EARLY-human", "delay"),
-    ]
-    assert {row["severity"] for row in read_csv(found) if row["cell"] == "LATE-human"} == {"injury"}
-    assert {row["severity"] for row in worksheet_values(found)["rows"] if row["cell"] == "EARLY-human"} == {"delay"}
-    assert "| EARLY-human | " in to_markdown(found).partition("Survivors, worst class first")[2]
-    page = load_workbook(io.BytesIO(to_xlsx(found)))["Survivors, worst class first"]
-    assert [cell.value for cell in page["A"]][1:] == ["NO-human", "EARLY-human"]
-
-
-def test_a_study_without_classes_has_no_column_of_severity_on_a_page_and_no_list_of_survivors() -> None:
-    found = rows(FLOWN, with_text("plain"))
-    for text in (to_text(found), to_markdown(found), to_latex(found)):
-        assert "Severity" not in text
-        assert "worst class" not in text
-    assert {row["severity"] for row in read_csv(found)} == {""}
 
 
 ENGINES = {
@@ -380,12 +327,8 @@ def test_the_reference_studys_worksheet_compiles_and_no_column_runs_into_the_nex
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_hostile_texts_compile_as_texts(engine: str, tmp_path: Path) -> None:
-    compiled([latex_sheet(with_text(text)) for text in LATIN], engine, tmp_path)
-
-
-@pytest.mark.parametrize("engine", ["xelatex", "lualatex"])
-def test_letters_that_are_not_latin_compile_in_a_unicode_engine(engine: str, tmp_path: Path) -> None:
-    compiled([latex_sheet(with_text(text)) for text in OTHERS], engine, tmp_path)
+    others = OTHERS if engine in ("xelatex", "lualatex") else ()
+    compiled([latex_sheet(with_text(text)) for text in (*LATIN, *others)], engine, tmp_path)
 
 
 Call = Callable[..., Result]
