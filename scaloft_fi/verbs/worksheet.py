@@ -152,9 +152,9 @@ class Results:
     where: str
     decides: str
     KEYS = (
-        *("situations_flown", "reached", "infected", "score.status", "score.verdict", "firm=score.firmness"),
+        *("situations_flown", "reached", "infected", "where", "score.status", "score.verdict", "firm=score.firmness"),
         *("operability", "p", "score.safety.needed", "score.safety.anew", "score.kill_rate", "score.kill_rate_flown"),
-        *("score.requirements", "where", "score.killing", "stopped_at"),
+        *("score.requirements", "score.killing", "stopped_at"),
     )
 
     @property
@@ -270,8 +270,8 @@ class SheetRow:
     flies_find: str | None = None
     team: Team = Team()
     KEYS = (
-        *("parameter.node", "design_intent=parameter.intent", "margins", "results", "disposition", "find"),
-        *("flies_find", "team"),
+        *("parameter.node", "design_intent=parameter.intent", "find", "flies_find", "margins", "results"),
+        *("disposition", "team"),
     )
 
     @property
