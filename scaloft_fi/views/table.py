@@ -137,13 +137,13 @@ def limits(headers: Sequence[str], rows: Sequence[Sequence[str]], width: int) ->
     First to give way is the column that costs the fewest lines.  The first column names its row and keeps its width.
     """
     columns: list[tuple[str, ...]] = list(zip(*rows, strict=True)) if rows else [()] * len(headers)
-    least = [max(map(_longest_word, (header, *column))) for header, column in zip(headers, columns, strict=True)]
-    natural = [max(map(len, (header, *column))) for header, column in zip(headers, columns, strict=True)]
+    whole = [(header, *column) for header, column in zip(headers, columns, strict=True)]
+    least, natural = ([max(map(of, cells)) for cells in whole] for of in (_longest_word, len))
     least[0] = natural[0]
     if sum(least) + GAP * (len(least) - 1) > width:
         return None
     start = [max(low, min(wanted, width)) for low, wanted in zip(least, natural, strict=True)]
-    return _narrowed(start, least, [(header, *column) for header, column in zip(headers, columns, strict=True)], width)
+    return _narrowed(start, least, whole, width)
 
 
 def height(rows: Sequence[Sequence[str]], widths: Sequence[int]) -> int:
@@ -215,8 +215,13 @@ def body_text(headers: Sequence[str], rows: Cells, width: int, spare: Sequence[s
         names, cells = [headers[at] for at in kept], [[row[at] for at in kept] for row in rows]
         widths = limits(names, cells, width)
         if widths is not None and height([names, *cells], widths) <= 1 + most:
-            body = _columns(names, cells, widths, marked=marked)
-            return f"{body}\n{_left_out(gone, width, marked=marked)}" if gone else body
+            shown = [
+                [_cell(cell, width, marked=marked and bool(at)) for cell, width in zip(row, widths, strict=True)]
+                for at, row in enumerate([names, *cells])
+            ]
+            body = _tabulate(shown[1:], shown[0], "simple")
+            text = f"Left out for want of room: {', '.join(gone)}; `--format csv` has every column."
+            return f"{body}\n{note(text, width, marked=marked)}" if gone else body
         if len(gone) == len(spare):
             return "\n\n".join(_record(headers, row, width, marked=marked) for row in rows)
         gone.append(spare[len(gone)])
@@ -237,24 +242,17 @@ def note(text: str, width: int, *, marked: bool) -> str:
     return commands(wrapped(text, min(width, PROSE)), marked=marked)
 
 
-def _left_out(gone: Sequence[str], width: int, *, marked: bool) -> str:
-    text = f"Left out for want of room: {', '.join(gone)}; `--format csv` has every column."
-    return note(text, width, marked=marked)
-
-
-def _columns(headers: Sequence[str], rows: Cells, widths: Sequence[int], *, marked: bool) -> str:
+def _tabulate(rows: Cells, headers: Sequence[str], style: str) -> str:
     import tabulate
 
     tabulate.MIN_PADDING = 0  # a header needs no more room than its letters
-    cells = [[_cell(cell, width, marked=marked) for cell, width in zip(row, widths, strict=True)] for row in rows]
-    names = [_cell(header, width, marked=False) for header, width in zip(headers, widths, strict=True)]
-    return tabulate.tabulate(cells, names, "simple", disable_numparse=True)
+    return tabulate.tabulate(rows, headers, style, disable_numparse=True)
 
 
 def _cell(cell: str, width: int, *, marked: bool) -> str:
     lines = [cell] if len(cell) <= width else broken(cell, width)
     meaning = style_of(cell) if marked else None
-    return "\n".join(styled(line, meaning) for line in lines) if meaning else "\n".join(lines)
+    return "\n".join(styled(line, meaning) if meaning else line for line in lines)
 
 
 def _record(headers: Sequence[str], row: Sequence[str], width: int, *, marked: bool) -> str:
@@ -273,19 +271,15 @@ def _record(headers: Sequence[str], row: Sequence[str], width: int, *, marked: b
 
 def html(tables: Sequence[Table]) -> str:
     """The tables with their titles and notes; every text of a study is escaped."""
-    return "\n".join(map(_one, tables))
-
-
-def _one(table: Table) -> str:
-    head = "".join(f"<th>{xml(name)}</th>" for name in table.headers)
-    rows = "\n".join(f"<tr>{''.join(map(_html_cell, row))}</tr>" for row in table.rows)
-    notes = "".join(f"<div>{xml(note)}</div>" for note in table.notes)
-    caption = f'<caption style="text-align: left">{xml(table.title)}</caption>'
-    return f"<table>{caption}\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody></table>\n{notes}"
-
-
-def _html_cell(value: object) -> str:
-    return f'<td style="text-align: left">{"" if value is None else xml(str(value))}</td>'
+    left, parts = 'style="text-align: left"', []
+    for table in tables:
+        head = "".join(f"<th>{xml(name)}</th>" for name in table.headers)
+        rows = ("".join(f"<td {left}>{xml(cell)}</td>" for cell in row) for row in _cells(table.rows, str))
+        body = "\n".join(f"<tr>{row}</tr>" for row in rows)
+        notes = "".join(f"<div>{xml(note)}</div>" for note in table.notes)
+        top = f"<table><caption {left}>{xml(table.title)}</caption>\n<thead><tr>{head}</tr></thead>"
+        parts.append(f"{top}\n<tbody>\n{body}\n</tbody></table>\n{notes}")
+    return "\n".join(parts)
 
 
 def ranges(numbers: Iterable[int]) -> str:
@@ -353,7 +347,8 @@ def render(tables: Sequence[Table], how: Format, *, width: int | None = None, ma
         marked: whether text has colours; as standard output has them when None.
     """
     if how is Format.JSON:
-        return json_text([_plain(table) for table in tables], indent=2) + "\n"
+        told = [{"title": table.title, "rows": table.records(), "notes": list(table.notes)} for table in tables]
+        return json_text(told, indent=2) + "\n"
     if how is Format.TABLE:
         columns = terminal_width() if width is None else width
         colours = coloured() if marked is None else marked
@@ -380,21 +375,12 @@ def tabulated(headers: Sequence[str], rows: Iterable[Sequence[TableCell]], how: 
         how: Markdown or LaTeX.
         style: the table style of `tabulate`; by default the one of `how`.
     """
-    import tabulate
-
-    tabulate.MIN_PADDING = 0  # a header needs no more room than its letters
-
     literal = markdown if how is Format.MARKDOWN else line  # tabulate escapes LaTeX itself
-    names = list(map(literal, headers))
-    return tabulate.tabulate(_cells(rows, literal), names, style or _TABULATE[how], disable_numparse=True)
+    return _tabulate(_cells(rows, literal), list(map(literal, headers)), style or _TABULATE[how])
 
 
 def _cells(rows: Iterable[Sequence[TableCell]], literal: Callable[[str], str]) -> list[list[str]]:
     return [["" if cell is None else literal(str(cell)) for cell in row] for row in rows]
-
-
-def _plain(table: Table) -> dict[str, object]:
-    return {"title": table.title, "rows": table.records(), "notes": list(table.notes)}
 
 
 def _text(table: Table, width: int, *, marked: bool) -> str:

@@ -1,12 +1,121 @@
+"""Tables: what a study says appears as it is in every format, and a terminal of any width shows every word whole."""
+
 from __future__ import annotations
+
+import csv
+import io
+import re
+from textwrap import wrap
+from xml.etree import ElementTree
 
 import pytest
 from click import unstyle
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.console import Marked
-from scaloft_fi.views.table import Format, Table, render
+from scaloft_fi.console import Marked, line, printable
+from scaloft_fi.views.table import (
+    _LATEX,
+    FORMULA,
+    GAP,
+    Format,
+    Table,
+    _lines,
+    latex,
+    limits,
+    markdown,
+    render,
+    spreadsheet_text,
+    xml,
+)
+
+HOSTILE = (
+    "<script>alert(1)</script>",
+    "\"quotes\" and 'others'",
+    "=cmd|' /C calc'!A0",
+    "@SUM(1+1)*cmd|' /C calc'!A0",
+    "+1",
+    "-1+1",
+    "=HYPERLINK(...)",
+    "人が検出されない — Ürümqi ñ ٣",
+    "a|b||c",
+    r"\input{/etc/passwd} $x_1^2$ 100 % #1 & ~ {} \\",
+    "line one\nline two\r\nline three\ttab",
+    "[x](javascript:1) *b* _i_ `c` ![i](u) &lt; # h",
+    "\x1b[31mred\x1b[0m\x07\x00",
+    "x" * 40_000,
+    "--- \\ | \\| \\\\|",
+)
+texts = st.text(max_size=60) | st.sampled_from(HOSTILE)
+
+
+@given(texts)
+def test_xml_taken_back_is_what_was_said(text: str) -> None:
+    assert (ElementTree.fromstring(f"<a>{xml(text)}</a>").text or "") == line(text)
+
+
+@given(texts)
+def test_markdown_taken_back_is_what_was_said(text: str) -> None:
+    assert re.sub(r"\\([!-/:-@\[-`{-~])", r"\1", markdown(text)) == line(text)
+    assert not re.search(r"(?<!\\)(?:\\\\)*[|<>`*_\[\]]", markdown(text))
+
+
+@given(texts)
+def test_latex_taken_back_is_what_was_said(text: str) -> None:
+    back = {written: letter for letter, written in _LATEX.items()}
+    pattern = "|".join(re.escape(written) for written in sorted(back, key=len, reverse=True))
+    assert re.sub(pattern, lambda found: back[found[0]], latex(text)) == line(text)
+    assert not re.search(r"(?<!\\)[%$&#_]", latex(text))
+
+
+@given(texts)
+def test_a_text_in_a_spreadsheet_never_begins_a_formula(text: str) -> None:
+    shown = spreadsheet_text(text)
+    assert not shown.startswith(FORMULA)
+    assert (shown[1:] if re.match(f"'+[{re.escape(''.join(FORMULA))}]", shown) else shown) == printable(text)
+    written = io.StringIO()
+    csv.writer(written).writerow([shown])
+    ((back,),) = csv.reader(io.StringIO(written.getvalue(), newline=""))
+    assert back == shown
+    for ordinary in ("LATE-human@3s", "1.4 s", "8/15 = 53 %"):
+        assert spreadsheet_text(ordinary) == ordinary
+
+
+WORDS = st.lists(st.text("ab-", min_size=1, max_size=12), max_size=30).map(" ".join)
+
+
+@given(WORDS, st.integers(1, 40))
+def test_the_lines_of_a_cell_are_those_that_it_is_wrapped_into(cell, width):
+    lines = wrap(cell, width, break_on_hyphens=False, break_long_words=False)
+    assert _lines(cell, width) == max(1, len(lines))
+
+
+@given(st.lists(st.tuples(WORDS, WORDS, WORDS), min_size=1, max_size=6), st.integers(20, 90))
+def test_a_table_fits_or_a_word_would_have_to_be_broken(rows, width):
+    headers = ("first", "second", "third")
+    listed = list(zip(headers, *rows, strict=True))
+    words = [max(len(word) for cell in column for word in cell.split()) for column in listed]
+    natural = [max(map(len, column)) for column in listed]
+    found = limits(headers, rows, width)
+    if found is None:
+        assert natural[0] + sum(words[1:]) + 2 * GAP > width
+        return
+    assert sum(found) + 2 * GAP <= width
+    assert all(low <= wide <= most for low, wide, most in zip(words, found, natural, strict=True))
+    assert found == natural or sum(natural) + 2 * GAP > width
+
+
+@pytest.mark.parametrize(
+    ("rows", "found"),
+    [
+        ([("name", "a b", "c d")], [4, 6, 5]),
+        ([("name", "aa bb cc dd", "x" * 30)], [4, 10, 30]),
+        ([("name", "x" * 30, "aa bb cc dd ee ff")], [4, 30, 10]),
+    ],
+)
+def test_the_column_gives_way_that_costs_the_fewest_lines(rows, found):
+    assert limits(("n", "second", "third"), rows, 48) == found
+
 
 IDS = st.sampled_from(["LATE-human@3s", "NO-depth@3s#5s", "UNINTENDED-collision@20s#waypoint", "T0O0W0D0H1"])
 TEXTS = st.lists(st.sampled_from(["no", "contact", "LATE-human@3s", "results/campaigns", "violates"]), max_size=12)
