@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import ceil, floor, hypot
+from itertools import chain, groupby
+from math import ceil, dist, floor, hypot
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,6 @@ from scaloft_fi.views.table import xml
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
-    from scaloft_fi.sim.mesh import Mesh
     from scaloft_fi.sim.world import World
 
 
@@ -143,20 +143,20 @@ def legend(left: float, top: float) -> list[str]:
     step = 240.0 / len(RAMP)
     parts = [text(left, top, "speed [m/s]", colour=FAINT, size=12)]
     for i, colour in enumerate(RAMP):
-        x = left + i * step
-        parts += [f'<rect x="{x:.1f}" y="{top + 9:.1f}" width="{step + 0.5:.1f}" height="10" fill="{colour}"/>']
-        label = f"{SHADE_MPS * i:.1f}" + ("+" if i == len(RAMP) - 1 else "")
-        parts += [text(x + step / 2, top + 34, label, anchor="middle", colour=FAINT, size=12)]
+        x, label = left + i * step, f"{SHADE_MPS * i:.1f}" + "+" * (i == len(RAMP) - 1)
+        parts += [
+            f'<rect x="{x:.1f}" y="{top + 9:.1f}" width="{step + 0.5:.1f}" height="10" fill="{colour}"/>',
+            text(x + step / 2, top + 34, label, anchor="middle", colour=FAINT, size=12),
+        ]
     return parts + signs(left + 290, top + 15)
 
 
 def signs(x: float, y: float) -> list[str]:
     """What the signs of bodies and places mean, on a line from (x, y) [px]."""
     parts: list[str] = []
-    for name in ("obstacle", "person", "structure"):
-        size = 5 if name == "structure" else 12
-        parts += [f'<rect x="{x:.1f}" y="{y - size / 2:.1f}" width="{size}" height="{size}" {body_style(name)}/>']
-        parts += [text(x + 20, y + 4.5, name, size=12)]
+    for name, size in (("obstacle", 12), ("person", 12), ("structure", 5)):
+        box = f'x="{x:.1f}" y="{y - size / 2:.1f}" width="{size}" height="{size}"'
+        parts += [f"<rect {box} {body_style(name)}/>", text(x + 20, y + 4.5, name, size=12)]
         x += 48 + 7 * len(name)
     parts += [
         waypoint(x + 6, y, 7.0),
@@ -259,20 +259,11 @@ def draw(scene: MapScene, tracks: Sequence[Track], *, title: str, subtitle: str 
 
 def extent(scene: MapScene, more: Iterable[Point] = ()) -> tuple[float, float, float, float]:
     """The box x0, x1, y0, y1 around the scene and `more` points [m], rounded outwards to half metres."""
-    points = [scene.home, *scene.waypoints, *more]
     drawn = ((*body.outline, *body.path) for body in scene.bodies)
-    for outline in (*scene.floor, *drawn, *scene.walls):
-        points += outline
-    xs, ys = [p[0] for p in points], [p[1] for p in points]
-    return _low(min(xs)), _high(max(xs)), _low(min(ys)), _high(max(ys))
-
-
-def _low(metres: float) -> float:
-    return floor(2 * (metres - 0.2)) / 2
-
-
-def _high(metres: float) -> float:
-    return ceil(2 * (metres + 0.2)) / 2
+    points = [scene.home, *scene.waypoints, *more, *chain(*scene.floor, *drawn, *scene.walls)]
+    sides = ([point[axis] for point in points] for axis in (0, 1))
+    (x0, x1), (y0, y1) = ((floor(2 * (min(ends) - 0.2)) / 2, ceil(2 * (max(ends) + 0.2)) / 2) for ends in sides)
+    return x0, x1, y0, y1
 
 
 def _panel(frame: Frame, scene: MapScene, track: Track, number: int) -> list[str]:
@@ -292,10 +283,12 @@ def _panel(frame: Frame, scene: MapScene, track: Track, number: int) -> list[str
 
 def ground(frame: Frame, scene: MapScene, every_m: int = 1) -> list[str]:
     """What stands in the mine, with a grid line every so many metres."""
+    lines: list[Segment] = [((x, frame.y0), (x, frame.y1)) for x in _metres(frame.x0, frame.x1, every_m)]
+    lines += [((frame.x0, y), (frame.x1, y)) for y in _metres(frame.y0, frame.y1, every_m)]
     return [
         f'<rect {_box(frame)} fill="{ROCK if scene.floor else FLOOR}"/>',
         f'<path d="{"".join(f"M{frame.all(outline)}Z" for outline in scene.floor)}" fill="{FLOOR}" {HOLES}/>',
-        *_grid(frame, every_m),
+        f'<path d="{_strokes(frame, lines)}" stroke="{INK}" stroke-opacity="0.08" fill="none"/>',
         f'<path d="{_strokes(frame, scene.walls)}" {LINE_STYLE} stroke="{INK}" stroke-width="1.6"/>',
         *_places(frame, scene),
         *(_body(frame, body) for body in scene.bodies),
@@ -306,20 +299,16 @@ def _box(frame: Frame) -> str:
     return f'x="{frame.left:.1f}" y="{frame.top:.1f}" width="{frame.width:.1f}" height="{frame.height:.1f}"'
 
 
-def _grid(frame: Frame, every_m: int) -> list[str]:
-    lines: list[Segment] = [((x, frame.y0), (x, frame.y1)) for x in _metres(frame.x0, frame.x1, every_m)]
-    lines += [((frame.x0, y), (frame.x1, y)) for y in _metres(frame.y0, frame.y1, every_m)]
-    return [f'<path d="{_strokes(frame, lines)}" stroke="{INK}" stroke-opacity="0.08" fill="none"/>']
-
-
 def axes(frame: Frame, every_m: int = 1) -> list[str]:
     """The border of a panel with a number every so many metres."""
     foot = frame.top + frame.height
     parts = [f'<rect {_box(frame)} fill="none" stroke="{FAINT}"/>']
     for x in _metres(frame.x0, frame.x1, every_m):
         px = frame.pixel((x, 0))[0]
-        parts += [f'<path d="M{px:.1f},{foot:.1f}v5" stroke="{FAINT}"/>']
-        parts += [text(px, foot + 19, _signed(x), anchor="middle", colour=FAINT, size=12)]
+        parts += [
+            f'<path d="M{px:.1f},{foot:.1f}v5" stroke="{FAINT}"/>',
+            text(px, foot + 19, _signed(x), anchor="middle", colour=FAINT, size=12),
+        ]
     for y in _metres(frame.y0, frame.y1, every_m):
         py = frame.pixel((0, y))[1]
         parts += [f'<path d="M{frame.left:.1f},{py:.1f}h-5" stroke="{FAINT}"/>']
@@ -335,10 +324,8 @@ def _places(frame: Frame, scene: MapScene) -> list[str]:
         f'<rect x="{x - 11:.1f}" y="{y - 11:.1f}" width="22" height="22" rx="4" fill="#ffffff" {THIN}/>',
         text(x - 20, y + 5, "H", anchor="middle", weight="bold", size=14),
     ]
-    for point in dict.fromkeys(p for p in scene.waypoints if hypot(p[0] - scene.home[0], p[1] - scene.home[1]) > 0.3):
-        x, y = frame.pixel(point)
-        parts += [waypoint(x, y)]
-    return parts
+    visited = dict.fromkeys(point for point in scene.waypoints if dist(point, scene.home) > 0.3)
+    return [*parts, *(waypoint(*frame.pixel(point)) for point in visited)]
 
 
 def _body(frame: Frame, body: BodyOutline) -> str:
@@ -346,10 +333,8 @@ def _body(frame: Frame, body: BodyOutline) -> str:
     outline = f'<polygon points="{frame.all(body.outline)}" {style}><title>{xml(body.kind)}</title></polygon>'
     if not body.path:
         return outline
-    (x, y), dashes = (
-        frame.pixel(body.path[-1]),
-        f'{LINE_STYLE} stroke="{INK}" stroke-width="1.6" stroke-dasharray="2 5"',
-    )
+    x, y = frame.pixel(body.path[-1])
+    dashes = f'{LINE_STYLE} stroke="{INK}" stroke-width="1.6" stroke-dasharray="2 5"'
     return f'<polyline points="{frame.all(body.path)}" {dashes}/><circle cx="{x:.1f}" cy="{y:.1f}" r="3"/>{outline}'
 
 
@@ -358,13 +343,10 @@ def _path(frame: Frame, track: Track) -> list[str]:
     if len(track.points) < 2:
         return []
     parts = [f'<polyline points="{frame.all(track.points)}" {LINE_STYLE} stroke="#ffffff" stroke-width="6"/>']
-    first, tint = 0, shade(track.speeds_mps[0])
-    for i in range(1, len(track.points) + 1):
-        if i == len(track.points) or shade(track.speeds_mps[i]) != tint:
-            run = track.points[first : min(i, len(track.points) - 1) + 1]
-            parts += [f'<polyline points="{frame.all(run)}" {LINE_STYLE} stroke="{RAMP[tint]}" stroke-width="3.2"/>']
-            if i < len(track.points):
-                first, tint = i, shade(track.speeds_mps[i])
+    for tint, places in groupby(range(len(track.points)), lambda at: shade(track.speeds_mps[at])):
+        first, *rest = places
+        run = track.points[first : first + len(rest) + 2]
+        parts += [f'<polyline points="{frame.all(run)}" {LINE_STYLE} stroke="{RAMP[tint]}" stroke-width="3.2"/>']
     return [*parts, *_chevrons(frame, track.points)]
 
 
@@ -392,14 +374,13 @@ def _marks(frame: Frame, track: Track) -> list[str]:
     for number, mark in enumerate(track.marks[:LONGEST_LIST], start=1):
         x, y = frame.pixel(mark.at)
         spots = [(x + dx * r, y + dy * r) for r in (22.0, 44.0, 66.0, 88.0) for dx, dy in SIDES]
-        inside = [(u, v) for u, v in spots if frame.left + 9 < u < frame.left + frame.width - 9]
-        u, v = next((s for s in inside if all(hypot(s[0] - t[0], s[1] - t[1]) > 20 for t in taken)), spots[0])
+        inside = [spot for spot in spots if frame.left + 9 < spot[0] < frame.left + frame.width - 9]
+        u, v = next((spot for spot in inside if all(dist(spot, other) > 20 for other in taken)), spots[0])
         taken.append((u, v))
-        colour = mark.colour
         parts += [
-            f'<path d="M{x:.1f},{y:.1f}L{u:.1f},{v:.1f}" stroke="{colour}" stroke-width="1.2"/>',
-            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}" stroke="#ffffff"/>',
-            *_disc(u, v, number, colour),
+            f'<path d="M{x:.1f},{y:.1f}L{u:.1f},{v:.1f}" stroke="{mark.colour}" stroke-width="1.2"/>',
+            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{mark.colour}" stroke="#ffffff"/>',
+            *_disc(u, v, number, mark.colour),
         ]
     return parts
 
@@ -415,9 +396,11 @@ def _list(frame: Frame, track: Track, top: float) -> list[str]:
     parts: list[str] = []
     for number, mark in enumerate(track.marks[:LONGEST_LIST], start=1):
         y = top + (number - 1) * LINE
-        parts += _disc(frame.left + 9, y, number, mark.colour)
-        parts += [text(frame.left + 80, y + 4.5, f"{mark.t_s:.2f} s", anchor="end", colour=FAINT)]
-        parts += [text(frame.left + 90, y + 4.5, mark.text)]
+        parts += [
+            *_disc(frame.left + 9, y, number, mark.colour),
+            text(frame.left + 80, y + 4.5, f"{mark.t_s:.2f} s", anchor="end", colour=FAINT),
+            text(frame.left + 90, y + 4.5, mark.text),
+        ]
     if len(track.marks) > LONGEST_LIST:
         rest = f"and {len(track.marks) - LONGEST_LIST} more"
         parts += [text(frame.left + 90, top + LONGEST_LIST * LINE + 4.5, rest, colour=FAINT)]
@@ -446,15 +429,13 @@ SAME_M = 1e-6
 def scene_of(world: World) -> MapScene:
     """What stands in a world, cut at the height of flight."""
     walls = tuple(section(world.mine.wall.triangles, world.mission.altitude_m))
+    corners = ([(float(x), float(y)) for x, y in body.mesh.vertices[:, :2]] for body in world.present)
     bodies = tuple(
-        BodyOutline(body.role, hull(_level(body.mesh)), world.path_of(body), body.name) for body in world.present
+        BodyOutline(body.role, hull(points), world.path_of(body), body.name)
+        for body, points in zip(world.present, corners, strict=True)
     )
     waypoints = tuple((x, y) for x, y, _ in world.route)
     return MapScene(rings(walls), walls, bodies, waypoints, world.mission.home)
-
-
-def _level(mesh: Mesh) -> list[Point]:
-    return [(float(x), float(y)) for x, y in mesh.vertices[:, :2]]
 
 
 def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:
@@ -533,13 +514,12 @@ def hull(points: Sequence[Point]) -> tuple[Point, ...]:
     def half(along: Iterable[Point]) -> list[Point]:
         chain: list[Point] = []
         for point in along:
-            while len(chain) > 1 and _turn(chain[-2], chain[-1], point) <= 0:
+            while len(chain) > 1 and turn(chain[-2], chain[-1], point) <= 0:
                 chain.pop()
             chain.append(point)
         return chain
 
+    def turn(a: Point, b: Point, c: Point) -> float:
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
     return tuple(half(ordered)[:-1] + half(reversed(ordered))[:-1])
-
-
-def _turn(a: Point, b: Point, c: Point) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
