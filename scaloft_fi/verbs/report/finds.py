@@ -11,7 +11,7 @@ from typing import Any
 from scaloft_fi.analysis.roster import by_field
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.sim.found import Break, Evidence, Find
+from scaloft_fi.sim.found import Break, Find
 from scaloft_fi.study import KnownFinds, Study
 from scaloft_fi.verbs.report.flights import record, rows_of, scene
 from scaloft_fi.verbs.seek import belief, place
@@ -43,30 +43,34 @@ def found(study: Study, campaign: str, outcomes: Iterable[Outcome], mines: list[
             flown[outcome.situation].append(outcome)
     listed, misfits = [], list(finds.misfits)
     for find in finds.finds:
-        try:
-            told = _find(find, finds, mines)
-        except InputError:  # its values do not go together any more
+        stands = _scene(find, finds, mines)
+        if stands is None:
             misfits.append(find.name)
             continue
-        command = flies(find, find.mutant, finds, campaign, study.grid_name or "")
-        listed.append({**told, "command": command, "flights": _pair(find, flown[find.situation], names)})
+        shows = [
+            {"mutant": mutant}
+            | {
+                name: float(f"{one:.{DIGITS}g}") if isinstance(one, float) else one
+                for name, one in asdict(told).items()
+            }
+            for mutant, told in find.shows.items()
+        ]
+        listed.append(
+            by_field(find, "name", "situation", "mutant")
+            | {"words": words(find), "shows": shows, "scene": stands}
+            | {"command": flies(find, find.mutant, finds, campaign, study.grid_name or "")}
+            | {"flights": _pair(find, flown[find.situation], names)}
+        )
     return {"grid": finds.grid, "finds": listed, "misfits": misfits}
 
 
-def _find(find: Find, finds: KnownFinds, mines: list[dict[str, Any]]) -> dict[str, Any]:
+def _scene(one: Find | Break, finds: KnownFinds, mines: list[dict[str, Any]]) -> dict[str, Any] | None:
+    """What stands in a found situation; None where its values do not go together any more."""
     assert finds.searched is not None
-    return by_field(find, "name", "situation", "mutant") | {
-        "words": words(find),
-        "shows": [{"mutant": mutant, **_short(evidence)} for mutant, evidence in find.shows.items()],
-        "scene": scene(finds.searched.world(finds.searched.situation(find.situation)), mines),
-    }
-
-
-def _short(evidence: Evidence) -> dict[str, Any]:
-    return {
-        name: float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
-        for name, value in asdict(evidence).items()
-    }
+    try:
+        return scene(finds.searched.world(finds.searched.situation(one.situation)), mines)
+    except InputError:
+        return None
 
 
 def _pair(find: Find, outcomes: Sequence[Outcome], requirements: Sequence[str]) -> list[dict[str, Any]] | None:
@@ -88,12 +92,8 @@ def _pair(find: Find, outcomes: Sequence[Outcome], requirements: Sequence[str]) 
     if flown is None:
         return None
     clean = baselines.get(flown.seed)
-    return [_flight(outcome, clean, requirements) for outcome in (flown, clean) if outcome is not None]
-
-
-def _flight(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[str]) -> dict[str, Any]:
-    told = record(outcome, baseline, requirements)
-    return {**{name: told[name] for name in KEPT}, "rows": _path(outcome.track)}
+    pair = [(one, record(one, clean, requirements)) for one in (flown, clean) if one is not None]
+    return [{name: told[name] for name in KEPT} | {"rows": _path(one.track)} for one, told in pair]
 
 
 def _path(track: bytes) -> list[list[float]]:
@@ -115,19 +115,13 @@ def broken(finds: KnownFinds, mines: list[dict[str, Any]]) -> list[dict[str, Any
     """
     listed = []
     for one in finds.breaks:
-        assert finds.searched is not None
-        try:
-            stands = scene(finds.searched.world(finds.searched.situation(one.situation)), mines)
-        except InputError:
+        if (stands := _scene(one, finds, mines)) is None or finds.searched is None:
             continue
+        # with the seeds that confirmed the break
+        named = f"--mutant PLACEBO --situation {shlex.quote(one.name)} --baseline-seeds {one.flights}"
         told = by_field(one, "name", "situation", "requirement", "struck", "violated", "flights", "alike", "t_s")
         told |= {"words": ", ".join(one.words) or "every value benign", "where": place(one), "belief": belief(one)}
-        told |= {"place": list(one.place[:2]), "command": _flies(one, finds.searched.name), "scene": stands}
+        told |= {"place": list(one.place[:2]), "scene": stands}
+        told |= {"command": f"scaloft-fi run --grid {finds.searched.name} {named}"}
         listed.append(told)
     return listed
-
-
-def _flies(one: Break, grid: str) -> str:
-    """The command that flies the unmutated drone there, with the seeds that confirmed the break."""
-    named = f"--mutant PLACEBO --situation {shlex.quote(one.name)} --baseline-seeds {one.flights}"
-    return f"scaloft-fi run --grid {grid} {named}"

@@ -13,6 +13,7 @@ import json
 import math
 import struct
 import zlib
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -24,7 +25,7 @@ from numpy.typing import NDArray
 from scaloft_fi.analysis.roster import by_field
 from scaloft_fi.console import all_printable
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK, TRACK_COLUMNS, TRACK_EVERY, Outcome, unpack_track
-from scaloft_fi.judge.requirement import Reading, measured_rho
+from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.status import baseline_status, flight_of
 from scaloft_fi.sim.log import FAR_M, SAMPLE_HZ
 from scaloft_fi.views.picture import scene_of
@@ -175,19 +176,18 @@ def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Deta
         detail: how much of the tracks is kept.
         every: pack one situation in this many, to estimate the size of all.
     """
-    by_situation: dict[str, list[Outcome]] = {}
+    by_situation = defaultdict[str, list[Outcome]](list)
     for outcome in outcomes:
         if outcome.mutant != PLACEBO_ID:
-            by_situation.setdefault(outcome.situation, []).append(outcome)
+            by_situation[outcome.situation].append(outcome)
     seeds = {outcome.seed for listed in by_situation.values() for outcome in listed if outcome.mutant != BASELINE}
     kept = set(sorted(seeds)[: detail.seeds])
-    tracked: dict[tuple[bool, int], list[bool]] = {}
-    texts = {}
+    tracked, texts = defaultdict[tuple[bool, int], list[bool]](list), {}
     for key, listed in list(by_situation.items())[::every]:
         records, texts[key] = _pack(listed, requirements, detail, kept)
         for entry in records:
             if not entry["invalid"]:
-                tracked.setdefault((entry["mutant"] != BASELINE, entry["seed"]), []).append(entry["track"] is not None)
+                tracked[entry["mutant"] != BASELINE, entry["seed"]].append(entry["track"] is not None)
     hz = next((rate for listed in by_situation.values() for o in listed if (rate := _rate_hz(o.track))), TRACK_HZ)
     return Packed(texts, tracks_told(detail.at_rate(hz), tracked))
 
@@ -219,10 +219,8 @@ def tracks_told(detail: str, tracked: Mapping[tuple[bool, int], Sequence[bool]])
 
 def _whose(members: Sequence[tuple[bool, int]]) -> str:
     """As in: the unmutated drone with seeds 0-9, mutants with seed 0."""
-    own = {
-        who: [seed for other, seed in members if other is mutated]
-        for mutated, who in ((False, "the unmutated drone"), (True, "mutants"))
-    }
+    whose = {"the unmutated drone": False, "mutants": True}
+    own = {who: [seed for other, seed in members if other is mutated] for who, mutated in whose.items()}
     return ", ".join(f"{who} with seed{'s' * (len(seeds) > 1)} {ranges(seeds)}" for who, seeds in own.items() if seeds)
 
 
@@ -248,11 +246,8 @@ def _pack(
     records = []
     for outcome in ordered:
         place = places.get(outcome.digest) if outcome.digest else None
-        if place is None and outcome.track and (outcome.mutant == BASELINE or outcome.seed in seeds):
-            kept = rows_of(outcome.track)
-            if not kept:
-                records.append(record(outcome, baselines.get(outcome.seed), requirements) | {"track": None})
-                continue
+        asked = place is None and outcome.track and (outcome.mutant == BASELINE or outcome.seed in seeds)
+        if asked and (kept := rows_of(outcome.track)):
             rows = quantised(thinned(kept, detail.every), TRACK_COLUMNS, detail.coarse)
             base, base_rows = clean.get(outcome.seed, (NONE, rows[:0]))
             same = shared(rows, base_rows)
@@ -279,24 +274,22 @@ def rows_of(track: bytes) -> list[tuple[float, ...]]:
 def record(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[str]) -> dict[str, Any]:
     """What the page shows of one flight beside its track."""
     flight = flight_of(outcome, baseline) if outcome.mutant != BASELINE else None
-    readings = {reading.requirement: reading for reading in outcome.readings}
+    # robustness (none of what was never triggered), moment of the violation, compliance, episodes of the trigger
+    readings = {
+        one.requirement: [_short(measured_rho(one), 4), _short(one.violated_at_s), one.compliance.value, one.triggered]
+        for one in outcome.readings
+    }
     return {
         **by_field(outcome, "mutant", "seed", "ending", "invalid", "carried", "altered", "struck", "stack_error"),
         "status": flight.status.value if flight else baseline_status(outcome),
         **({"revealed": [*flight.revealed, *flight.operability_revealed]} if flight else {}),
         "duration_s": _short(outcome.duration_s),
         "infected_at_s": _short(outcome.infected_at_s),
-        "readings": [_reading(readings[name]) if name in readings else None for name in requirements],
+        "readings": [readings.get(name) for name in requirements],
         "violations": [
             [v.requirement, *(_short(value) for value in (v.t_s, v.x, v.y, v.z)), v.struck] for v in outcome.violations
         ],
     }
-
-
-def _reading(reading: Reading) -> list[Any]:
-    """Robustness (none of what was never triggered), moment of the violation, compliance, episodes of the trigger."""
-    rho, violated_at_s = _short(measured_rho(reading), 4), _short(reading.violated_at_s)
-    return [rho, violated_at_s, reading.compliance.value, reading.triggered]
 
 
 def _short(value: float | None, digits: int = 3) -> float | None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from datetime import date
 from enum import StrEnum
 from math import prod
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.analysis.condition import Term, cover, term_text
+from scaloft_fi.analysis.condition import cover, term_text
 from scaloft_fi.analysis.kill_matrix import MOST_CELLS, KillEntry, KillMatrix, KillRow, cyclic, fold, gray_order
 from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.roster import Ratio, Roster, by_field, plain
@@ -71,12 +72,13 @@ def terms(space: Space, row: KillRow) -> list[dict[str, Any]]:
     """The terms of a mutant's condition where its grid has a map: `levels` has those that it admits, for each axis."""
     if not foldable(space):
         return []
-    covering = cover(space, row.killing, row.surviving)
-    return [{"levels": _admitted(space, term), "words": term_text(space, term) or "everywhere"} for term in covering]
-
-
-def _admitted(space: Space, term: Term) -> list[list[int]]:
-    return [sorted(map(values.index, kept)) for values, kept in zip(space.values, term, strict=True)]
+    return [
+        {
+            "levels": [sorted(map(values.index, kept)) for values, kept in zip(space.values, term, strict=True)],
+            "words": term_text(space, term) or "everywhere",
+        }
+        for term in cover(space, row.killing, row.surviving)
+    ]
 
 
 def _levels(space: Space, axes: Sequence[int], point: Point) -> list[int]:
@@ -242,9 +244,9 @@ def axes(grid: Grid) -> list[dict[str, Any]]:
 
 def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
     """Every entry of the deviation matrix with its mutants that were flown, the default first named."""
-    by_cell: dict[str, list[str]] = {}
+    by_cell = defaultdict[str, list[str]](list)
     for mutant in flown:
-        by_cell.setdefault(cell_of(mutant), []).append(mutant)
+        by_cell[cell_of(mutant)].append(mutant)
     return [
         {
             **by_field(cell, "name", "guideword", "parameter", "status", "deviation", "causes", "effect"),
@@ -252,7 +254,7 @@ def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
             "severity": class_of(matrix.severities.get(cell.name)),
             "expected": [fault.expected.reason for fault in cell.faults if fault.expected],
             "default": cell.default_id if cell.faults else "",
-            "mutants": by_cell.get(cell.name, []),
+            "mutants": by_cell[cell.name],
         }
         for cell in matrix
     ]

@@ -14,7 +14,7 @@ from typing import Any
 from scaloft_fi.analysis.coverage import coverage_of
 from scaloft_fi.analysis.detection import Spending, Verdict
 from scaloft_fi.analysis.kill_matrix import kill_matrix
-from scaloft_fi.analysis.pool import Pool, SituationBaseline, State, findings, tallies
+from scaloft_fi.analysis.pool import Pool, State, findings, tallies
 from scaloft_fi.analysis.roster import Ratio, plain
 from scaloft_fi.analysis.score import Score, score_of
 from scaloft_fi.campaign.runs.gates import check_gates
@@ -53,34 +53,25 @@ def head(scored: Score, situations: Ratio, breaks: int) -> dict[str, Any]:
     Returns:
         `fails`: of the unmutated drone; `claims`: what is not claimed.
     """
-    return {"fails": [*fails(scored.pool), *_broken(breaks)], "claims": list(_claims(scored, situations))}
+    they = "breaks" if breaks == 1 else "break"
+    broken = [f"A search around the grid found {_situations(breaks)} more that {they} it."] if breaks else []
+    return {"fails": [*fails(scored.pool), *broken], "claims": list(_claims(scored, situations))}
 
 
 def fails(pool: Pool) -> list[str]:
     """What the unmutated drone fails: a sentence a safety requirement, and one on what that takes from the test."""
     if not pool.flown:
         return [NO_POOL]
-    names = pool.requirements(Kind.SAFETY)
-    sentences = [sentence for name in names if (sentence := _violates(pool, name))]
+    often, sentences = {State.RED: "in most flights of", State.UNSTEADY: "now and then in"}, []
+    for name in pool.requirements(Kind.SAFETY):
+        states = Counter(pool.states[key, name] for key in pool.flown)
+        if parts := [f"{words} {states[state]}" for state, words in often.items() if states[state]]:
+            sentences.append(f"It violates {name} {' and '.join(parts)} of {_situations(len(pool.flown))}.")
     if not sentences:
         return [f"In none of the {len(pool.flown)} situations with a pool does it violate a safety requirement often."]
     lost = sum(not pool.steady(key, Kind.SAFETY) for key in pool.flown)
     where = f"No fault is put to the safety test in {lost} of these {len(pool.flown)} situations" if lost else ""
     return [*sentences, *([f"{where}: no safety requirement is steady there."] if lost else [])]
-
-
-def _violates(pool: Pool, name: str) -> str:
-    """Where the unmutated drone violates a requirement; empty where it does so nowhere often."""
-    states = Counter(pool.states[key, name] for key in pool.flown)
-    often = {State.RED: "in most flights of", State.UNSTEADY: "now and then in"}
-    parts = [f"{words} {states[state]}" for state, words in often.items() if states[state]]
-    return f"It violates {name} {' and '.join(parts)} of {_situations(len(pool.flown))}." if parts else ""
-
-
-def _broken(breaks: int) -> Iterable[str]:
-    if breaks:
-        they = "breaks" if breaks == 1 else "break"
-        yield f"A search around the grid found {_situations(breaks)} more that {they} it."
 
 
 def _claims(scored: Score, situations: Ratio) -> Iterable[str]:
@@ -93,14 +84,11 @@ def _claims(scored: Score, situations: Ratio) -> Iterable[str]:
     if scored.pooled and parts:
         yield f"Nothing is said of the faults that are not decided: {', '.join(parts)}."
     if scored.selected:
-        yield f"{_situations(len(scored.selected))} {_were(len(scored.selected))} chosen because of verdicts."
+        were = "was" if len(scored.selected) == 1 else "were"
+        yield f"{_situations(len(scored.selected))} {were} chosen because of verdicts."
     if situations.part < situations.whole:
         yield f"Only {situations.part} of {_situations(situations.whole)} of the grid were flown."
     yield MODEL
-
-
-def _were(count: int) -> str:
-    return "was" if count == 1 else "were"
 
 
 def _situations(count: int) -> str:
@@ -167,7 +155,11 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "limits": limits(study.requirements, TRACK_COLUMNS),
         "bounds": bounds_of(study.requirements),
         "pairs": record["pairs"],
-        "firsts": [_first(finding) for finding in findings(outcomes, space) if finding.first],
+        "firsts": [
+            {**plain(finding.first[0]), "seed": finding.first[1], "situation": finding.situation}
+            for finding in findings(outcomes, space)
+            if finding.first
+        ],
         "tallies": [{**plain(tally), "compliances": plain(dict(tally.compliances))} for tally in tallies(outcomes)],
         "accepted": accepted(scored, roster, study.dispositions, evidence.today),
         **analyses(evidence, scored, kills),
@@ -203,16 +195,9 @@ def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any
         "failed": failed,
         "placebo_flights": placebo,
         "invalid_flights": sum(bool(outcome.invalid) for outcome in outcomes),
-        "controls": {"part": sum(controls), "whole": len(controls)},
-        "steady_situations": {"part": steady, "whole": len(scored.pool.flown)},
+        "controls": plain(Ratio(sum(controls), len(controls))),
+        "steady_situations": plain(Ratio(steady, len(scored.pool.flown))),
     }
-
-
-def _first(finding: SituationBaseline) -> dict[str, Any]:
-    """The earliest safety violation of the unmutated drone in a situation."""
-    assert finding.first
-    violation, seed = finding.first
-    return {**plain(violation), "seed": seed, "situation": finding.situation}
 
 
 MOST_BYTES = 5_000_000
@@ -221,29 +206,9 @@ SAMPLE, HOPELESS = 8, 1.3
 """Every eighth situation is packed first; what it promises to exceed so far is not tried on all."""
 STYLES = ("page.css", "matrices.css", "karnaugh.css", "flight.css")
 SCRIPTS = (
-    "dom.js",
-    "text.js",
-    "data.js",
-    "glossary.js",
-    "charts.js",
-    "head.js",
-    "hazop.js",
-    "kills.js",
-    "map.js",
-    "player.js",
-    "situation.js",
-    "flight.js",
-    "accepted.js",
-    "karnaugh.js",
-    "mutant.js",
-    "margins.js",
-    "cell.js",
-    "follows.js",
-    "found.js",
-    "breaks.js",
-    "sections.js",
-    "paper.js",
-    "main.js",
+    *("dom.js", "text.js", "data.js", "glossary.js", "charts.js", "head.js", "hazop.js", "kills.js", "map.js"),
+    *("player.js", "situation.js", "flight.js", "accepted.js", "karnaugh.js", "mutant.js", "margins.js", "cell.js"),
+    *("follows.js", "found.js", "breaks.js", "sections.js", "paper.js", "main.js"),
 )
 """In the order in which they are joined; each is a part of one strict script."""
 
@@ -276,13 +241,8 @@ def html(content: Mapping[str, Any], packed: Mapping[str, str]) -> str:
         f"default-src 'none'; img-src data:; style-src '{_hash(style)}'; script-src '{_hash(script)}';"
         " base-uri 'none'; form-action 'none'"
     )
-    parts = {
-        "POLICY": policy,
-        "STYLE": style,
-        "FIGURES": inert(content),
-        "FLIGHTS": inert(packed),
-        "SCRIPT": script,
-    }
+    parts = {"POLICY": policy, "STYLE": style, "SCRIPT": script}
+    parts |= {"FIGURES": inert(content), "FLIGHTS": inert(packed)}
     # in one pass, so that no part is searched for the places of others
     return re.sub(r"@([A-Z]+)@", lambda place: parts[place[1]], asset("page.html"))
 
