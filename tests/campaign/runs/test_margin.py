@@ -26,7 +26,7 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.margin import cell_margins, margin_text
+from scaloft_fi.verbs.margin import cell_margins, margin_text, margin_texts
 
 LATE = PhasedFault("LATE-human", "s")
 THREE = (0, 1, 2)
@@ -203,7 +203,7 @@ def test_the_matrix_shows_the_margin_from_the_store_alone(study: Any, late: Any)
     with Store(study.folder / "c" / STORE_NAME) as store:
         outcomes = held_in(study, store, study.folder / "c").current
     scored = score(outcomes, study.roster, study.space)
-    told = cell_margins(outcomes, scored, study.matrix)
+    told = margin_texts(study.matrix, cell_margins(outcomes, scored, study.matrix))
     assert told["LATE-human"] == margin_text(lowest(found.values()))
     assert told["REVERSE-human"] == "CONTROL"
     assert told["EARLY-collision"] == "-"
