@@ -43,7 +43,11 @@ class Bolt(NamedTuple):
 
 
 class Door(NamedTuple):
-    """A door."""
+    """A door.
+
+    Attributes:
+        bolts: its bolts.
+    """
 
     name: str
     open: bool
