@@ -94,11 +94,11 @@ def check_seams(study: Study, findings: Findings) -> tuple[int | None, str]:
     seen = polls_of(study, situation)
     for failure in seen.failures:
         remedy = "mend the stack, or its declaration"
-        findings.add(Finding(Severity.ERROR, place, 1, failure, remedy, situation.key))
+        findings.add(Finding(Severity.ERROR, place, 1, failure, situation.key, remedy))
     if seen.silent:
         what = f"in one baseline flight nothing was sent over {', '.join(seen.silent)}"
         remedy = "a fault there is reached only in situations that bring samples"
-        findings.add(Finding(Severity.NOTE, place, 1, what, remedy, situation.key))
+        findings.add(Finding(Severity.NOTE, place, 1, what, situation.key, remedy))
     return seen.polled, ""
 
 
@@ -161,21 +161,20 @@ def check_sources(study: Study, findings: Findings) -> None:
 
 @dataclass(frozen=True)
 class Checked:
-    """How much was checked; None where an error before it left a part unchecked.
+    """How much was checked; null where an error before it left a part unchecked.
 
     Attributes:
         documents: YAML files.
         plugins: plugins of this installation.
-        requirements: requirements, each formula against what its signals can read.
+        requirements: requirements; null: an error before it left it unchecked.
         cells: cells of the matrix.
-        faulty: those of them that have faults.
-        mutants: mutants that the matrix derives, and the catalogue has.
-        seams: seams that the stack declares.
-        polled: those of them that the stack polls; None without a flight.
-        unflown: why there was no such flight; "" where there was.
-        found: situations in `sim/found.yaml`.
-        accepted: survivors in `hazop/dispositions.yaml`.
-        grids: the grids, the study's own first.
+        faulty: cells of the matrix that have faults.
+        mutants: mutants that matrix and catalogue have; null: an error before it left it unchecked.
+        seams: seams that the stack declares; null: an error before it left it unchecked.
+        polled: seams that the stack polls in one baseline flight; null: nothing was flown.
+        unflown: why nothing was flown; empty where it was.
+        found: situations in sim/found.yaml.
+        accepted: survivors in hazop/dispositions.yaml.
     """
 
     documents: int
@@ -189,32 +188,27 @@ class Checked:
     unflown: str
     found: int
     accepted: int
-    grids: tuple[GridCheck, ...]
 
 
 @dataclass(frozen=True)
 class Check:
-    """What the check of a study found.
+    """What the dry check of a study found.
 
     Attributes:
-        folder: the study.
+        study: folder of the study.
+        errors: findings that a verb refuses, or that make flights mean nothing; the exit code is then 2.
+        notes: findings that somebody should know.
         findings: errors, then notes, each in the order in which they were found.
         checked: how much was checked.
+        grids: how much of each grid was checked, the study's own first.
     """
 
-    folder: Path
+    study: Path
+    errors: int
+    notes: int
     findings: tuple[Finding, ...]
     checked: Checked
-
-    @property
-    def errors(self) -> int:
-        """Number of errors."""
-        return sum(finding.severity is Severity.ERROR for finding in self.findings)
-
-    @property
-    def notes(self) -> int:
-        """Number of notes."""
-        return len(self.findings) - self.errors
+    grids: tuple[GridCheck, ...]
 
 
 def check_study(folder: Path, *, fly: bool = False) -> Check:
@@ -254,10 +248,10 @@ def check_study(folder: Path, *, fly: bool = False) -> Check:
         unflown=unflown,
         found=found,
         accepted=accepted,
-        grids=grids,
     )
     ordered = sorted(findings, key=lambda finding: finding.severity is Severity.NOTE)
-    return Check(folder, tuple(ordered), checked)
+    errors = findings.errors
+    return Check(folder, errors, len(ordered) - errors, tuple(ordered), checked, grids)
 
 
 def _known(study: Study, stack: Declaration | None, world: World | None, findings: Findings) -> KnownSignals | None:

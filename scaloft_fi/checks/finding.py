@@ -35,19 +35,20 @@ class Finding:
     """One thing that the check found.
 
     Attributes:
-        severity: error or note.
-        file, line: where it is mended; "" and None where no file is meant.
-        what: what is wrong, a sentence.
-        remedy: what to do about it; "" where the sentence says it.
-        situation: key of a situation in which it shows; "" where none is meant.
+        severity: how bad it is.
+        file: the file to mend; empty where none is meant.
+        line: its line, from 1; null: the whole file is meant.
+        what: what is wrong, in a sentence.
+        situation: key of a situation in which it shows; empty where none is meant.
+        remedy: what to do about it; empty where the sentence says it.
     """
 
     severity: Severity
     file: str
     line: int | None
     what: str
-    remedy: str = ""
     situation: str = ""
+    remedy: str = ""
 
     @property
     def place(self) -> str:
@@ -74,8 +75,8 @@ def finding_of(sentence: str, severity: Severity = Severity.ERROR, *, situation:
         (located["file"] or located["whole"]) if located else "",
         int(located["line"]) if located and located["line"] else None,
         what,
-        remedy,
         situation,
+        remedy,
     )
 
 
@@ -105,7 +106,7 @@ class Findings:
             for fault in error.faults:
                 self.error(fault, situation=situation)
         elif isinstance(error, UnreadableError):
-            self.add(Finding(Severity.ERROR, str(error.path), None, f"cannot be read: {error.reason}", "", situation))
+            self.add(Finding(Severity.ERROR, str(error.path), None, f"cannot be read: {error.reason}", situation))
         else:
             self.add(finding_of(str(error), situation=situation))
 
@@ -128,7 +129,8 @@ class Findings:
             plugin = plugin_behind(error)
             if not plugin:
                 raise
-            self.add(Finding(Severity.ERROR, "", None, f"{plugin}: {in_one_line(error)}", "mend or uninstall it"))
+            what = f"{plugin}: {in_one_line(error)}"
+            self.add(Finding(Severity.ERROR, "", None, what, remedy="mend or uninstall it"))
 
     def each(self, read: Callable[[U], T], entries: Iterable[U]) -> list[T]:
         """What `read` makes of the entries that it can read; the errors of the others are kept."""

@@ -298,12 +298,12 @@ def _check_controls(study: Study, cells: Iterable[Cell], stack: Declaration | No
     if not controls:
         what = "no cell is a control, so no flight proves that faults reach the drone"
         remedy = "give a cell `status: control` whose fault no drone survives, such as velocity commands turned round"
-        findings.add(Finding(Severity.NOTE, place, None, what, remedy))
+        findings.add(Finding(Severity.NOTE, place, None, what, remedy=remedy))
     elif stack and stack.canaries and not any(cell.faults[0].seam in stack.canaries for cell in controls):
         names = ", ".join(stack.canaries)
         what = f"no control strikes a seam that carries samples in every situation ({names})"
         remedy = "make a cell with a fault there a control, because `run --mutant` flies one control in one situation"
-        findings.add(Finding(Severity.NOTE, place, None, what, remedy))
+        findings.add(Finding(Severity.NOTE, place, None, what, remedy=remedy))
 
 
 def _check_seams(study: Study, cells: Iterable[Cell], stack: Declaration | None, findings: Findings) -> None:
@@ -313,7 +313,7 @@ def _check_seams(study: Study, cells: Iterable[Cell], stack: Declaration | None,
     if idle:
         what = f"no cell of the matrix has a fault at {len(idle)} of the stack's {len(seams)} seams: {_some(idle)}"
         remedy = "ask the guidewords of what they carry, or leave them out on purpose; `scaloft-fi seams` counts cells"
-        findings.add(Finding(Severity.NOTE, str(study.folder / "hazop" / SHEETS), None, what, remedy))
+        findings.add(Finding(Severity.NOTE, str(study.folder / "hazop" / SHEETS), None, what, remedy=remedy))
 
 
 def _check_severities(
@@ -328,7 +328,7 @@ def _check_severities(
     if names and lacking:
         what = f"severity is missing in {len(lacking)} credible cells: {_some(lacking)}"
         remedy = f"give each a class, `severity: {names[0]}` or another of {SEVERITIES}; without one it stands last"
-        findings.add(Finding(Severity.NOTE, str(study.folder / "hazop" / SEVERITIES), None, what, remedy))
+        findings.add(Finding(Severity.NOTE, str(study.folder / "hazop" / SEVERITIES), None, what, remedy=remedy))
 
 
 def _some(names: Sequence[str]) -> str:

@@ -44,15 +44,15 @@ _SHOWN_IN = re.compile(r",? as in situation \S+")
 
 @dataclass(frozen=True)
 class GridCheck:
-    """What was checked of a grid.
+    """How much of a grid was checked.
 
     Attributes:
-        name: name of the grid.
-        situations: number of its situations; 0 where it cannot be read.
-        built: number of situations whose world, vehicle, sensors and route were built.
-        pairs: number of pairs of values of two axes that situations have, each of them built.
-        predicates: number of formulas `realised`.
-        legs: number of waypoints, and legs between them, with which the hull was compared.
+        name: its name.
+        situations: its situations; 0 where it cannot be read.
+        built: situations whose world, vehicle, sensors and route were built.
+        pairs: pairs of values of two axes in these.
+        predicates: formulas `realised`.
+        legs: places and legs of routes where the hull was compared with rock and bodies.
     """
 
     name: str
@@ -174,7 +174,7 @@ def _build(study: Study, grid: Grid, keys: Iterable[str], findings: Findings) ->
             about = f"{found.place} {what.split(' in ' + key)[0]}"
             if about not in told:
                 told.add(about)
-                findings.add(Finding(Severity.ERROR, found.file, found.line, what, found.remedy, key))
+                findings.add(Finding(Severity.ERROR, found.file, found.line, what, key, found.remedy))
             continue
         built += 1
         if study.command is None:
@@ -193,7 +193,7 @@ def check_plugins(findings: Findings) -> int:
             load_plugin(plugin)
         except InputError as error:
             what, _, remedy = str(error).rpartition("; ")
-            findings.add(Finding(Severity.ERROR, "", None, what, remedy))
+            findings.add(Finding(Severity.ERROR, "", None, what, remedy=remedy))
     return len(plugins)
 
 

@@ -313,10 +313,10 @@ _TIME, _PLACE = TRACK_COLUMNS.index("elapsed_s"), slice(TRACK_COLUMNS.index("x_m
 
 @dataclass(frozen=True)
 class Facts:
-    """The facts of a flight.
+    """What a campaign says of a flight.
 
     Attributes:
-        status: status beside the baseline of the same situation, seed and platform; of a baseline, held or violated.
+        status: beside its baseline of the same platform; of a baseline `held`, `violated` or `invalid`.
         ending: how the flight ended; empty when invalid.
         violated: the violated requirements, in the study's order.
     """

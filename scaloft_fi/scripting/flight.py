@@ -285,10 +285,9 @@ class FlownFlight:
         """The log."""
         with in_python():
             log = self._flown.log
-            known = {str(entry["name"]): entry for entry in signal_list(self._flown.study).records}
+            known = signal_list(self._flown.study).by_name
             units, meanings = (
-                {name: str(known[name][key]) if name in known else "" for name in log.signals}
-                for key in ("unit", "meaning")
+                {name: getattr(known.get(name), key, "") for name in log.signals} for key in ("unit", "meaning")
             )
             return Log(f"Log of {self.name}", log.signals, units, meanings, log.beliefs)
 

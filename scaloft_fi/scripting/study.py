@@ -13,7 +13,7 @@ from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.scripting.campaign import OpenCampaign
 from scaloft_fi.scripting.flight import Figure, FlownFlight, in_python
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.check import check_values
+from scaloft_fi.verbs.check import checked
 from scaloft_fi.verbs.judge import judge
 from scaloft_fi.verbs.map import plan_of
 from scaloft_fi.verbs.replay import fly_with_log, ready_to_fly
@@ -33,11 +33,6 @@ MUTANT_COLUMNS = {
     "counted": ColumnType.TRUTH,
 }
 SIGNAL_FACTS = {"unit": TEXT, "least": ColumnType.NUMBER, "most": ColumnType.NUMBER, "meaning": TEXT}
-FINDING_COLUMNS = {
-    **dict.fromkeys(("severity", "file"), TEXT),
-    "line": ColumnType.NUMBER,
-    **dict.fromkeys(("what", "situation", "remedy"), TEXT),
-}
 REQUIREMENT_COLUMNS = dict.fromkeys(("requirement", "kind", "formula", "unit", "title"), TEXT)
 
 
@@ -139,8 +134,8 @@ class OpenStudy:
     def signals(self) -> Columns:
         """The signals that requirements and axes may use, one row each: name, unit, range (NaN: no bound), meaning."""
         with in_python():
-            records = signal_list(self.definition).records
-            rows = ({"signal": one["name"], **{name: one[name] for name in SIGNAL_FACTS}} for one in records)
+            listed = signal_list(self.definition).entries
+            rows = ({"signal": one.name, **{name: getattr(one, name) for name in SIGNAL_FACTS}} for one in listed)
             return Columns("Signals", {"signal": TEXT, **SIGNAL_FACTS}, rows)
 
     @property
@@ -225,8 +220,7 @@ class OpenStudy:
             fly: whether to fly one baseline flight too, which shows the seams that the stack polls.
         """
         with in_python():
-            findings = check_values(check_study(self.folder, fly=fly))["findings"]
-            return Columns("Findings", FINDING_COLUMNS, findings)
+            return checked(check_study(self.folder, fly=fly))["findings"]
 
     def _repr_html_(self) -> str:
         study = self.definition

@@ -3,117 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict
-from typing import Annotated, Any
+from typing import Annotated
 
-from scaloft_fi.checks.check import Check, Checked, check_study
-from scaloft_fi.checks.finding import Severity
+from scaloft_fi.checks.check import Check, check_study
 from scaloft_fi.checks.situations import GridCheck
 from scaloft_fi.console import line
 from scaloft_fi.errors import ExitCode
 from scaloft_fi.hazop.load import find_study
 from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Answer, Output, count, listing, optional, record, text
+from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Format, Table, TableCell, render
 
 NOT_CHECKED = "not checked"
-_UNREAD = "an error before it left it unchecked"
-CHECK = Output(
-    "check",
-    "1.0",
-    "what the dry check of a study found",
-    {
-        "study": text("folder of the study"),
-        "errors": count("findings that a verb refuses, or that make flights mean nothing; the exit code is then 2"),
-        "notes": count("findings that somebody should know"),
-        "findings": listing(
-            "what was found, errors first",
-            record(
-                "one finding",
-                {
-                    "severity": text("how bad it is", Severity),
-                    "file": text("the file to mend; empty where none is meant"),
-                    "line": optional(count("its line, from 1"), "the whole file is meant"),
-                    "what": text("what is wrong, in a sentence"),
-                    "situation": text("key of a situation in which it shows; empty where none is meant"),
-                    "remedy": text("what to do about it; empty where the sentence says it"),
-                },
-            ),
-        ),
-        "checked": record(
-            "how much was checked",
-            {
-                "documents": count("YAML files"),
-                "plugins": count("plugins of this installation"),
-                "requirements": optional(count("requirements"), _UNREAD),
-                "cells": count("cells of the matrix"),
-                "faulty": count("cells of the matrix that have faults"),
-                "mutants": optional(count("mutants that matrix and catalogue have"), _UNREAD),
-                "seams": optional(count("seams that the stack declares"), _UNREAD),
-                "polled": optional(count("seams that the stack polls in one baseline flight"), "nothing was flown"),
-                "unflown": text("why nothing was flown; empty where it was"),
-                "found": count("situations in sim/found.yaml"),
-                "accepted": count("survivors in hazop/dispositions.yaml"),
-            },
-        ),
-        "grids": listing(
-            "how much of each grid was checked",
-            record(
-                "one grid",
-                {
-                    "name": text("its name"),
-                    "situations": count("its situations; 0 where it cannot be read"),
-                    "built": count("situations whose world, vehicle, sensors and route were built"),
-                    "pairs": count("pairs of values of two axes in these"),
-                    "predicates": count("formulas `realised`"),
-                    "legs": count("places and legs of routes where the hull was compared with rock and bodies"),
-                },
-            ),
-        ),
-    },
-    rows="findings",
-)
+CHECK = Output.of("check", "1.0", Check, rows="findings")
 
 
-def check_values(check: Check) -> dict[str, Any]:
-    """Plain JSON values of the form `CHECK`."""
-    checked = asdict(check.checked)
-    grids = checked.pop("grids")
-    findings = [asdict(finding) | {"severity": finding.severity.value} for finding in check.findings]
-    return {
-        "study": str(check.folder),
-        "errors": check.errors,
-        "notes": check.notes,
-        "findings": findings,
-        "checked": checked,
-        "grids": list(grids),
-    }
-
-
-def finding_lines(check: Check) -> str:
-    """One line for each finding, as compilers write them, so that an editor jumps to the place."""
-    return "".join(f"{line(str(finding))}\n" for finding in check.findings)
-
-
-def findings_table(check: Check) -> Table:
-    """The findings as a table."""
+def check_tables(check: Check) -> tuple[Table, Table]:
+    """The findings; and how much was checked, with the sum."""
     rows = ((f.severity.value, f.place, f.what, f.situation, f.remedy) for f in check.findings)
-    return Table("Findings", ("severity", "place", "what", "situation", "remedy"), tuple(rows))
-
-
-def checked_table(check: Check) -> Table:
-    """How much was checked, and the sum."""
     errors = f"{check.errors} error{'s' * (check.errors != 1)}" if check.errors else "no errors"
-    sum_ = f"{check.folder}: {errors}, {check.notes} note{'s' * (check.notes != 1)}."
-    return Table("Checked", ("what", "how much"), tuple(_rows(check.checked)), (sum_,))
+    sum_ = f"{check.study}: {errors}, {check.notes} note{'s' * (check.notes != 1)}."
+    return (
+        Table("Findings", ("severity", "place", "what", "situation", "remedy"), tuple(rows)),
+        Table("Checked", ("what", "how much"), tuple(_rows(check)), (sum_,)),
+    )
 
 
-def _rows(checked: Checked) -> Iterator[tuple[TableCell, ...]]:
+def _rows(check: Check) -> Iterator[tuple[TableCell, ...]]:
+    checked = check.checked
     yield "documents", checked.documents
     yield "plugins", checked.plugins
     yield "requirements", _known(checked.requirements)
-    for grid in checked.grids:
+    for grid in check.grids:
         yield f"grid {grid.name}", _built(grid)
         yield f"grid {grid.name}: realised", f"{grid.predicates} formulas"
     yield "cells", f"{checked.cells}, {checked.faulty} with faults"
@@ -140,12 +62,14 @@ def checked(check: Check) -> Answer:
     """Every finding of a check with its place and remedy, and how much was checked."""
 
     def told(how: Format) -> str:
+        findings, sums = check_tables(check)
         if how is not Format.TABLE:
-            return render((findings_table(check), checked_table(check)), how)
-        lines, summary = finding_lines(check), render((checked_table(check),), how)
-        return f"{lines}\n{summary}" if lines else summary
+            return render((findings, sums), how)
+        # a line as compilers write it, so that an editor jumps to the place
+        lines = "".join(f"{line(str(finding))}\n" for finding in check.findings)
+        return f"{lines}\n" * bool(lines) + render((sums,), how)
 
-    return Answer(CHECK, lambda: check_values(check), lambda: (findings_table(check), checked_table(check)), told=told)
+    return Answer(CHECK, lambda: check, lambda: check_tables(check), told=told)
 
 
 @verb(

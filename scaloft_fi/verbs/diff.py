@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
-from scaloft_fi.analysis.roster import Roster, by_field
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
@@ -16,47 +17,21 @@ from scaloft_fi.verbs.names import campaigns
 from scaloft_fi.verbs.options import Option
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Answer, Output, count, listing, optional, record, text, texts
+from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
-
-_FACTS = record(
-    "what a campaign says of the flight",
-    {
-        "status": text("beside its baseline; of a baseline `held`, `violated` or `invalid`"),
-        "ending": text("how the flight ended; empty when invalid"),
-        "violated": texts("the violated requirements"),
-    },
-)
-DIFF = Output(
-    "diff",
-    "1.0",
-    "the flights of which two campaigns do not say the same",
-    {
-        "first": text("the first campaign, as it was named"),
-        "second": text("the second campaign, as it was named"),
-        "same": count("flights that are the same bit for bit"),
-        "other_bits": count("flights with other bits and the same status, ending and violations"),
-        "differences": listing(
-            "the flights that differ, ordered by mutant, situation and seed",
-            record(
-                "one flight",
-                {
-                    "mutant": text("`baseline`, `PLACEBO` or the id of a mutant"),
-                    "situation": text("key of the situation"),
-                    "seed": count("seed of the flight"),
-                    "first": optional(_FACTS, "the first campaign has no such flight"),
-                    "second": optional(_FACTS, "the second campaign has no such flight"),
-                },
-            ),
-        ),
-    },
-    rows="differences",
-)
 
 
 @dataclass(frozen=True)
 class Difference:
-    """A flight of which two campaigns do not say the same; None = the campaign does not have it."""
+    """One flight.
+
+    Attributes:
+        mutant: `baseline`, `PLACEBO` or the id of a mutant.
+        situation: key of the situation.
+        seed: seed of the flight.
+        first: what the first campaign says of it; null: the first campaign has no such flight.
+        second: what the second campaign says of it; null: the second campaign has no such flight.
+    """
 
     mutant: str
     situation: str
@@ -67,54 +42,59 @@ class Difference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two campaigns beside each other.
+    """The flights of which two campaigns do not say the same.
 
     Attributes:
-        same: flights of which both say the same, with the same bits.
-        other_bits: flights of which both say the same, with other bits.
-        differences: the rest, ordered by mutant, situation, seed.
+        first: the first campaign, as it was named.
+        second: the second campaign, as it was named.
+        same: flights that are the same bit for bit.
+        other_bits: flights with other bits and the same status, ending and violations.
+        differences: the flights that differ, ordered by mutant, situation and seed.
     """
 
+    first: str
+    second: str
     same: int
     other_bits: int
     differences: tuple[Difference, ...]
 
 
-def compare(first: Iterable[Outcome], second: Iterable[Outcome], roster: Roster, space: Space) -> Comparison:
+DIFF = Output.of("diff", "1.0", Comparison, rows="differences")
+
+
+def compare(
+    names: tuple[str, str], first: Iterable[Outcome], second: Iterable[Outcome], roster: Roster, space: Space
+) -> Comparison:
     """Hold the flights of two campaigns, each flight once, against each other by mutant, situation and seed."""
     here, there = _said(first), _said(second)
-    same = other_bits = 0
+    equal: Counter[bool] = Counter()
     differences = []
     for name in sorted(here.keys() | there.keys(), key=lambda n: (roster.rank(n[0]), space.rank(n[1]), n[2])):
-        one, other = here.get(name), there.get(name)
-        if one is None or other is None or one[0] != other[0]:
-            differences.append(Difference(*name, one[0] if one else None, other[0] if other else None))
-        elif one[1] == other[1]:
-            same += 1
+        (one, bits), (other, other_bits) = here.get(name, _LACKING), there.get(name, _LACKING)
+        if one != other:
+            differences.append(Difference(*name, one, other))
         else:
-            other_bits += 1
-    return Comparison(same, other_bits, tuple(differences))
+            equal[bits == other_bits] += 1
+    return Comparison(*names, equal[True], equal[False], tuple(differences))
 
 
-def comparison_table(comparison: Comparison, first: str, second: str) -> Table:
-    """The differences; `first` and `second` name the campaigns."""
+def comparison_table(told: Comparison) -> Table:
+    """The differences."""
     rows = tuple(
-        (d.mutant, d.situation, d.seed, str(d.first) if d.first else "", str(d.second) if d.second else "")
-        for d in comparison.differences
+        (one.mutant, one.situation, one.seed, str(one.first or ""), str(one.second or "")) for one in told.differences
     )
     note = (
-        f"{comparison.same} flights are the same bit for bit, {comparison.other_bits} more have the same status, "
+        f"{told.same} flights are the same bit for bit, {told.other_bits} more have the same status, "
         f"ending and violations; {len(rows)} differ."
     )
-    return Table(f"{first} and {second}", ("mutant", "situation", "seed", first, second), rows, (note,))
+    title, headers = f"{told.first} and {told.second}", ("mutant", "situation", "seed", told.first, told.second)
+    return Table(title, headers, rows, (note,))
 
 
-def comparison_values(comparison: Comparison, first: str, second: str) -> dict[str, Any]:
-    """Plain JSON values of the form `DIFF`; `first` and `second` name the campaigns."""
-    return {"first": first, "second": second, **by_field(comparison)}
+_LACKING: tuple[Facts | None, str] = None, ""
 
 
-def _said(outcomes: Iterable[Outcome]) -> dict[tuple[str, str, int], tuple[Facts, str]]:
+def _said(outcomes: Iterable[Outcome]) -> dict[tuple[str, str, int], tuple[Facts | None, str]]:
     listed = list(outcomes)
     facts = facts_of(listed)
     return {(o.mutant, o.situation, o.seed): (facts[o.name], o.digest) for o in listed}
@@ -138,12 +118,8 @@ def diff(study: Study, campaign: Compared, other: Compared) -> Answer:
                 f"campaign {campaign!r} was flown over grid {grids[0]!r}, {other!r} over grid {grids[1]!r}; only "
                 "campaigns of one grid have the same flights"
             )
-        compared = compare(here.latest, there.latest, here.study.roster, here.study.space)
-    return Answer(
-        DIFF,
-        lambda: comparison_values(compared, campaign, other),
-        lambda: (comparison_table(compared, campaign, other),),
-    )
+        told = compare((campaign, other), here.latest, there.latest, here.study.roster, here.study.space)
+    return Answer(DIFF, lambda: told, lambda: (comparison_table(told),))
 
 
 diff_command = verb(

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.score import Score
@@ -18,45 +18,75 @@ from scaloft_fi.verbs.options import Campaign, Option, StudyFolder, TableFormat,
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import NO_POOL, in_campaign, next_find
-from scaloft_fi.views.output import Answer, Output, flag, listing, optional, record, text, texts
+from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 
 if TYPE_CHECKING:
     from scaloft_fi.views.output import Columns
 
 
-_NOBODY = "nobody has accepted it"
-DISPOSITIONS = Output(
-    "dispositions",
-    "1.0",
-    "the survivors of a campaign beside those that somebody accepted",
-    {
-        "survivors": listing(
-            "every survivor and every disposition, survivors first",
-            record(
-                "one mutant",
-                {
-                    "mutant": text("id of the mutant"),
-                    "state": text("how it stands", [state.value for state in Standing]),
-                    "fails": flag("whether `score --ratchet` does not pass because of it"),
-                    "verdict": optional(text("on the mutant", [verdict.value for verdict in Verdict]), "not flown"),
-                    "survives_in": texts("keys of the situations that put it to the test, where it survives"),
-                    "owner": optional(text("who accepted it"), _NOBODY),
-                    "reason": optional(text("why"), _NOBODY),
-                    "expires": optional({**text("last day of the acceptance"), "format": "date"}, _NOBODY),
-                    "accepted_in": texts("keys of the situations for which it is accepted; empty for all"),
-                    "has_find": flag("whether a search found a situation that shows it and is still to be flown"),
-                },
-            ),
+@dataclass(frozen=True)
+class JudgedSurvivor:
+    """One mutant.
+
+    Attributes:
+        mutant: id of the mutant.
+        state: how it stands.
+        fails: whether `score --ratchet` does not pass because of it.
+        verdict: on the mutant; null: not flown.
+        survives_in: keys of the situations that put it to the test, where it survives.
+        owner: who accepted it; null: nobody has accepted it.
+        reason: why; null: nobody has accepted it.
+        expires: last day of the acceptance; null: nobody has accepted it.
+        accepted_in: keys of the situations for which it is accepted; empty for all.
+        has_find: whether a search found a situation that shows it and is still to be flown.
+    """
+
+    mutant: str
+    state: Standing
+    fails: bool
+    verdict: Verdict | None
+    survives_in: tuple[str, ...]
+    owner: str | None
+    reason: str | None
+    expires: date | None
+    accepted_in: tuple[str, ...]
+    has_find: bool
+
+    @classmethod
+    def of(cls, one: Judged, *, has_find: bool) -> JudgedSurvivor:
+        """What is told of a survivor."""
+        known = one.disposition
+        return cls(
+            mutant=one.mutant,
+            state=one.state,
+            fails=one.state.fails,
+            verdict=one.verdict,
+            survives_in=one.surviving,
+            owner=known.owner if known else None,
+            reason=known.reason if known else None,
+            expires=known.expires if known else None,
+            accepted_in=known.situations if known else (),
+            has_find=has_find,
         )
-    },
-    rows="survivors",
-)
 
 
-def verdict_words(judged: Judged) -> str:
-    """The verdict on a survivor as people read it."""
-    return judged.verdict.words if judged.verdict else "not flown"
+@dataclass(frozen=True)
+class Dispositions:
+    """The survivors of a campaign beside those that somebody accepted.
+
+    Attributes:
+        survivors: every survivor and every disposition, survivors first.
+    """
+
+    survivors: tuple[JudgedSurvivor, ...]
+
+
+DISPOSITIONS = Output.of("dispositions", "1.0", Dispositions, rows="survivors")
+
+
+def _words(verdict: Verdict | None) -> str:
+    return verdict.words if verdict else "not flown"
 
 
 def complaint(judged: Judged) -> str:
@@ -69,7 +99,7 @@ def complaint(judged: Judged) -> str:
     known = judged.disposition
     if known is None:
         some = ", ".join(judged.surviving[:3]) + " and more" * (len(judged.surviving) > 3)
-        return f"{judged.mutant} is {verdict_words(judged)}{f' (tested in {some})' if some else ''} and not accepted"
+        return f"{judged.mutant} is {_words(judged.verdict)}{f' (tested in {some})' if some else ''} and not accepted"
     if judged.state is Standing.STALE:
         return f"{judged.mutant} is detected now; its disposition can go ({known.place})"
     if judged.state is Standing.EXPIRED:
@@ -78,57 +108,30 @@ def complaint(judged: Judged) -> str:
     return f"{judged.mutant} survives in {', '.join(new)}, which its disposition does not name ({known.place})"
 
 
-def disposition_table(judged: Sequence[Judged], found: Collection[str] = (), campaign: str = CAMPAIGN) -> Table:
-    """Every survivor and every disposition, a row each.
-
-    Args:
-        judged: how they stand.
-        found: mutants for which a find is to be flown next.
-        campaign: name of the campaign, for commands.
-    """
+def disposition_table(told: Dispositions, campaign: str = CAMPAIGN) -> Table:
+    """Every survivor and every disposition, a row each; `campaign` is its name, for commands."""
     rows = tuple(
         (
-            entry.mutant,
-            entry.state.value,
-            verdict_words(entry),
-            len(entry.surviving),
-            entry.disposition.owner if entry.disposition else "",
-            entry.disposition.reason if entry.disposition else "",
-            entry.disposition.expires.isoformat() if entry.disposition else "",
-            " ".join(entry.disposition.situations) if entry.disposition else "",
+            one.mutant,
+            one.state.value,
+            _words(one.verdict),
+            len(one.survives_in),
+            one.owner or "",
+            one.reason or "",
+            one.expires.isoformat() if one.expires else "",
+            " ".join(one.accepted_in),
         )
-        for entry in judged
+        for one in told.survivors
     )
     headers = ("mutant", "state", "verdict", "survives in", "owner", "reason", "expires", "accepted in")
     notes: tuple[str, ...] = (
         "Survivors are the default mutants put to the test that are not detected, undecided ones too.",
         "open, uncovered and expired fail `score --ratchet`; stale: detected now, the disposition can go.",
     )
-    if to_fly := [entry.mutant for entry in judged if entry.mutant in found]:
+    if to_fly := [one.mutant for one in told.survivors if one.has_find]:
         command = f"`scaloft-fi kills{in_campaign(campaign)} --show survivors`"
         notes += (f"A search found situations that show {', '.join(to_fly)}; {command} says how to fly them.",)
     return Table("Survivors and dispositions", headers, rows, notes)
-
-
-def disposition_values(judged: Sequence[Judged], found: Collection[str] = ()) -> dict[str, Any]:
-    """Plain JSON values of the form `DISPOSITIONS`; `found` as of `disposition_table`."""
-    return {"survivors": [_values(entry, entry.mutant in found) for entry in judged]}
-
-
-def _values(entry: Judged, found: bool) -> dict[str, Any]:
-    known = entry.disposition
-    return {
-        "mutant": entry.mutant,
-        "state": entry.state.value,
-        "fails": entry.state.fails,
-        "verdict": entry.verdict.value if entry.verdict else None,
-        "survives_in": list(entry.surviving),
-        "owner": known.owner if known else None,
-        "reason": known.reason if known else None,
-        "expires": known.expires.isoformat() if known else None,
-        "accepted_in": list(known.situations) if known else [],
-        "has_find": found,
-    }
 
 
 def dispositions(study: Study, campaign: str, *, today: Today = None) -> Answer:
@@ -140,13 +143,9 @@ def dispositions(study: Study, campaign: str, *, today: Today = None) -> Answer:
     with snapshot(study, campaign) as now:
         finds, score = now.study.finds, now.score
         judged, campaign = judged_survivors(now.study, score, today), now.name
-    found = [mutant.subject.id for mutant in score.mutants if next_find(mutant, finds)]
-    return Answer(
-        DISPOSITIONS,
-        lambda: disposition_values(judged, found),
-        lambda: (disposition_table(judged, found, campaign),),
-        warnings=finds.warnings,
-    )
+    found = {mutant.subject.id for mutant in score.mutants if next_find(mutant, finds)}
+    told = Dispositions(tuple(JudgedSurvivor.of(one, has_find=one.mutant in found) for one in judged))
+    return Answer(DISPOSITIONS, lambda: told, lambda: (disposition_table(told, campaign),), warnings=finds.warnings)
 
 
 def judged_survivors(study: Study, scored: Score, today: date | None = None) -> tuple[Judged, ...]:

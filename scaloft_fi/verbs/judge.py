@@ -3,89 +3,99 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-from scaloft_fi.campaign.flights.command import JudgedRecord, JudgedRequirement, judged_record, known_of, mapping_of
+from scaloft_fi.campaign.flights.command import JudgedRequirement, judged_record, known_of, mapping_of
 from scaloft_fi.judge.requirement import Compliance, measured_rho
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import situations
 from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Answer, Output, listing, number, optional, record, text
-from scaloft_fi.views.table import Table, TableCell
+from scaloft_fi.views.output import Answer, Output
+from scaloft_fi.views.table import Table
+
+
+@dataclass(frozen=True)
+class RecordReading:
+    """A requirement on a record.
+
+    Attributes:
+        file: path of the record.
+        requirement: name of the requirement.
+        verdict: what it says.
+        robustness: distance to a violation, in the requirement's own unit; below 0 it is violated; null: the record
+            does not put it to the test.
+        violated_at_s: time of the first violation [s from take-off]; null: it is not violated.
+        x: x of the vehicle then [m, world]; null: it is not violated.
+        y: y of the vehicle then [m, world]; null: it is not violated.
+        z: z of the vehicle then [m, world]; null: it is not violated.
+    """
+
+    file: Path
+    requirement: str
+    verdict: Compliance
+    robustness: float | None
+    violated_at_s: float | None
+    x: float | None
+    y: float | None
+    z: float | None
+
+    @classmethod
+    def of(cls, file: Path, finding: JudgedRequirement) -> RecordReading:
+        """What is told of a reading."""
+        one, rho = finding.reading, measured_rho(finding.reading)
+        x, y, z = (None, None, None) if finding.place is None else (round(value, 3) for value in finding.place)
+        robustness = None if rho is None else round(rho, 6)
+        return cls(file, one.requirement, one.compliance, robustness, one.violated_at_s, x, y, z)
+
+
+@dataclass(frozen=True)
+class FlightRecord:
+    """A record.
+
+    Attributes:
+        file: path of the record.
+        ending: how the flight ended.
+        duration_s: how long it lasted [s].
+    """
+
+    file: Path
+    ending: Ending
+    duration_s: float
+
+
+@dataclass(frozen=True)
+class JudgedRecords:
+    """What the study's requirements say of records of flights.
+
+    Attributes:
+        readings: what each requirement says of each record.
+        records: the records.
+    """
+
+    readings: tuple[RecordReading, ...]
+    records: tuple[FlightRecord, ...]
+
 
 HEADERS = ("file", "requirement", "verdict", "robustness", "violated_at_s", "x", "y", "z")
-_NEVER = "it is not violated"
-JUDGE = Output(
-    "judge",
-    "1.0",
-    "what the study's requirements say of records of flights",
-    {
-        "readings": listing(
-            "what each requirement says of each record",
-            record(
-                "a requirement on a record",
-                {
-                    "file": text("path of the record"),
-                    "requirement": text("name of the requirement"),
-                    "verdict": text("what it says", [compliance.value for compliance in Compliance]),
-                    "robustness": optional(
-                        number("distance to a violation, in the requirement's own unit; below 0 it is violated"),
-                        "the record does not put it to the test",
-                    ),
-                    "violated_at_s": optional(number("time of the first violation", "s from take-off"), _NEVER),
-                    **{axis: optional(number(f"{axis} of the vehicle then", "m, world"), _NEVER) for axis in "xyz"},
-                },
-            ),
-        ),
-        "records": listing(
-            "the records",
-            record(
-                "a record",
-                {
-                    "file": text("path of the record"),
-                    "ending": text("how the flight ended", [ending.value for ending in Ending]),
-                    "duration_s": number("how long it lasted", "s"),
-                },
-            ),
-        ),
-    },
-    rows="readings",
-)
+JUDGE = Output.of("judge", "1.0", JudgedRecords, rows="readings")
 
 
-def judged_table(records: Sequence[JudgedRecord]) -> Table:
+def judged_table(told: JudgedRecords) -> Table:
     """A row for each record and requirement, and a note for each record."""
-    rows = tuple((str(record.path), *_cells(finding)) for record in records for finding in record.findings)
-    violated = sum(finding.reading.violated for record in records for finding in record.findings)
-    notes = [f"{record.path}: {record.log.ending.sentence} after {record.log.duration_s:.2f} s" for record in records]
-    counted = f"{violated} of {len(rows)} readings are violated."
-    if any(finding.reading.compliance is Compliance.VACUOUS for record in records for finding in record.findings):
+    rows = tuple(
+        (str(one.file), one.requirement, one.verdict.value, one.robustness, one.violated_at_s, one.x, one.y, one.z)
+        for one in told.readings
+    )
+    verdicts = [one.verdict for one in told.readings]
+    notes = [f"{one.file}: {one.ending.sentence} after {one.duration_s:.2f} s" for one in told.records]
+    counted = f"{verdicts.count(Compliance.VIOLATED)} of {len(rows)} readings are violated."
+    if Compliance.VACUOUS in verdicts:
         counted += "  Vacuous: the condition of the requirement never came true."
     return Table("Requirements on records", HEADERS, rows, (*notes, counted))
-
-
-def _cells(finding: JudgedRequirement) -> tuple[TableCell, ...]:
-    reading, rho = finding.reading, measured_rho(finding.reading)
-    place = (None, None, None) if finding.place is None else tuple(round(value, 3) for value in finding.place)
-    robustness = None if rho is None else round(rho, 6)
-    return (reading.requirement, reading.compliance.value, robustness, reading.violated_at_s, *place)
-
-
-def judged_values(records: Sequence[JudgedRecord]) -> dict[str, Any]:
-    """Plain JSON values of the form `JUDGE`."""
-    return {
-        "readings": [
-            dict(zip(HEADERS, (str(record.path), *_cells(finding)), strict=True))
-            for record in records
-            for finding in record.findings
-        ],
-        "records": [
-            {"file": str(one.path), "ending": one.log.ending.value, "duration_s": one.log.duration_s} for one in records
-        ],
-    }
 
 
 def judge(study: Study, files: Sequence[Path], record: Path | None = None, situation: str | None = None) -> Answer:
@@ -103,7 +113,11 @@ def judge(study: Study, files: Sequence[Path], record: Path | None = None, situa
     mapping = mapping_of(study, record)
     known = known_of(study, study.grid.situation(situation) if situation else None)
     records = [judged_record(study, path, mapping, known) for path in files]
-    return Answer(JUDGE, lambda: judged_values(records), lambda: (judged_table(records),))
+    told = JudgedRecords(
+        tuple(RecordReading.of(one.path, finding) for one in records for finding in one.findings),
+        tuple(FlightRecord(one.path, one.log.ending, one.log.duration_s) for one in records),
+    )
+    return Answer(JUDGE, lambda: told, lambda: (judged_table(told),))
 
 
 @verb(

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args, get_origin
+from typing import Any, Generic, TypeVar, get_args, get_origin
 
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.stack.declaration import UNITS, Seam
@@ -19,53 +18,54 @@ from scaloft_fi.stack.messages import (
     stamp_fields,
     vector_fields,
 )
-from scaloft_fi.verbs.options import answer
 from scaloft_fi.views.output import Answer, Output
-from scaloft_fi.views.table import Format, Table, render
-
-if TYPE_CHECKING:
-    from scaloft_fi.study import Study
-
-
-Record = Mapping[str, Any]
-"""An entry as plain JSON values; it has the key `name`, and all entries of a list have the same keys."""
-Sheet = Callable[[Record], Sequence[tuple[str, str]]]
-"""An entry whole, as pairs of a heading and a text; an empty heading goes on with the one above."""
+from scaloft_fi.views.table import Format, Table, TableCell, render
 
 
 @dataclass(frozen=True)
-class Listing:
+class Entry:
+    """An entry of a list.
+
+    Attributes:
+        name: its name.
+    """
+
+    name: str
+
+    def sheet(self) -> Sequence[tuple[str, str]]:
+        """The entry whole, as pairs of a heading and a text; what is empty is left out."""
+        raise NotImplementedError
+
+
+E = TypeVar("E", bound=Entry)
+
+
+@dataclass(frozen=True)
+class Listing(Generic[E]):
     """A list of what a study has.
 
     Attributes:
         noun: what an entry is, such as "signal".
         title: of the overview.
-        overview: column of the overview -> key of the record.
-        records: the entries.
-        sheet: an entry whole.
-        form: the form of the list as JSON; `values` of the form are the records.
+        overview: column of the overview -> attribute of the entry.
+        entries: they.
+        form: the form of the list as JSON, whose one key has the entries.
         notes: under the overview.
     """
 
     noun: str
     title: str
     overview: Mapping[str, str]
-    records: tuple[Record, ...]
-    sheet: Sheet
+    entries: tuple[E, ...]
     form: Output
     notes: tuple[str, ...] = ()
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """The names of the entries."""
-        return tuple(str(record["name"]) for record in self.records)
+    def by_name(self) -> dict[str, E]:
+        """The entries by name."""
+        return {entry.name: entry for entry in self.entries}
 
-    @property
-    def values(self) -> dict[str, Any]:
-        """The plain JSON values of the form."""
-        return {self.form.rows: [dict(record) for record in self.records]}
-
-    def chosen(self, patterns: Sequence[str]) -> Listing:
+    def chosen(self, patterns: Sequence[str]) -> Listing[E]:
         """The entries that have one of these names, or match one of these patterns with `*`, `?` or `[`.
 
         Raises:
@@ -73,32 +73,43 @@ class Listing:
         """
         wanted: set[str] = set()
         for pattern in patterns:
-            fits = [pattern] if pattern in self.names else fnmatch.filter(self.names, pattern)
+            fits = [pattern] if pattern in self.by_name else fnmatch.filter(self.by_name, pattern)
             if not fits:
-                raise InputError(f"no {self.noun} {pattern!r}{did_you_mean(pattern, self.names)}")
+                raise InputError(f"no {self.noun} {pattern!r}{did_you_mean(pattern, self.by_name)}")
             wanted.update(fits)
-        return replace(self, records=tuple(record for record in self.records if record["name"] in wanted))
+        return replace(self, entries=tuple(entry for entry in self.entries if entry.name in wanted))
+
+    def answer(self, patterns: Sequence[str] = ()) -> Answer:
+        """An overview, or the entries that are named, whole.
+
+        Raises:
+            InputError: as for `chosen`.
+        """
+        chosen = self.chosen(patterns) if patterns else self
+        return Answer(
+            self.form,
+            lambda: self.form.answer(chosen.entries),
+            told=lambda how: shown(chosen, how, whole=bool(patterns)),
+        )
 
 
-def shown(listing: Listing, how: Format, *, whole: bool) -> str:
+def shown(listing: Listing[Any], how: Format, *, whole: bool) -> str:
     """The list as a text for people that ends in a line break: the overview, or each entry whole."""
     if whole:
-        sheets = (Table(str(record["name"]), ("what", ""), _rows(listing.sheet(record))) for record in listing.records)
-        return render(tuple(sheets), how)
-    columns = listing.overview
-    rows = tuple(tuple(plain(record[key]) for key in columns.values()) for record in listing.records)
-    return render((Table(listing.title, tuple(columns), rows, listing.notes),), how)
+        return render([Table(one.name, ("what", ""), _rows(one.sheet())) for one in listing.entries], how)
+    rows = tuple(tuple(plain(getattr(one, key)) for key in listing.overview.values()) for one in listing.entries)
+    return render((Table(listing.title, tuple(listing.overview), rows, listing.notes),), how)
 
 
-def plain(value: Any) -> str | int | float | None:
-    """A JSON value as the cell of a table.
+def plain(value: Any) -> TableCell:
+    """A value as the cell of a table.
 
-    >>> plain(["a", "b"]), plain(True)
+    >>> plain(("a", "b")), plain(True)
     ('a; b', 'yes')
     """
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return "; ".join(map(str, value)) if isinstance(value, list) else value
+    return "; ".join(map(str, value)) if isinstance(value, tuple) else value
 
 
 def number_range(least: float | None, most: float | None) -> str:
@@ -126,12 +137,29 @@ def _rows(pairs: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
 _PLAIN = {float: "number", int: "whole number", str: "text", bool: "true or false"}
 
 
-def fields_of(seam: Seam) -> list[dict[str, str]]:
-    """Name, kind and unit of each field of a seam's message."""
-    return [
-        {"name": name, "kind": kind_of(seam.message, name), "unit": _unit(seam, name)}
-        for name in field_names(seam.message)
-    ]
+@dataclass(frozen=True)
+class MessageField:
+    """A field.
+
+    Attributes:
+        name: its name.
+        kind: what it is.
+        unit: its unit; empty for none.
+    """
+
+    name: str
+    kind: str
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.kind}" + (f" [{self.unit}]" if self.unit else "")
+
+
+def fields_of(seam: Seam) -> tuple[MessageField, ...]:
+    """The fields of a seam's message."""
+    return tuple(
+        MessageField(name, kind_of(seam.message, name), _unit(seam, name)) for name in field_names(seam.message)
+    )
 
 
 def _unit(seam: Seam, name: str) -> str:
@@ -188,33 +216,3 @@ def _whole(message: type) -> str:
         return f"{name} {kind_of(message, name)}" + (f" [{unit}]" if unit else "")
 
     return ", ".join(map(one, field_names(message)))
-
-
-def tell_listing(
-    make: Callable[[Study], Listing],
-    names: Sequence[str],
-    style: str,
-    study: Path | None,
-    grid: str | None = None,
-    *,
-    tables: Path | None,
-) -> None:
-    """Write a list of a study to standard output.
-
-    Args:
-        make: makes the list.
-        names: names and patterns of the entries to show whole; none for the overview.
-        style: `--format`.
-        study: folder of the study, as for `Study.open`.
-        grid: name of one of its grids.
-        tables: `--tables`.
-
-    Raises:
-        InputError: the study cannot be read, or a name fits nothing.
-    """
-    from scaloft_fi.study import Study
-
-    listing = make(Study.open(study, grid))
-    chosen = listing.chosen(names) if names else listing
-    told = Answer(chosen.form, lambda: chosen.values, told=lambda how: shown(chosen, how, whole=bool(names)))
-    answer(told, style, tables)

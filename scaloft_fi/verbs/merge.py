@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from scaloft_fi.campaign.runs.merge import Merged
 from scaloft_fi.campaign.runs.merge import merge as merged_into
@@ -15,31 +14,10 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import campaigns
 from scaloft_fi.verbs.options import Campaign, LineFormat, Option, Several, StudyFolder, answer
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Answer, Output, count, text, texts
+from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 
-MERGE = Output(
-    "merge",
-    "1.0",
-    "what a merge of campaigns added",
-    {
-        "campaign": text("folder of the campaign that got the flights"),
-        "added": count("flights added to it"),
-        "known": count("flights that it held already"),
-        "warnings": texts("what a reader must know of the platforms of the flights"),
-    },
-    rows="summary",
-)
-
-
-def merge_values(folder: Path, merged: Merged) -> dict[str, Any]:
-    """Plain JSON values of the form `MERGE`; `folder` of the campaign that got the flights."""
-    return {
-        "campaign": str(folder),
-        "added": merged.added,
-        "known": merged.known,
-        "warnings": list(merged.warnings),
-    }
+MERGE = Output.of("merge", "1.0", Merged, rows="summary")
 
 
 def merge(study: Study, campaign: str, sources: Sequence[str], *, same_platform: bool = False) -> Answer:
@@ -60,7 +38,7 @@ def merge(study: Study, campaign: str, sources: Sequence[str], *, same_platform:
     told = line(f"{merged.added} flights added to {folder}, {merged.known} known already")
     return Answer(
         MERGE,
-        lambda: merge_values(folder, merged),
+        lambda: merged,
         lambda: (Table(told, (), ()),),
         told=lambda _how: f"{told}\n",
         warnings=merged.warnings,

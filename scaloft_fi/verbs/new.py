@@ -3,33 +3,34 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Literal
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.verbs.options import LineFormat, Option, answer
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Answer, Output, text, texts
-
-NEW = Output(
-    "new",
-    "1.0",
-    "what was written into a new folder",
-    {
-        "folder": text("the new folder"),
-        "kind": text("a study, or a plugin package with a study in its folder study/", ("study", "plugin")),
-        "files": texts("the files, relative to the folder"),
-        "next": texts("the commands to give next, quoted for a shell, in their order"),
-    },
-    rows="files",
-)
+from scaloft_fi.views.output import Answer, Output
 
 
-def new_values(folder: Path, files: Iterable[str], commands: Sequence[str], *, plugin: bool) -> dict[str, Any]:
-    """Plain JSON values of the form `NEW`."""
-    kind = "plugin" if plugin else "study"
-    return {"folder": str(folder), "kind": kind, "files": sorted(files), "next": list(commands)}
+@dataclass(frozen=True)
+class Written:
+    """What was written into a new folder.
+
+    Attributes:
+        folder: the new folder.
+        kind: a study, or a plugin package with a study in its folder study/.
+        files: the files, relative to the folder.
+        next: the commands to give next, quoted for a shell, in their order.
+    """
+
+    folder: Path
+    kind: Literal["study", "plugin"]
+    files: tuple[str, ...]
+    next: tuple[str, ...]
+
+
+NEW = Output.of("new", "1.0", Written, rows="files")
 
 
 @verb(
@@ -82,8 +83,8 @@ def new_command(
     write_new(folder, files)
     commands = _next(folder, plugin=plugin)
     told = f"{folder}: {what}.  Next:\n\n" + "".join(f"  {command}\n" for command in commands)
-    values = new_values(folder, files, commands, plugin=plugin)
-    answer(Answer(NEW, lambda: values, told=lambda _: told), style)
+    written = Written(folder, "plugin" if plugin else "study", tuple(sorted(files)), commands)
+    answer(Answer(NEW, lambda: written, told=lambda _: told), style)
 
 
 def _next(folder: Path, *, plugin: bool) -> tuple[str, ...]:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from importlib.metadata import entry_points
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -14,15 +15,12 @@ from scaloft_fi.mutants.operator import Argument, Operator
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.registry import PLUGIN_GROUP
 from scaloft_fi.stack.declaration import UNITS
-from scaloft_fi.verbs.listing import Listing, Record, number_range, tell_listing
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.listing import Entry, Listing, number_range
 from scaloft_fi.verbs.names import operators
-from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder
+from scaloft_fi.verbs.options import Option
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Output, anything, count, flag, listing, number, optional, record, text, texts
-
-if TYPE_CHECKING:
-    from scaloft_fi.study import Study
-
+from scaloft_fi.views.output import Answer, Output
 
 OWN = "scaloft-fi"
 
@@ -76,17 +74,6 @@ def _value(value: Any) -> str:
     return str(value)
 
 
-def example_of(operator: Operator) -> list[dict[str, Any]]:
-    """The polls of an operator's example: time [s], what is sent, what arrives; of a random operator one draw."""
-    example = operator.example
-    tap = operator.tap(example.context(), example.arguments)
-    polls = ((place / example.rate_hz, sample) for place, sample in enumerate(example.before))
-    return [
-        {"t_s": round(t_s, 6), "sent": sample_text(sample), "arrives": sample_text(tap(t_s, sample))}
-        for t_s, sample in polls
-    ]
-
-
 OVERVIEW = {
     "operator": "name",
     "arguments": "signature",
@@ -94,64 +81,150 @@ OVERVIEW = {
     "seams": "fits",
     "what it does": "summary",
 }
-_BOUND = "nothing bounds it, or it is no number"
-_ARGUMENT = record(
-    "an argument",
-    {
-        "name": text("its name"),
-        "kind": text("what it is"),
-        "unit": text("its unit; empty for none"),
-        "range": text("what is allowed, in words"),
-        "least": optional(number("least number"), _BOUND),
-        "above": optional(number("every number is above this"), _BOUND),
-        "most": optional(number("greatest number"), _BOUND),
-        "choices": texts("the allowed texts; empty for any"),
-        "required": flag("whether a fault must give it"),
-        "default": anything("its value when it is left out; null where it is required"),
-    },
-)
-_POLL = record(
-    "a poll",
-    {
-        "t_s": number("time", "s"),
-        "sent": text("the sample that is sent"),
-        "arrives": text("the sample that arrives"),
-    },
-)
-FORM = Output(
-    "operators",
-    "1.0",
-    "the operators that faults can use",
-    {
-        "operators": listing(
-            "the operators",
-            record(
-                "an operator",
-                {
-                    "name": text("its name"),
-                    "summary": text("what it does, in a sentence"),
-                    "about": text("all that it says of itself"),
-                    "arguments": listing("its arguments", _ARGUMENT),
-                    "needs": text("what it needs of a message"),
-                    "seams": texts("the seams of this study that it fits"),
-                    "cells": texts("the cells that use it"),
-                    "at_events": flag("whether it can strike at events of the flight"),
-                    "package": text("the installed package that declares it"),
-                    "message": text("type of the samples of its example"),
-                    "rate_hz": number("how often the seam of its example is polled", "Hz"),
-                    "given": listing(
-                        "the arguments of its example",
-                        record("an argument", {"name": text("its name"), "value": anything("its value")}),
-                    ),
-                    "polls": listing("its example; of a random operator one draw", _POLL),
-                    "signature": text("names of the arguments, in brackets those that may be left out"),
-                    "fits": count("how many seams"),
-                },
-            ),
-        )
-    },
-    rows="operators",
-)
+
+
+@dataclass(frozen=True)
+class ListedArgument:
+    """An argument.
+
+    Attributes:
+        name: its name.
+        kind: what it is.
+        unit: its unit; empty for none.
+        range: what is allowed, in words.
+        least: least number; null: nothing bounds it, or it is no number.
+        above: every number is above this; null: nothing bounds it, or it is no number.
+        most: greatest number; null: nothing bounds it, or it is no number.
+        choices: the allowed texts; empty for any.
+        required: whether a fault must give it.
+        default: its value when it is left out; null where it is required.
+    """
+
+    name: str
+    kind: str
+    unit: str
+    range: str
+    least: float | None
+    above: float | None
+    most: float | None
+    choices: tuple[str, ...]
+    required: bool
+    default: Any
+
+    def __str__(self) -> str:
+        unit = f" [{self.unit}]" if self.unit else ""
+        default = "" if self.required else f", {_said(self.default) or 'nothing'} when left out"
+        return f"{self.name}: {self.range or self.kind}{unit}{default}"
+
+
+@dataclass(frozen=True)
+class GivenArgument:
+    """An argument.
+
+    Attributes:
+        name: its name.
+        value: its value.
+    """
+
+    name: str
+    value: Any
+
+    def __str__(self) -> str:
+        return f"{self.name}={_said(self.value)}"
+
+
+@dataclass(frozen=True)
+class Poll:
+    """A poll.
+
+    Attributes:
+        t_s: time [s].
+        sent: the sample that is sent.
+        arrives: the sample that arrives.
+    """
+
+    t_s: float
+    sent: str
+    arrives: str
+
+    def __str__(self) -> str:
+        same = self.arrives == self.sent != NOTHING
+        return f"{self.t_s:g} s: {self.sent} -> {'the same' if same else self.arrives}"
+
+
+@dataclass(frozen=True)
+class ListedOperator(Entry):
+    """An operator.
+
+    Attributes:
+        summary: what it does, in a sentence.
+        about: all that it says of itself.
+        arguments: its arguments.
+        needs: what it needs of a message.
+        seams: the seams of this study that it fits.
+        cells: the cells that use it.
+        at_events: whether it can strike at events of the flight.
+        package: the installed package that declares it.
+        message: type of the samples of its example.
+        rate_hz: how often the seam of its example is polled [Hz].
+        given: the arguments of its example.
+        polls: its example; of a random operator one draw.
+    """
+
+    summary: str
+    about: str
+    arguments: tuple[ListedArgument, ...]
+    needs: str
+    seams: tuple[str, ...]
+    cells: tuple[str, ...]
+    at_events: bool
+    package: str
+    message: str
+    rate_hz: float
+    given: tuple[GivenArgument, ...]
+    polls: tuple[Poll, ...]
+    KEYS: ClassVar = (
+        *("name", "summary", "about", "arguments", "needs", "seams", "cells", "at_events", "package"),
+        *("message", "rate_hz", "given", "polls", "signature", "fits"),
+    )
+
+    @property
+    def signature(self) -> str:
+        """Names of the arguments, in brackets those that may be left out."""
+        return ", ".join(one.name if one.required else f"[{one.name}]" for one in self.arguments)
+
+    @property
+    def fits(self) -> int:
+        """How many seams."""
+        return len(self.seams)
+
+    def sheet(self) -> Sequence[tuple[str, str]]:
+        """The operator whole."""
+        return [
+            ("does", self.about),
+            *(("arguments", str(argument)) for argument in self.arguments),
+            ("needs", self.needs),
+            ("fits the seams", ", ".join(self.seams) or "none of this study"),
+            ("cells", ", ".join(self.cells)),
+            ("at events", "yes: a phase such as #waypoint is allowed" if self.at_events else ""),
+            ("declared by", self.package),
+            ("example", f"{self.message} at {self.rate_hz:g} Hz, {', '.join(map(str, self.given)) or 'no arguments'}"),
+            *(("polls", str(poll)) for poll in self.polls),
+        ]
+
+
+@dataclass(frozen=True)
+class Operators:
+    """The operators that faults can use.
+
+    Attributes:
+        operators: the operators.
+    """
+
+    operators: tuple[ListedOperator, ...]
+
+
+FORM = Output.of("operators", "1.0", Operators, rows="operators")
 _KINDS = {
     float: "number",
     int: "whole number",
@@ -163,31 +236,49 @@ _OF_FIELD = ("amount", "sigma", "value")
 """Arguments in the unit of the field that the argument `field` names."""
 
 
-def operator_list(study: Study) -> Listing:
-    """Every operator that the installed packages and the study's stack declare; `FORM` says what a record has.
+def operator_list(study: Study) -> Listing[ListedOperator]:
+    """Every operator that the installed packages and the study's stack declare.
 
     Raises:
         InputError: a part of the study cannot be read.
     """
-    matrix, seams = study.matrix, study.stack.seams  # reading the stack declares its own operators
-    used: dict[str, list[str]] = {}
-    for cell in matrix:
-        for fault in cell.faults:
-            used.setdefault(fault.operator, []).append(cell.name)
-    records = []
-    for name in sorted(OPERATORS):
-        one = OPERATORS[name]
-        fits = [seam.name for seam in seams if one.need.met_by(seam.message)]
-        records.append(_record(one, fits, list(dict.fromkeys(used.get(name, ())))))
+    matrix, stack = study.matrix, study.stack  # reading the stack declares its own operators
+    listed = tuple(
+        ListedOperator(
+            name=name,
+            summary=one.summary,
+            about=" ".join(inspect.cleandoc(one.make.__doc__ or "").split()),
+            arguments=tuple(map(argument_facts, one.arguments.values())),
+            needs=one.need.words,
+            seams=tuple(seam.name for seam in stack.seams if one.need.met_by(seam.message)),
+            cells=tuple(cell.name for cell in matrix if any(fault.operator == name for fault in cell.faults)),
+            at_events=one.awaits_events,
+            package=package_of(one.make),
+            message=one.example.message.__name__,
+            rate_hz=one.example.rate_hz,
+            given=tuple(GivenArgument(*each) for each in one.example.arguments.items()),
+            polls=tuple(_polls(one)),
+        )
+        for name in sorted(OPERATORS)
+        for one in [OPERATORS[name]]
+    )
     notes = (
-        f"seams: how many of the stack {study.stack.name} it fits.",
+        f"seams: how many of the stack {stack.name} it fits.",
         "`scaloft-fi operators NAME` shows one whole, with an example.",
     )
-    return Listing("operator", f"Operators: {len(records)}", OVERVIEW, tuple(records), _sheet, FORM, notes)
+    return Listing("operator", f"Operators: {len(listed)}", OVERVIEW, listed, FORM, notes)
 
 
-def argument_facts(argument: Argument) -> dict[str, Any]:
-    """An argument of an operator as plain JSON values."""
+def _polls(operator: Operator) -> Iterator[Poll]:
+    example = operator.example
+    tap = operator.tap(example.context(), example.arguments)
+    for place, sample in enumerate(example.before):
+        t_s = place / example.rate_hz
+        yield Poll(round(t_s, 6), sample_text(sample), sample_text(tap(t_s, sample)))
+
+
+def argument_facts(argument: Argument) -> ListedArgument:
+    """What is told of an argument of an operator."""
     allowed = argument.allowed
     least, above, most = map(_finite, (allowed.least, allowed.above, allowed.most))
     words = number_range(least, most)
@@ -200,18 +291,18 @@ def argument_facts(argument: Argument) -> dict[str, Any]:
         words = "one of " + ", ".join(choice or '""' for choice in argument.choices)
     elif not numeric:
         words = ""
-    return {
-        "name": argument.name,
-        "kind": _KINDS[argument.kind],
-        "unit": _unit(argument),
-        "range": words,
-        "least": least if numeric else None,
-        "above": above if numeric else None,
-        "most": most if numeric else None,
-        "choices": list(argument.choices),
-        "required": argument.required,
-        "default": None if argument.required else argument.default,
-    }
+    return ListedArgument(
+        name=argument.name,
+        kind=_KINDS[argument.kind],
+        unit=_unit(argument),
+        range=words,
+        least=least if numeric else None,
+        above=above if numeric else None,
+        most=most if numeric else None,
+        choices=tuple(argument.choices),
+        required=argument.required,
+        default=None if argument.required else argument.default,
+    )
 
 
 def _finite(bound: float) -> float | None:
@@ -226,61 +317,10 @@ def _unit(argument: Argument) -> str:
     return UNITS.get(argument.name.rpartition("_")[2], "") if "_" in argument.name else ""
 
 
-def _record(one: Operator, seams: list[str], cells: list[str]) -> Record:
-    arguments = [argument_facts(argument) for argument in one.arguments.values()]
-    return {
-        "name": one.name,
-        "summary": one.summary,
-        "about": " ".join(inspect.cleandoc(one.make.__doc__ or "").split()),
-        "arguments": arguments,
-        "needs": one.need.words,
-        "seams": seams,
-        "cells": cells,
-        "at_events": one.awaits_events,
-        "package": package_of(one.make),
-        "message": one.example.message.__name__,
-        "rate_hz": one.example.rate_hz,
-        "given": [{"name": name, "value": value} for name, value in one.example.arguments.items()],
-        "polls": example_of(one),
-        "signature": ", ".join(name if argument.required else f"[{name}]" for name, argument in one.arguments.items()),
-        "fits": len(seams),
-    }
-
-
-def _sheet(one: Record) -> list[tuple[str, str]]:
-    given = ", ".join(f"{each['name']}={_said(each['value'])}" for each in one["given"]) or "no arguments"
-    return [
-        ("does", one["about"]),
-        *(("arguments", _argument(argument)) for argument in one["arguments"]),
-        ("needs", one["needs"]),
-        ("fits the seams", ", ".join(one["seams"]) or "none of this study"),
-        ("cells", ", ".join(one["cells"])),
-        ("at events", "yes: a phase such as #waypoint is allowed" if one["at_events"] else ""),
-        ("declared by", one["package"]),
-        ("example", f"{one['message']} at {one['rate_hz']:g} Hz, {given}"),
-        *(("polls", f"{poll['t_s']:g} s: {poll['sent']} -> {_arrives(poll)}") for poll in one["polls"]),
-    ]
-
-
-def _arrives(poll: dict[str, Any]) -> str:
-    same = poll["arrives"] == poll["sent"] != "nothing"
-    return "the same" if same else str(poll["arrives"])
-
-
-def _argument(argument: dict[str, Any]) -> str:
-    unit = f" [{argument['unit']}]" if argument["unit"] else ""
-    default = "" if argument["required"] else f", {_said(argument['default']) or 'nothing'} when left out"
-    return f"{argument['name']}: {argument['range'] or argument['kind']}{unit}{default}"
-
-
 def _said(value: Any) -> str:
-    return (
-        f"{value:g}"
-        if isinstance(value, int | float) and not isinstance(value, bool)
-        else str(value).lower()
-        if isinstance(value, bool)
-        else str(value)
-    )
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, int | float) else str(value)
 
 
 @verb(
@@ -292,15 +332,12 @@ def _said(value: Any) -> str:
     ),
 )
 def operators_command(
-    *,
+    study: Study,
     names: Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=operators)] = (),
-    study_folder: StudyFolder,
-    style: TableFormat,
-    tables_folder: TablesFolder,
-) -> None:
+) -> Answer:
     """List the operators that faults can use.
 
     Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: arguments with units and
     ranges, the seams of this study that it fits, the package that declares it, and samples before and after it.
     """
-    tell_listing(operator_list, names, style, study_folder, tables=tables_folder)
+    return operator_list(study).answer(names)

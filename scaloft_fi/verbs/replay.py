@@ -7,7 +7,7 @@ Channels are JSON with their schemas in the file; `/pose` and `/path` have the s
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -32,7 +32,7 @@ from scaloft_fi.sim.log import Ending
 from scaloft_fi.verbs.names import flights
 from scaloft_fi.verbs.options import Campaign, LineFormat, Option, StudyFolder, check_writable, write
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Output, count, listing, number, optional, record, text, texts
+from scaloft_fi.views.output import Output
 from scaloft_fi.views.picture import draw, png, scene_of, track_of
 from scaloft_fi.views.table import Format, Table, csv_text, render
 
@@ -250,81 +250,91 @@ def comparison(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> Co
     )
 
 
-REPLAY = Output(
-    "replay",
-    "1.0",
-    "a flight that was flown again",
-    {
-        "mutant": text("`baseline`, `PLACEBO` or the id of the mutant"),
-        "situation": text("key of the situation"),
-        "words": texts("the situation in words"),
-        "seed": count("seed of the flight"),
-        "ending": text("how it ended", [ending.value for ending in Ending]),
-        "duration_s": number("how long it lasted", "s"),
-        "infected_at_s": optional(number("first altered sample", "s from take-off"), "no sample was altered"),
-        "altered": count("samples that the fault altered"),
-        "carried": count("samples that crossed its seam"),
-        "stack_error": optional(text("the exception of the stack"), "there was none"),
-        "digest": text("SHA-256 over the ground truth"),
-        "readings": listing(
-            "what each requirement says of it",
-            record(
-                "a reading",
-                {
-                    "requirement": text("name of the requirement"),
-                    "kind": text("of the requirement", [kind.value for kind in Kind]),
-                    "compliance": text("what it says", [compliance.value for compliance in Compliance]),
-                    "robustness": optional(
-                        number("distance to a violation, in the requirement's own unit; below 0 it is violated"),
-                        "the flight does not put it to the test",
-                    ),
-                    "violated_at_s": optional(number("first violation", "s from take-off"), "it is not violated"),
-                },
-            ),
-        ),
-        "likeness": text("how it is like the campaign's", [likeness.value for likeness in Likeness]),
-        "compared": text("the same in a sentence"),
-        "written": optional(text("path of the file of --output"), "none was asked for"),
-    },
-    rows="readings",
-)
+@dataclass(frozen=True)
+class ReplayedReading:
+    """A reading.
 
-
-def replay_values(outcome: Outcome, words: Sequence[str], compared: Comparison, written: str | None) -> dict[str, Any]:
-    """Plain JSON values of the form `REPLAY`.
-
-    Args:
-        outcome: of the flight.
-        words: its situation in words.
-        compared: how it compares with the campaign's.
-        written: path of the file that was written.
+    Attributes:
+        requirement: name of the requirement.
+        kind: of the requirement.
+        compliance: what it says.
+        robustness: distance to a violation, in the requirement's own unit; below 0 it is violated; null: the flight
+            does not put it to the test.
+        violated_at_s: first violation [s from take-off]; null: it is not violated.
     """
-    return {
-        "mutant": outcome.mutant,
-        "situation": outcome.situation,
-        "words": list(words),
-        "seed": outcome.seed,
-        "ending": outcome.ending,
-        "duration_s": outcome.duration_s,
-        "infected_at_s": outcome.infected_at_s,
-        "altered": outcome.altered,
-        "carried": outcome.carried,
-        "stack_error": outcome.stack_error or None,
-        "digest": outcome.digest,
-        "readings": [
-            {
-                "requirement": reading.requirement,
-                "kind": reading.kind.value,
-                "compliance": reading.compliance.value,
-                "robustness": measured_rho(reading),
-                "violated_at_s": reading.violated_at_s,
-            }
-            for reading in outcome.readings
-        ],
-        "likeness": compared.likeness.value,
-        "compared": compared.told,
-        "written": written,
-    }
+
+    requirement: str
+    kind: Kind
+    compliance: Compliance
+    robustness: float | None
+    violated_at_s: float | None
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """A flight that was flown again.
+
+    Attributes:
+        mutant: `baseline`, `PLACEBO` or the id of the mutant.
+        situation: key of the situation.
+        words: the situation in words.
+        seed: seed of the flight.
+        ending: how it ended.
+        duration_s: how long it lasted [s].
+        infected_at_s: first altered sample [s from take-off]; null: no sample was altered.
+        altered: samples that the fault altered.
+        carried: samples that crossed its seam.
+        stack_error: the exception of the stack; null: there was none.
+        digest: SHA-256 over the ground truth.
+        readings: what each requirement says of it.
+        likeness: how it is like the campaign's.
+        compared: the same in a sentence.
+        written: path of the file of --output; null: none was asked for.
+    """
+
+    mutant: str
+    situation: str
+    words: tuple[str, ...]
+    seed: int
+    ending: Ending
+    duration_s: float
+    infected_at_s: float | None
+    altered: int
+    carried: int
+    stack_error: str | None
+    digest: str
+    readings: tuple[ReplayedReading, ...]
+    likeness: Likeness
+    compared: str
+    written: Path | None
+
+    @classmethod
+    def of(cls, flown: LoggedFlight, compared: Comparison, written: Path | None) -> Replayed:
+        """What is told of a flight; `written` is the path of the file that was written."""
+        one = flown.outcome
+        return cls(
+            mutant=one.mutant,
+            situation=one.situation,
+            words=tuple(flown.study.grid.titles(flown.flight.situation)),
+            seed=one.seed,
+            ending=Ending(one.ending),
+            duration_s=one.duration_s,
+            infected_at_s=one.infected_at_s,
+            altered=one.altered,
+            carried=one.carried,
+            stack_error=one.stack_error or None,
+            digest=one.digest,
+            readings=tuple(
+                ReplayedReading(each.requirement, each.kind, each.compliance, measured_rho(each), each.violated_at_s)
+                for each in one.readings
+            ),
+            likeness=compared.likeness,
+            compared=compared.told,
+            written=written,
+        )
+
+
+REPLAY = Output.of("replay", "1.0", Replayed, rows="readings")
 
 
 FRAME = "world"
@@ -481,8 +491,7 @@ def replay_command(
         tell_line(f"{'recording' if end in RECORDINGS else 'map'}: {output}")
     found = comparison(flown, campaign, same_platform=same_platform)
     if style == "json":
-        words = study.grid.titles(flight.situation)
-        tell(REPLAY.json(replay_values(flown.outcome, words, found, None if output is None else str(output))))
+        tell(REPLAY.json(Replayed.of(flown, found, output)))
     if found.likeness is Likeness.DIFFERS:
         raise GateError(found.told)
     if style != "json":

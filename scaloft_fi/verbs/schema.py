@@ -126,12 +126,12 @@ def _of_operator(name: str, operator: Operator) -> Schema:
 
 def _argument(argument: Argument) -> Schema:
     facts = argument_facts(argument)
-    unit = f" [{facts['unit']}]" if facts["unit"] else ""
-    told: Schema = {"description": f"{facts['range'] or facts['kind']}{unit}"}
+    unit = f" [{facts.unit}]" if facts.unit else ""
+    told: Schema = {"description": f"{facts.range or facts.kind}{unit}"}
     if not argument.required:
         told["default"] = argument.default
     if argument.kind in (float, int):
-        bounds = {"minimum": facts["least"], "exclusiveMinimum": facts["above"], "maximum": facts["most"]}
+        bounds = {"minimum": facts.least, "exclusiveMinimum": facts.above, "maximum": facts.most}
         return told | {"type": "number"} | {key: bound for key, bound in bounds.items() if bound is not None}
     if argument.kind is bool:
         return told | {"type": "boolean"}

@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from scaloft_fi.document import is_there
 from scaloft_fi.judge.bounds import ANY, SIGHT_M, TRUTH, Cap, cap_of
+from scaloft_fi.marks import Choices
 from scaloft_fi.model import read
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, Signal, belief_signals, clearance_name, truth_signals
 from scaloft_fi.stack.declaration import UNITS, Belief
-from scaloft_fi.verbs.listing import Listing, Record, number_range, tell_listing
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.listing import Entry, Listing, number_range
 from scaloft_fi.verbs.names import signals
 from scaloft_fi.verbs.operators import OWN, package_of
-from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder, TableFormat, TablesFolder
+from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Output, listing, number, optional, record, text
-
-if TYPE_CHECKING:
-    from scaloft_fi.study import Study
+from scaloft_fi.views.output import Answer, Output
 
 
 @dataclass(frozen=True)
@@ -42,109 +42,129 @@ class SignalFact:
     elsewhere: float | None = None
 
 
-_SPEED = "always(abs(NAME) <= 2)"
-_QUATERNION = SignalFact("always(NAME >= 0)")
-
-FACTS: Mapping[str, SignalFact] = {
-    "elapsed_s": SignalFact("always(elapsed_s >= 30 implies waypoints_left < 3)"),
-    "remaining_s": SignalFact("always(remaining_s < 0.05 implies landed >= 0.5)"),
-    "x_m": SignalFact("eventually(x_m < -1)"),
-    "y_m": SignalFact("eventually(y_m > 5)"),
-    "z_m": SignalFact("always(z_m <= 2.5)"),
-    "vx_mps": SignalFact(_SPEED),
-    "vy_mps": SignalFact(_SPEED),
-    "vz_mps": SignalFact("always(vz_mps >= -1)"),
-    "qx": _QUATERNION,
-    "qy": _QUATERNION,
-    "qz": _QUATERNION,
-    "qw": _QUATERNION,
-    "yaw_rad": SignalFact("eventually(yaw_rad > 1.5)"),
-    "speed_mps": SignalFact("always(speed_mps / 0.8 <= 1)"),
-    "clearance_m": SignalFact("always(clearance_m > 0)"),
-    "person_range_m": SignalFact("always(person_range_m > 0.5)", f"{FAR_M:g} without a person"),
-    "person_sight_m": SignalFact(
-        "always(person_sight_m / 3 <= 1 implies speed_mps / 0.25 <= 1)",
-        f"{FAR_M:g} without a person in sight within {SIGHT_M:g} m",
-    ),
-    "waypoints_left": SignalFact("always(landed >= 0.5 implies waypoints_left < 0.5)"),
-    "home_m": SignalFact("always(landed >= 0.5 implies home_m <= 1)"),
-    "landed": SignalFact("always(remaining_s < 0.05 implies landed >= 0.5)"),
-    "light": SignalFact("always(light <= 0.05)"),
-    "obstacle_pixels": SignalFact("eventually(obstacle_pixels >= 1)", "0 without an obstacle in view"),
-    "waypoint_wall_m": SignalFact(
-        "eventually(waypoint_wall_m <= 0.5)",
-        f"{FAR_M:g} farther than 0.5 m from every waypoint but home",
-    ),
-    "mass_kg": SignalFact("always(mass_kg > 1.7)"),
-    "takeoff_charge": SignalFact("eventually(takeoff_charge < 0.3)"),
-    "wind_x_mps": SignalFact("eventually(abs(NAME) > 1)"),
-    "wind_y_mps": SignalFact("eventually(abs(NAME) > 1)"),
-    "wind_z_mps": SignalFact("eventually(abs(NAME) > 1)"),
-    "haze_per_m": SignalFact("eventually(haze_per_m >= 0.1)"),
-    "drift_x_m": SignalFact("eventually(abs(NAME) > 0.2)"),
-    "drift_y_m": SignalFact("eventually(abs(NAME) > 0.2)"),
-    "drift_z_m": SignalFact("eventually(abs(NAME) > 0.2)"),
+EXAMPLES: Mapping[str, str] = {
+    "elapsed_s": "always(elapsed_s >= 30 implies waypoints_left < 3)",
+    "remaining_s": "always(remaining_s < 0.05 implies landed >= 0.5)",
+    "x_m": "eventually(x_m < -1)",
+    "y_m": "eventually(y_m > 5)",
+    "z_m": "always(z_m <= 2.5)",
+    **dict.fromkeys(("vx_mps", "vy_mps"), "always(abs(NAME) <= 2)"),
+    "vz_mps": "always(vz_mps >= -1)",
+    **dict.fromkeys(("qx", "qy", "qz", "qw"), "always(NAME >= 0)"),
+    "yaw_rad": "eventually(yaw_rad > 1.5)",
+    "speed_mps": "always(speed_mps / 0.8 <= 1)",
+    "clearance_m": "always(clearance_m > 0)",
+    "person_range_m": "always(person_range_m > 0.5)",
+    "person_sight_m": "always(person_sight_m / 3 <= 1 implies speed_mps / 0.25 <= 1)",
+    "waypoints_left": "always(landed >= 0.5 implies waypoints_left < 0.5)",
+    "home_m": "always(landed >= 0.5 implies home_m <= 1)",
+    "landed": "always(remaining_s < 0.05 implies landed >= 0.5)",
+    "light": "always(light <= 0.05)",
+    "obstacle_pixels": "eventually(obstacle_pixels >= 1)",
+    "waypoint_wall_m": "eventually(waypoint_wall_m <= 0.5)",
+    "mass_kg": "always(mass_kg > 1.7)",
+    "takeoff_charge": "eventually(takeoff_charge < 0.3)",
+    "haze_per_m": "eventually(haze_per_m >= 0.1)",
+    **{f"wind_{axis}_mps": "eventually(abs(NAME) > 1)" for axis in "xyz"},
+    **{f"drift_{axis}_m": "eventually(abs(NAME) > 0.2)" for axis in "xyz"},
 }
-"""By name of the signal; `NAME` in an example stands for it."""
+"""A formula by name of the signal; `NAME` in it stands for that."""
+
+UNKNOWN: Mapping[str, str] = {
+    "person_range_m": f"{FAR_M:g} without a person",
+    "person_sight_m": f"{FAR_M:g} without a person in sight within {SIGHT_M:g} m",
+    "obstacle_pixels": "0 without an obstacle in view",
+    "waypoint_wall_m": f"{FAR_M:g} farther than 0.5 m from every waypoint but home",
+}
+"""What signals read where there is nothing to measure."""
 
 MEANINGS: Mapping[str, str] = {
     "person_sight_m": f"as person_range_m, where a straight line to the person is free; {FAR_M:g} otherwise",
-    "wind_x_mps": "velocity of the air, world",
-    "wind_y_mps": "velocity of the air, world",
-    "wind_z_mps": "velocity of the air, world",
     "haze_per_m": "extinction of light by dust; the distance of sight is 3 / haze_per_m",
-    "drift_x_m": "error of the localisation that happenings bring, world",
-    "drift_y_m": "error of the localisation that happenings bring, world",
-    "drift_z_m": "error of the localisation that happenings bring, world",
+    **{f"wind_{axis}_mps": "velocity of the air, world" for axis in "xyz"},
+    **{f"drift_{axis}_m": "error of the localisation that happenings bring, world" for axis in "xyz"},
 }
 """Of signals whose declarations do not say it, or only beside another signal."""
 
 
 def fact_of(name: str) -> SignalFact | None:
     """The facts of a signal; None for one that a study or a plugin brings."""
-    fact = FACTS.get(name)
-    if fact is None:
+    if name not in EXAMPLES:
         return None
     (least, _), *_, (far, most) = (spans := TRUTH.get(name, ANY))[0], spans[-1]
     apart = len(spans) > 1 and far == most == FAR_M
     if apart:
         most = spans[-2][1]
-    ends = [end if math.isfinite(end) else None for end in (least, most)]
-    example = fact.example.replace("NAME", name)
-    return replace(fact, example=example, least=ends[0], most=ends[1], elsewhere=FAR_M if apart else None)
+    bounds = {end: value for end, value in (("least", least), ("most", most)) if math.isfinite(value)}
+    example = EXAMPLES[name].replace("NAME", name)
+    return SignalFact(example, UNKNOWN.get(name, ""), elsewhere=FAR_M if apart else None, **bounds)
 
 
 BOTH, REALISED, TO_ASK = "requirements, axes", "axes", "neither yet"
 OVERVIEW = {"signal": "name", "unit": "unit", "range": "range", "meaning": "meaning", "used in": "used_in"}
-FORM = Output(
-    "signals",
-    "1.0",
-    "the signals that requirements and the predicates of axes may use",
-    {
-        "signals": listing(
-            "the signals, those that the study could ask for last",
-            record(
-                "a signal, sampled at 20 Hz",
-                {
-                    "name": text("its name"),
-                    "unit": text("its unit; empty for a plain number"),
-                    "meaning": text("what it is"),
-                    "origin": text("where it comes from"),
-                    "used_in": text("which formulas may use it", (BOTH, REALISED, TO_ASK)),
-                    "range": text("what is measured, in words"),
-                    "least": optional(number("least number that is measured"), "nothing bounds it"),
-                    "most": optional(number("greatest number that is measured"), "nothing bounds it"),
-                    "beyond": text("what it reads beyond `most`"),
-                    "compare": text("the thresholds that formulas may have; empty for any"),
-                    "unknown": text("what it reads where there is nothing to measure; empty where there always is"),
-                    "recorded": text("where the record of a command has it; empty where our simulator flies"),
-                    "example": text("a formula that uses it"),
-                },
-            ),
-        )
-    },
-    rows="signals",
-)
+
+
+@dataclass(frozen=True)
+class ListedSignal(Entry):
+    """A signal, sampled at 20 Hz.
+
+    Attributes:
+        unit: its unit; empty for a plain number.
+        meaning: what it is.
+        origin: where it comes from.
+        used_in: which formulas may use it.
+        range: what is measured, in words.
+        least: least number that is measured; null: nothing bounds it.
+        most: greatest number that is measured; null: nothing bounds it.
+        beyond: what it reads beyond `most`.
+        compare: the thresholds that formulas may have; empty for any.
+        unknown: what it reads where there is nothing to measure; empty where there always is.
+        recorded: where the record of a command has it; empty where our simulator flies.
+        example: a formula that uses it.
+    """
+
+    unit: str
+    meaning: str
+    origin: str
+    used_in: Annotated[str, Choices((BOTH, REALISED, TO_ASK))]
+    range: str
+    least: float | None
+    most: float | None
+    beyond: str
+    compare: str
+    unknown: str
+    recorded: str
+    example: str
+
+    def sheet(self) -> Sequence[tuple[str, str]]:
+        """The signal whole."""
+        return [
+            ("meaning", self.meaning),
+            ("unit", self.unit or "none: a plain number"),
+            ("range", self.range or "any number"),
+            ("beyond", self.beyond),
+            ("compare it", self.compare),
+            ("nothing there", self.unknown),
+            ("comes from", self.origin),
+            ("used in", self.used_in),
+            ("to have it", f"signals: [{self.name}] in sim/world.yaml" if self.used_in == TO_ASK else ""),
+            ("in the record", self.recorded),
+            ("example", self.example),
+        ]
+
+
+@dataclass(frozen=True)
+class Signals:
+    """The signals that requirements and the predicates of axes may use.
+
+    Attributes:
+        signals: the signals, those that the study could ask for last.
+    """
+
+    signals: tuple[ListedSignal, ...]
+
+
+FORM = Output.of("signals", "1.0", Signals, rows="signals")
 PER_METRE, PIXELS = "_per_m", "obstacle_pixels"
 
 
@@ -169,14 +189,14 @@ class Found:
     belief: Belief | None = None
 
 
-def signal_list(study: Study) -> Listing:
-    """Every signal that the study has, and the optional ones that it could ask for; `FORM` says what a record has.
+def signal_list(study: Study) -> Listing[ListedSignal]:
+    """Every signal that the study has, and the optional ones that it could ask for.
 
     Raises:
         InputError: a part of the study cannot be read.
     """
     caps, recorded = study.caps, _recorded(study)
-    records = tuple(_record(found, cap_of(found.name, caps), recorded) for found in _found(study))
+    listed = tuple(_listed(found, cap_of(found.name, caps), recorded) for found in _found(study))
     formulas = (
         "used in: the formulas of requirements.yaml; the predicates `realised` of axes, false in a flight without it"
     )
@@ -185,7 +205,7 @@ def signal_list(study: Study) -> Listing:
         "`scaloft-fi signals NAME` shows one whole, with a formula.  All are sampled at 20 Hz.",
     )
     overview = OVERVIEW | ({"in the record": "recorded"} if recorded is not None else {})
-    return Listing("signal", f"Signals: {len(records)}", overview, records, _sheet, FORM, notes)
+    return Listing("signal", f"Signals: {len(listed)}", overview, listed, FORM, notes)
 
 
 def _found(study: Study) -> Iterator[Found]:
@@ -257,34 +277,28 @@ def _threshold(most: float | None) -> float:
 
 def _passing(study: Study, known: set[str]) -> Iterator[Found]:
     """The signals that only flights with a happening, or with an optional body, record."""
-    passing, told = study.grid.passing_signals, set(known)
     entries = study.grid.documents["world"].mapping().get("happenings")
-    brought: dict[str, list[str]] = {}
-    moved: dict[str, list[str]] = {}
+    brought, moved = defaultdict[str, list[str]](list), defaultdict[str, list[str]](list)
     for happening, entry in (entries.mapping() if entries else {}).items():
         kind = HAPPENINGS[entry.need("kind").text()]
         for name in kind.signals:
-            brought.setdefault(name, []).append(happening)
-        effect = read(kind.effect, entry, beside=entry.mapping())
-        if body := effect.moved:
+            brought[name].append(happening)
+        if body := read(kind.effect, entry, beside=entry.mapping()).moved:
             for axis in "xy":
-                moved.setdefault(f"{body}_{axis}_m", []).append(happening)
-    for name in passing:
-        if name in told:
-            continue
-        told.add(name)
+                moved[f"{body}_{axis}_m"].append(happening)
+    for name in dict.fromkeys(name for name in study.grid.passing_signals if name not in known):
+        lacking = "not recorded in a flight without the {}, where `realised` is false"
         if by := moved.get(name) or brought.get(name):
-            unknown = "not recorded in a flight without the happening, where `realised` is false"
             fact = fact_of(name) or SignalFact(f"eventually({name} > 1)")
-            fact = replace(fact, unknown=unknown)
+            fact = replace(fact, unknown=lacking.format("happening"))
             meaning = (
                 "position of the body, world" if name in moved else MEANINGS.get(name, "as the happening notes it")
             )
             yield Found(name, unit_of(name), meaning, f"happening {', '.join(by)} of sim/world.yaml", REALISED, fact)
         else:
             body = name.removeprefix("clearance_").removesuffix("_m")
-            unknown = "not recorded in a flight without the body, where `realised` is false"
-            fact = SignalFact(f"eventually({clearance_name(body)} < 0.8)", unknown, most=CLEARANCE_CAP_M)
+            example = f"eventually({clearance_name(body)} < 0.8)"
+            fact = SignalFact(example, lacking.format("body"), most=CLEARANCE_CAP_M)
             yield Found(name, "m", f"hull to {body}, at most 1", f"ground truth, optional body {body}", REALISED, fact)
 
 
@@ -317,44 +331,29 @@ def _recorded(study: Study) -> Mapping[str, str] | None:
     return derived | {name: place(entry) for name, entry in load_record_map(path).signals.items()}
 
 
-def _record(found: Found, cap: Cap | None, recorded: Mapping[str, str] | None) -> Record:
+def _listed(found: Found, cap: Cap | None, recorded: Mapping[str, str] | None) -> ListedSignal:
     fact, limit = found.fact, cap and f"{'at most' if cap.itself else 'less than'} {cap.most_m:g}"
-    told = number_range(fact.least, cap.most_m if cap else fact.most)
-    beyond = cap.beyond.replace(" m ", " ", 1) if cap else ""
-    lacking = "not in the record" if recorded is not None else ""
+    most = cap.most_m if cap else fact.most
+    told = number_range(fact.least, most)
     names = found.belief.mark.values if found.belief and found.belief.mark else ()
-    return {
-        "name": found.name,
-        "unit": found.unit,
-        "meaning": found.meaning + "".join(f", {place} {word}" for place, word in enumerate(names)),
-        "origin": found.origin,
-        "used_in": found.used_in,
-        "range": told if fact.elsewhere is None else f"{told}, or {fact.elsewhere:g}",
-        "least": fact.least,
-        "most": cap.most_m if cap else fact.most,
-        "beyond": beyond,
-        "compare": f"with {limit} {found.unit}".rstrip() if limit else "",
-        "unknown": fact.unknown,
-        "recorded": (recorded or {}).get(found.name, lacking),
-        "example": fact.example,
-    }
+    return ListedSignal(
+        name=found.name,
+        unit=found.unit,
+        meaning=found.meaning + "".join(f", {place} {word}" for place, word in enumerate(names)),
+        origin=found.origin,
+        used_in=found.used_in,
+        range=told if fact.elsewhere is None else f"{told}, or {fact.elsewhere:g}",
+        least=fact.least,
+        most=most,
+        beyond=cap.beyond.replace(" m ", " ", 1) if cap else "",
+        compare=f"with {limit} {found.unit}".rstrip() if limit else "",
+        unknown=fact.unknown,
+        recorded="" if recorded is None else recorded.get(found.name, "not in the record"),
+        example=fact.example,
+    )
 
 
-def _sheet(one: Record) -> list[tuple[str, str]]:
-    asks = f"signals: [{one['name']}] in sim/world.yaml" if one["used_in"] == TO_ASK else ""
-    return [
-        ("meaning", one["meaning"]),
-        ("unit", one["unit"] or "none: a plain number"),
-        ("range", one["range"] or "any number"),
-        ("beyond", one["beyond"]),
-        ("compare it", one["compare"]),
-        ("nothing there", one["unknown"]),
-        ("comes from", one["origin"]),
-        ("used in", one["used_in"]),
-        ("to have it", asks),
-        ("in the record", one["recorded"]),
-        ("example", one["example"]),
-    ]
+Names = Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=signals)]
 
 
 @verb(
@@ -365,17 +364,10 @@ def _sheet(one: Record) -> list[tuple[str, str]]:
         ("List what the grid `wide` adds, as CSV", "scaloft-fi signals --grid wide --format csv"),
     ),
 )
-def signals_command(
-    *,
-    names: Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=signals)] = (),
-    study_folder: StudyFolder,
-    grid: GridOfStudy,
-    style: TableFormat,
-    tables_folder: TablesFolder,
-) -> None:
+def signals_command(names: Names = (), *, study_folder: StudyFolder, grid: GridOfStudy) -> Answer:
     """List the signals that the study's requirements and the predicates of its axes may use.
 
     Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: range, unit, what the signal
     reads where there is nothing to measure, where it comes from, and a formula that uses it.
     """
-    tell_listing(signal_list, names, style, study_folder, grid, tables=tables_folder)
+    return signal_list(Study.open(study_folder, grid)).answer(names)

@@ -16,6 +16,7 @@ from enum import Enum, StrEnum
 from functools import cache, cached_property
 from inspect import get_annotations
 from operator import attrgetter
+from pathlib import Path
 from types import MappingProxyType, NoneType, UnionType
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Union, get_args, get_origin
 
@@ -339,10 +340,11 @@ _SCALARS: Mapping[Any, Mapping[str, Any]] = {
     int: {"type": "integer", "minimum": 0},
     bool: {"type": "boolean"},
     date: {"type": "string"},
+    Path: {"type": "string"},
     Any: {},
 }
 
-_PLAIN: Mapping[Any, Callable[[Any], Any]] = {str: str, date: date.isoformat}
+_PLAIN: Mapping[Any, Callable[[Any], Any]] = {str: str, Path: str, date: date.isoformat}
 
 
 @cache

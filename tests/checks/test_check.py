@@ -58,7 +58,7 @@ def test_a_green_check_says_what_was_looked_at(reference: Check) -> None:
     checked = reference.checked
     assert (checked.requirements, checked.cells, checked.mutants, checked.seams) == (4, 156, 712, 21)
     assert (checked.polled, checked.found, checked.accepted) == (None, 12, 0)
-    grids = {grid.name: (grid.situations, grid.built, grid.pairs) for grid in checked.grids}
+    grids = {grid.name: (grid.situations, grid.built, grid.pairs) for grid in reference.grids}
     assert grids["paper"] == (32, 32, 40)
     assert grids["wide"][0] == 2304
     assert grids["wide"][1] < 40, "of a large grid as many situations are built as its pairs need"

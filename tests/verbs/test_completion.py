@@ -109,7 +109,7 @@ def test_what_a_study_has_is_completed_without_reading_more_than_texts(
 ) -> None:
     """Whoever declares something in another way than the sources are read for fails here."""
     of_other_stacks = set(declared(OPERATOR, "outside"))
-    assert sorted(complete(f"{verb} ")) == sorted(set(LISTS[verb](Study.open(STUDY)).names) - of_other_stacks)
+    assert sorted(complete(f"{verb} ")) == sorted(set(LISTS[verb](Study.open(STUDY)).by_name) - of_other_stacks)
 
 
 def test_what_an_installed_package_declares_is_completed_and_not_imported(

@@ -61,7 +61,7 @@ M = "LATE-human@3s"
 
 
 def _compare(first: list[Outcome], second: list[Outcome]) -> Comparison:
-    return compare(first, second, ROSTER, GRID)
+    return compare(("old", "new"), first, second, ROSTER, GRID)
 
 
 def test_another_status_is_a_difference() -> None:
@@ -88,7 +88,7 @@ def test_a_flight_that_one_of_them_lacks_is_a_difference() -> None:
 
 def test_the_table_names_both_campaigns() -> None:
     compared = _compare([outcome(), outcome(M, violated={"SR2": 5.0})], [outcome(), outcome(M)])
-    table = comparison_table(compared, "old", "new")
+    table = comparison_table(compared)
     assert table.headers[3:] == ("old", "new")
     assert table.rows == ((M, "T0O0W0D0H0", 0, "revealed SR2, landed", "survived, landed"),)
     assert "1 flights are the same bit for bit" in table.notes[0]
@@ -97,4 +97,4 @@ def test_the_table_names_both_campaigns() -> None:
 @given(campaigns())
 def test_a_campaign_does_not_differ_from_itself(outcomes: list[Outcome]) -> None:
     once = list({outcome.name: outcome for outcome in outcomes}.values())
-    assert _compare(once, once[::-1]) == Comparison(len(once), 0, ())
+    assert _compare(once, once[::-1]) == Comparison("old", "new", len(once), 0, ())

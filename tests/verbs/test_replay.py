@@ -25,7 +25,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.sim.log import NEVER_S, Ending, Event, FlightLog
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.replay import REPLAY, Comparison, Likeness, LoggedFlight, compared, mcap, replay_values
+from scaloft_fi.verbs.replay import REPLAY, Comparison, Likeness, LoggedFlight, Replayed, compared, mcap
 from scaloft_fi.views.table import Format, render
 
 STUDY = Path(__file__).parents[2]
@@ -83,7 +83,7 @@ def test_json_has_the_facts_and_how_the_flight_compares() -> None:
     readings = (Reading("SR2", Kind.SAFETY, 24.0, None, 0, open=False),)
     flown = Outcome(flight.subject, "T0O0W0D0H0", 0, ending="landed", readings=readings, digest="abc")
     found = Comparison(Likeness.SAME_BITS, "bit for bit the flight in there")
-    told = of_form("replay", REPLAY.json(replay_values(flown, ["straight", "light"], found, None)))
+    told = of_form("replay", REPLAY.json(Replayed.of(LoggedFlight(study, flight, LOG, flown), found, None)))
     assert (told["likeness"], told["infected_at_s"], told["written"]) == ("same_bits", None, None)
     assert [(one["compliance"], one["robustness"]) for one in told["readings"]] == [("vacuous", None)]
 

@@ -13,7 +13,7 @@ from jsonschema import Draft202012Validator
 
 from scaloft_fi.cli import main
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.map import MAP, map_values, plan_of
+from scaloft_fi.verbs.map import MAP, map_of, plan_of
 from scaloft_fi.views.picture import MapScene
 from scaloft_fi.views.plan import FloorPlan, Happens, draw_plan
 
@@ -72,8 +72,8 @@ def test_a_mine_from_a_mesh_is_drawn(tmp_path: Path) -> None:
 
 def test_the_values_fit_the_declared_form() -> None:
     study = Study.open(ROOT, "wide")
-    values = map_values(study, study.grid.situation("T1O0W0D2H2C0V0P0B0G0"))
-    Draft202012Validator(MAP.schema).validate({"version": MAP.version, **values})
+    values = MAP.record(map_of(study, study.grid.situation("T1O0W0D2H2C0V0P0B0G0")))
+    Draft202012Validator(MAP.schema).validate(values)
     assert values["places"][1] == {"place": "corner", "x_m": 0.0, "y_m": 7.0, "z_m": 1.65}
     low, high = ([values["mine"][f"{end}_{axis}_m"] for axis in "xyz"] for end in ("least", "most"))
     for place in values["places"]:

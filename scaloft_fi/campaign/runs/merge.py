@@ -23,14 +23,16 @@ from scaloft_fi.study import Study
 
 @dataclass(frozen=True)
 class Merged:
-    """The result of a merge.
+    """What a merge of campaigns added.
 
     Attributes:
-        added: number of flights that the campaign lacked.
-        known: number of flights that it had already, with the same digests.
-        warnings: warnings for the user.
+        campaign: folder of the campaign that got the flights.
+        added: flights added to it.
+        known: flights that it held already.
+        warnings: what a reader must know of the platforms of the flights.
     """
 
+    campaign: Path
     added: int
     known: int
     warnings: tuple[str, ...]
@@ -73,7 +75,7 @@ def merge(study: Study, folder: Path, sources: Sequence[Path], *, same_platform:
                 keys = [key for key, where in joined.taken.items() if where == path and key not in dropped]
                 target.put_all(source.rows(keys))
         write_log(study, folder, current_in(study, target))
-    return Merged(len(joined.valid - before - dropped), known, tuple(warnings))
+    return Merged(folder, len(joined.valid - before - dropped), known, tuple(warnings))
 
 
 class _Joined:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -10,19 +11,27 @@ from scaloft_fi.console import line
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.options import AsOf, Campaign, LineFormat, Option, StudyFolder, answer, check_writable, write
-from scaloft_fi.verbs.snapshot import STALE
+from scaloft_fi.verbs.snapshot import Stale
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Answer, Output, count, text
-
-REPORT = Output(
-    "report",
-    "1.1",
-    "where the report was written",
-    {"report": text("path of the page"), "bytes": count("its size [bytes]"), **STALE},
-    rows="summary",
-)
+from scaloft_fi.views.output import Answer, Output
 
 
+@dataclass(frozen=True)
+class Written:
+    """Where the report was written.
+
+    Attributes:
+        report: path of the page.
+        bytes: its size [bytes].
+        stale: the stored flights that no longer count and were not flown again.
+    """
+
+    report: Path
+    bytes: int
+    stale: Stale
+
+
+REPORT = Output.of("report", "1.1", Written, rows="summary")
 NAME = "report.html"
 
 
@@ -57,8 +66,7 @@ def report_command(
     path = output or folder / NAME
     content = page(evidence).encode()
     write(path, content)
-    size = len(content)
-    told = line(f"report: {path} ({size / 1e6:.1f} MB)")
-    values = {"report": str(path), "bytes": size, **evidence.stale.values}
+    written = Written(path, len(content), evidence.stale)
+    told = line(f"report: {path} ({written.bytes / 1e6:.1f} MB)")
     warnings = (*evidence.stale.sentences, *evidence.study.finds.warnings)
-    answer(Answer(REPORT, lambda: values, told=lambda _: f"{told}\n", warnings=warnings), style)
+    answer(Answer(REPORT, lambda: written, told=lambda _: f"{told}\n", warnings=warnings), style)
