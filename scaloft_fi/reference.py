@@ -11,42 +11,18 @@ from typing import Any
 
 import click
 
-from scaloft_fi.cli import GROUPS, command_of
+from scaloft_fi.cli import GROUPS, VERBS, command_of
 from scaloft_fi.errors import ExitCode
 from scaloft_fi.model import Names, Schema
 from scaloft_fi.verbs.schema import DOCUMENTS, Document, declared_names
 from scaloft_fi.verbs.verb import Verb
-from scaloft_fi.views.output import SUMMARY, Output, Rows, Shape, inner, table_names
+from scaloft_fi.views.output import SUMMARY, Output, Rows, table_names
 from scaloft_fi.views.table import markdown
 
-OUTPUTS: dict[str, str] = {
-    "new": "scaloft_fi.verbs.new:NEW",
-    "matrix": "scaloft_fi.verbs.matrix_record:MATRIX",
-    "mutants": "scaloft_fi.verbs.mutants:MUTANTS",
-    "signals": "scaloft_fi.verbs.signals:FORM",
-    "seams": "scaloft_fi.verbs.seams:FORM",
-    "operators": "scaloft_fi.verbs.operators:FORM",
-    "axes": "scaloft_fi.verbs.axes:FORM",
-    "map": "scaloft_fi.verbs.map:MAP",
-    "run": "scaloft_fi.verbs.score_record:RUN",
-    "margin": "scaloft_fi.verbs.margin:MARGIN",
-    "seek": "scaloft_fi.verbs.seek:SEEK",
-    "merge": "scaloft_fi.verbs.merge:MERGE",
-    "replay": "scaloft_fi.verbs.replay:REPLAY",
-    "check": "scaloft_fi.verbs.check:CHECK",
-    "status": "scaloft_fi.verbs.status:STATUS",
-    "score": "scaloft_fi.verbs.score_record:SCORE",
-    "kills": "scaloft_fi.verbs.kill_record:KILLS",
-    "coverage": "scaloft_fi.verbs.coverage:COVERAGE",
-    "worksheet": "scaloft_fi.verbs.worksheet:WORKSHEET",
-    "dispositions": "scaloft_fi.verbs.dispositions:DISPOSITIONS",
-    "report": "scaloft_fi.verbs.report:REPORT",
-    "diff": "scaloft_fi.verbs.diff:DIFF",
-    "export": "scaloft_fi.verbs.export.rows:EXPORT",
-    "judge": "scaloft_fi.verbs.judge:JUDGE",
-    "doctor": "scaloft_fi.verbs.doctor:DOCTOR",
-}
-"""In the order of the pipeline: where each is declared."""
+_ELSEWHERE = {"matrix": "matrix_record", "run": "score_record", "export": "export.rows"}
+"""The module that has a verb's form, where it is not that of the verb."""
+OUTPUTS = tuple(verb for verb in VERBS if verb not in ("schema", "completion"))
+"""Verbs that print JSON of a declared form."""
 
 
 def output_of(verb: str) -> Output:
@@ -55,10 +31,8 @@ def output_of(verb: str) -> Output:
     Raises:
         KeyError: the verb has none.
     """
-    module, name = OUTPUTS[verb].split(":")
-    output = getattr(import_module(module), name)
-    assert isinstance(output, Output)
-    return output
+    module = import_module(f"scaloft_fi.verbs.{_ELSEWHERE.get(verb, verb)}")
+    return {one.verb: one for one in vars(module).values() if isinstance(one, Output)}[verb]
 
 
 def schema_texts() -> dict[str, str]:
@@ -109,44 +83,7 @@ def _form(output: Output) -> Iterator[str]:
     elif output.verb not in ONE_CSV:
         tables = ", ".join(f"`{name}`" for name in table_names(output))
         yield f"`--format csv` prints `{output.rows}`; all tables: {tables}."
-    yield from ("", "| key | type | says |", "|---|---|---|")
-    yield from _rows("", output.schema)
-    yield ""
-
-
-def _rows(name: str, shape: Shape) -> Iterator[str]:
-    """A row for each key below a value, `[]` for each entry of a list, `*` for each name of the study."""
-    bare = inner(shape)
-    for key, each in bare.get("properties", {}).items():
-        yield from _row(f"{name}.{key}" if name else key, each)
-    for beginning, each in bare.get("patternProperties", {}).items():
-        yield from _row(f"{name}.{beginning.removeprefix('^')}*", each)
-    if isinstance(named := bare.get("additionalProperties"), dict):
-        yield from _row(f"{name}.*", named)
-    if "items" in bare:
-        yield from _rows(f"{name}[]", bare["items"])
-
-
-def _row(name: str, shape: Shape) -> Iterator[str]:
-    yield f"| `{name}` | {_type(shape)} | {_said(shape).replace('|', chr(92) + '|')} |"
-    if _type(shape) != RATIO:
-        yield from _rows(name, shape)
-
-
-def _type(shape: Shape) -> str:
-    bare = inner(shape)
-    named = bare.get("type", "any")
-    if bare.get("properties", {}).keys() == {"part", "whole"}:
-        named = RATIO
-    elif "items" in bare:
-        named = f"list of {bare['items'].get('type', 'any')}s"
-    return f"{named} or null" if bare is not shape else named
-
-
-def _said(shape: Shape) -> str:
-    bare = inner(shape)
-    allowed = ", ".join(bare.get("enum", ()))
-    return f"{bare.get('description', '')}{f': {allowed}' if allowed else ''}"
+    yield from ("", *_keys_table(output.schema))
 
 
 _KEY_RULES = """\
@@ -186,6 +123,10 @@ def yaml_keys_page() -> str:
 def _document(one: Document, declared: Names) -> Iterator[str]:
     schema = one.schema(declared)
     yield from (f"## `{one.files}`", "", _prose(schema["description"]), "")
+    yield from _keys_table(schema)
+
+
+def _keys_table(schema: Schema) -> Iterator[str]:
     yield from ("| key | value | meaning |", "|---|---|---|")
     yield from dict.fromkeys(_keys("", schema))  # forms share keys
     yield ""
@@ -196,7 +137,10 @@ def _keys(name: str, schema: Schema) -> Iterator[str]:
     for key, each in schema.get("properties", {}).items():
         optional = "" if key in schema.get("required", ()) else "?"
         yield from _key_row(f"{name}.{key}{optional}" if name else f"{key}{optional}", each)
-    for each in _named(schema):
+    for beginning, each in schema.get("patternProperties", {}).items():
+        begins = beginning[1:] if re.fullmatch(r"\^\w+", beginning) else ""
+        yield from _key_row(f"{name}.{begins}*" if name else f"{begins}*", each)
+    if isinstance(each := schema.get("additionalProperties"), dict):
         yield from _key_row(f"{name}.*" if name else "*", each)
     if isinstance(schema.get("items"), dict):
         yield from _keys(f"{name}[]", schema["items"])
@@ -205,18 +149,13 @@ def _keys(name: str, schema: Schema) -> Iterator[str]:
             yield from _keys(name, each)
 
 
-def _named(schema: Schema) -> Iterator[Schema]:
-    yield from schema.get("patternProperties", {}).values()
-    if isinstance(schema.get("additionalProperties"), dict):
-        yield schema["additionalProperties"]
-
-
 def _key_row(name: str, schema: Schema) -> Iterator[str]:
     about = " ".join(schema.get("description", "").replace("\n- ", "; ").split())
     examples = ", ".join(f"`{_key_said(one)}`" for one in schema.get("examples", ()))
     meaning = _prose(about) + (f"  Such as {examples.replace('|', chr(92) + '|')}." if examples else "")
     yield f"| `{name}` | {markdown(_value(schema))} | {meaning} |"
-    yield from _keys(name, schema)
+    if not _kind(schema).startswith(RATIO):
+        yield from _keys(name, schema)
 
 
 def _literal(text: str) -> str:
@@ -249,6 +188,8 @@ def _kind(schema: Schema) -> str:
     if "oneOf" in schema or "anyOf" in schema:
         forms = tuple(dict.fromkeys(map(_kind, (*schema.get("oneOf", ()), *schema.get("anyOf", ())))))
         return " or ".join(forms) if len(forms) <= MOST_FORMS else f"one of {len(forms)} names"
+    if schema.get("properties", {}).keys() == {"part", "whole"}:
+        return RATIO
     kind = schema.get("type", "any value")
     if isinstance(kind, list):
         return " or ".join(map(_TYPES.__getitem__, kind))
@@ -278,13 +219,9 @@ def _list(schema: Schema) -> str:
 def _key_said(value: Any) -> str:
     if isinstance(value, bool):
         return str(value).lower()
-    return (
-        json.dumps(value)
-        if isinstance(value, list | dict)
-        else f"{value:g}"
-        if isinstance(value, float)
-        else str(value)
-    )
+    if isinstance(value, list | dict):
+        return json.dumps(value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 _ACTIVE = re.compile(r"([\\*_\[\]<>|])")

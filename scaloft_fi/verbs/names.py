@@ -102,7 +102,7 @@ def _first(names: Names, typed: str) -> list[str]:
 def _study(context: click.Context) -> Path:
     from scaloft_fi.hazop.load import find_study
 
-    return find_study(context.params.get("study_folder"))
+    return find_study(context.params.get("study_folder") or context.params.get("study"))
 
 
 def _catalogue(study: Path) -> Iterator[dict[str, Any]]:
