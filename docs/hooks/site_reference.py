@@ -113,7 +113,7 @@ def _cell(value: Any) -> str:
     return _MARKS.sub(r"\\\g<0>", " ".join(str(value).split()))
 
 
-def _list(title: str, listing: Listing, *, whole: bool) -> str:
+def _list(title: str, listing: Listing[Any], *, whole: bool) -> str:
     """An overview of what the reference study has, and where asked for each entry whole."""
     every = _code(shown(listing, Format.MARKDOWN, whole=True)) if whole else ""
     overview = _code(shown(listing, Format.MARKDOWN, whole=False)).replace("### ", "## ", 1)

@@ -11,21 +11,19 @@ from scaloft_fi.campaign.store.flown_grid import study_of
 from scaloft_fi.checks.check import check_study
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.scripting.campaign import OpenCampaign
-from scaloft_fi.scripting.flight import Figure, FlownFlight, in_python
+from scaloft_fi.scripting.flight import Figure, FlownFlight, described, in_python
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.check import checked
-from scaloft_fi.verbs.judge import judge
+from scaloft_fi.verbs.judge import JudgedFiles, RecordedIn, RecordMapping, judge
 from scaloft_fi.verbs.map import plan_of
 from scaloft_fi.verbs.replay import fly_with_log, ready_to_fly
 from scaloft_fi.verbs.signals import signal_list
-from scaloft_fi.views.output import Columns, ColumnType
+from scaloft_fi.views.output import Answer, Columns, ColumnType
 from scaloft_fi.views.plan import draw_plan
 from scaloft_fi.views.table import Table, html
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from scaloft_fi.views.output import Answer
 
 TEXT, TEXTS = ColumnType.TEXT, ColumnType.TEXTS
 MUTANT_COLUMNS = {
@@ -189,29 +187,15 @@ class OpenStudy:
             titles = ", ".join(study.grid.titles(one))
             return Figure(f"map of {one.key}", draw_plan(plan_of(study, one), title=one.key, subtitle=titles))
 
-    def judge(
-        self,
-        files: Path | str | Sequence[Path | str],
-        *,
-        record: Path | str | None = None,
-        situation: str | None = None,
-    ) -> Answer:
+    @described
+    def judge(self, files: JudgedFiles, *, record: RecordMapping = None, situation: RecordedIn = None) -> Answer:
         """What the study's requirements say of records of flights, from any drone or simulator.
-
-        Args:
-            files: the records.
-            record: a file that says where the signals stand in them; by default the study's `sim/record.yaml`, else the
-                mapping of the records that `replay --output` writes.
-            situation: the situation that was flown, which has a route and a time limit; None when it is not known.
 
         Raises:
             InputError: a file cannot be read, or there is no such situation.
         """
         with in_python():
-            listed = [files] if isinstance(files, Path | str) else files
-            return judge(
-                self.definition, [Path(one) for one in listed], None if record is None else Path(record), situation
-            )
+            return judge(self.definition, files, record=record, situation=situation)
 
     def check(self, *, fly: bool = False) -> Columns:
         """Check the whole study; one row for each finding, errors first, with its place and remedy.

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
+import click
+
 from scaloft_fi.campaign.flights.command import JudgedRequirement, judged_record, known_of, mapping_of
 from scaloft_fi.judge.requirement import Compliance, measured_rho
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import situations
-from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer
+from scaloft_fi.verbs.options import Option
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
@@ -98,21 +100,42 @@ def judged_table(told: JudgedRecords) -> Table:
     return Table("Requirements on records", HEADERS, rows, (*notes, counted))
 
 
-def judge(study: Study, files: Sequence[Path], record: Path | None = None, situation: str | None = None) -> Answer:
-    """What the study's requirements say of records of flights.
+JudgedFiles = Annotated[
+    Path | str | Sequence[Path | str],
+    Option("The records.", "", metavar="FILE...", type=click.Path(path_type=Path)),
+]
+RecordMapping = Annotated[
+    Path | str | None,
+    Option(
+        "Where the signals stand in the records.",
+        metavar="MAPPING.yaml",
+        type=click.Path(path_type=Path),
+        otherwise="sim/record.yaml of the study, else the mapping of the records that `replay --output` writes",
+    ),
+]
+RecordedIn = Annotated[
+    str | None,
+    Option(
+        "The situation that was flown, which has a route and a time limit.",
+        metavar="KEY",
+        complete=situations,
+        otherwise="not known",
+    ),
+]
 
-    Args:
-        study: the study.
-        files: the records.
-        record: a file that says where the signals stand in them; by default the study's, else that of `replay`.
-        situation: the situation that was flown, which has a route and a time limit; None when it is not known.
+
+def judge(study: Study, files: JudgedFiles, *, record: RecordMapping = None, situation: RecordedIn = None) -> Answer:
+    """Judge records of flights (.csv, .mcap, .ulg, .bag, .db3, or a folder of rosbag2) with the study's requirements.
+
+    Nothing is flown and no campaign is read.  A violation is a finding: the exit code is 0.
 
     Raises:
         InputError: a file or the mapping cannot be read, or there is no such situation.
     """
-    mapping = mapping_of(study, record)
+    mapping = mapping_of(study, None if record is None else Path(record))
     known = known_of(study, study.grid.situation(situation) if situation else None)
-    records = [judged_record(study, path, mapping, known) for path in files]
+    listed = [files] if isinstance(files, Path | str) else files
+    records = [judged_record(study, Path(path), mapping, known) for path in listed]
     told = JudgedRecords(
         tuple(RecordReading.of(one.path, finding) for one in records for finding in one.findings),
         tuple(FlightRecord(one.path, one.log.ending, one.log.duration_s) for one in records),
@@ -120,7 +143,7 @@ def judge(study: Study, files: Sequence[Path], record: Path | None = None, situa
     return Answer(JUDGE, lambda: told, lambda: (judged_table(told),))
 
 
-@verb(
+judge_command = verb(
     "judge",
     examples=(
         ("Judge a record of a flight in a known situation", "scaloft-fi judge flight.csv --situation T0O0W0D0H1"),
@@ -130,34 +153,4 @@ def judge(study: Study, files: Sequence[Path], record: Path | None = None, situa
         ),
         ("Let a script read the verdicts", "scaloft-fi judge bag/ --format json"),
     ),
-)
-def judge_command(
-    *,
-    files: Annotated[tuple[Path, ...], Option("", "", metavar="FILE...")],
-    study_folder: StudyFolder,
-    mapping_file: Annotated[
-        Path | None,
-        Option(
-            "Where the signals stand in the records.",
-            "--record",
-            metavar="MAPPING.yaml",
-            otherwise="sim/record.yaml of the study, else the mapping of the records that replay --output writes",
-        ),
-    ],
-    situation: Annotated[
-        str | None,
-        Option(
-            "The situation that was flown, which has a route and a time limit.",
-            metavar="KEY",
-            complete=situations,
-            otherwise="not known",
-        ),
-    ],
-    style: TableFormat,
-    tables_folder: TablesFolder,
-) -> None:
-    """Judge records of flights (.csv, .mcap, .ulg, .bag, .db3, or a folder of rosbag2) with the study's requirements.
-
-    Nothing is flown and no campaign is read.  A violation is a finding: the exit code is 0.
-    """
-    answer(judge(Study.open(study_folder), files, mapping_file, situation), style, tables_folder)
+)(judge)

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
@@ -28,7 +29,7 @@ from scaloft_fi.verbs.signals import signal_list
 STUDY = Path(__file__).parents[2]
 BREAKS = " \t\n\"'@><=;|&(:"
 """What bash breaks words at, unless somebody changes it."""
-LISTS: dict[str, Callable[[Study], Listing]] = {
+LISTS: dict[str, Callable[[Study], Listing[Any]]] = {
     "signals": signal_list,
     "seams": seam_list,
     "operators": operator_list,
