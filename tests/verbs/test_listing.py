@@ -70,29 +70,6 @@ def test_every_signal_of_the_ground_truth_has_facts_and_a_unit_or_none() -> None
     assert EXAMPLES.keys() >= set(TRUTH_NAMES) - {"clearance_wall_m"}
 
 
-def test_a_capped_signal_tells_what_it_reads_beyond_and_what_to_compare_it_with(lists: dict[str, Listing[Any]]) -> None:
-    (sight,) = lists["signals"].chosen(["person_sight_m"]).entries
-    assert (sight.least, sight.most, sight.range) == (0.0, 6.0, "0 to 6, or 100")
-    assert sight.compare == "with at most 6 m"
-    (wall,) = lists["signals"].chosen(["clearance_wall_m"]).entries
-    assert (wall.most, wall.compare, wall.origin) == (1.0, "with less than 1 m", "ground truth, wall")
-    (pixels,) = lists["signals"].chosen(["obstacle_pixels"]).entries
-    assert pixels.most == 64 * 48
-
-
-def test_every_fault_of_the_matrix_stands_at_its_seam_and_its_operator(
-    study: Study, lists: dict[str, Listing[Any]]
-) -> None:
-    seams = {record.name: record for record in lists["seams"].entries}
-    operators = {record.name: record for record in lists["operators"].entries}
-    for cell in study.matrix:
-        for fault in cell.faults:
-            assert cell.name in seams[fault.seam].cells
-            assert cell.name in operators[fault.operator].cells
-            assert fault.operator in seams[fault.seam].operators
-            assert fault.seam in operators[fault.operator].seams
-
-
 def test_what_a_consumer_acts_on_follows_from_the_declared_effect(study: Study) -> None:
     seams = study.stack.by_name
     assert acted_on(seams["goal"]) == ("reached",)
@@ -102,14 +79,6 @@ def test_what_a_consumer_acts_on_follows_from_the_declared_effect(study: Study) 
     assert acted_on(seams["proximity"]) == ("sectors", "watched", "bearings", "trigger_m", "touched")
 
 
-def test_every_field_of_numbers_has_the_unit_that_its_seam_declares(
-    study: Study, lists: dict[str, Listing[Any]]
-) -> None:
-    for record in lists["seams"].entries:
-        units = study.stack.by_name[record.name].number_units
-        assert {f.name: f.unit for f in record.fields if f.name in units} == dict(units)
-
-
 def test_the_example_of_an_operator_is_what_its_tap_does(lists: dict[str, Listing[Any]]) -> None:
     told = {record.name: record.polls for record in lists["operators"].entries}
     assert told.keys() == OPERATORS.keys()
@@ -117,27 +86,6 @@ def test_the_example_of_an_operator_is_what_its_tap_does(lists: dict[str, Listin
         assert [poll.sent for poll in told[name]] == list(map(sample_text, operator.example.before))
         if not callable(operator.example.after):
             assert [poll.arrives for poll in told[name]] == list(map(sample_text, operator.example.after)), name
-
-
-def test_an_argument_has_unit_range_and_default(lists: dict[str, Listing[Any]]) -> None:
-    (freeze,) = lists["operators"].chosen(["freeze"]).entries
-    hold, period, phase = freeze.arguments
-    assert (hold.unit, hold.range, hold.required) == ("s", "from 0", True)
-    assert (period.range, period.default) == ("above 0, up to 1e+06", 20.0)
-    assert (phase.least, phase.most) == (0.0, 1e6)
-    assert freeze.at_events
-    assert freeze.package == "scaloft-fi"
-
-
-def test_every_value_of_every_axis_is_listed_with_what_it_sets(wide: Study) -> None:
-    records = {record.name: record for record in axis_list(wide.grid).entries}
-    for axis in wide.grid.axes:
-        assert [value.name for value in records[axis.id].values] == [f"{axis.id}{v.id}" for v in axis.values]
-        for value, listed in zip(axis.values, records[axis.id].values, strict=True):
-            assert {one.path: one.value for one in listed.changes} == {
-                path: item.plain() for path, item in value.changes.items()
-            }
-            assert listed.realised
 
 
 def test_a_free_axis_tells_its_range_distribution_and_with_what_it_goes() -> None:
