@@ -1,8 +1,13 @@
-"""What a refusal looks like, for the tests of all verbs."""
+"""How a verb ends, for the tests of all verbs: its exit code, what a refusal looks like."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import pytest
 from click.testing import Result
+
+from scaloft_fi.cli import main
 
 
 def sentence(result: Result) -> str:
@@ -12,3 +17,11 @@ def sentence(result: Result) -> str:
     assert line.startswith("error: ")
     assert "Traceback" not in line
     return line
+
+
+def run(*words: str | Path) -> int:
+    """The exit code of the command, called in this process, with the streams of the test."""
+    with pytest.raises(SystemExit) as left:
+        main([*map(str, words)])
+    assert isinstance(left.value.code, int)
+    return left.value.code

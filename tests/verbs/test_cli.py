@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 import pytest
 from click.testing import CliRunner
+from refusal import run
 
 from scaloft_fi.cli import GROUPS, Pipeline, main
 from scaloft_fi.errors import GateError, InputError, ScaloftError
@@ -91,13 +92,6 @@ def test_debugging_shows_where(monkeypatch: pytest.MonkeyPatch) -> None:
 
 STUDY = Path(__file__).parents[2]
 SAYS = f"study: {STUDY}, the reference study of this installation; there is none here: make a study of your own with"
-
-
-def run(*args: str | Path) -> int:
-    with pytest.raises(SystemExit) as left:
-        main([*map(str, args)])
-    assert isinstance(left.value.code, int)
-    return left.value.code
 
 
 @pytest.mark.parametrize("verb", [("matrix", "--format", "json"), ("mutants", "LATE-human", "--format", "json")])

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 from plugins import ROOT, called, install_project
+from refusal import run
 
-from scaloft_fi.cli import main
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.bounds import bounds_of, check_caps, ranges_of, verdict
 from scaloft_fi.judge.stl import Formula
@@ -109,10 +109,8 @@ VERBS = ("signals", "seams", "operators", "axes")
 
 
 def listed(capsys: pytest.CaptureFixture[str], verb: str, *words: str | Path) -> dict[str, Any]:
-    with pytest.raises(SystemExit) as left:
-        main([verb, "--format", "json", *map(str, words)])
-    told = capsys.readouterr()
-    assert left.value.code == 0, told.err
+    code, told = run(verb, "--format", "json", *words), capsys.readouterr()
+    assert code == 0, told.err
     return {record["name"]: record for record in json.loads(told.out)[verb]}
 
 

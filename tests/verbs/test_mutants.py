@@ -9,8 +9,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-
-from scaloft_fi.cli import main
+from refusal import run
 
 STUDY = Path(__file__).parents[2]
 
@@ -21,13 +20,6 @@ def study(tmp_path: Path) -> Path:
     for name in ("hazop", "mutants", "sim"):
         shutil.copytree(STUDY / name, tmp_path / name)
     return tmp_path
-
-
-def run(*args: str | Path) -> int:
-    with pytest.raises(SystemExit) as left:
-        main([*map(str, args)])
-    assert isinstance(left.value.code, int)
-    return left.value.code
 
 
 def test_the_table_fits_a_terminal_and_marks_the_defaults(capsys: pytest.CaptureFixture[str]) -> None:

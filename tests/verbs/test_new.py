@@ -13,8 +13,8 @@ import pytest
 from forms import of_form
 from jsonschema import Draft202012Validator
 from plugins import call, install_project
+from refusal import run
 
-from scaloft_fi.cli import main
 from scaloft_fi.document import load
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.study import Study
@@ -37,13 +37,6 @@ NAMES = {
     "H",
 }
 """Keys that are names which the user gives; where they stand first, a comment says so."""
-
-
-def run(*args: str | Path) -> int:
-    with pytest.raises(SystemExit) as left:
-        main([*map(str, args)])
-    assert isinstance(left.value.code, int)
-    return left.value.code
 
 
 @pytest.fixture

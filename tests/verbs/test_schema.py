@@ -12,9 +12,9 @@ import pytest
 from every_key import every_key_study
 from jsonschema import Draft202012Validator
 from plugins import call, install_project
+from refusal import run
 from schemas import keys_of
 
-from scaloft_fi.cli import main
 from scaloft_fi.document import Item, load
 from scaloft_fi.model import Schema
 from scaloft_fi.verbs.schema import DOCUMENTS, PUBLISHED, declared_names
@@ -110,13 +110,6 @@ def test_the_published_schemas_are_those_of_the_code() -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
     assert published == json.loads(done.stdout), "run python docs/schemas/write.py"
-
-
-def run(*args: str | Path) -> int:
-    with pytest.raises(SystemExit) as left:
-        main([*map(str, args)])
-    assert isinstance(left.value.code, int)
-    return left.value.code
 
 
 def test_without_a_name_the_documents_are_listed(capsys: pytest.CaptureFixture[str]) -> None:

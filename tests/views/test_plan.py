@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from every_key import every_key_study
 from jsonschema import Draft202012Validator
+from refusal import run
 
-from scaloft_fi.cli import main
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.map import MAP, map_of, plan_of
 from scaloft_fi.views.picture import MapScene
@@ -80,19 +80,12 @@ def test_the_values_fit_the_declared_form() -> None:
         assert all(low[i] < place[f"{axis}_m"] < high[i] for i, axis in enumerate("xyz"))
 
 
-def _run(*args: str | Path) -> int:
-    with pytest.raises(SystemExit) as left:
-        main([*map(str, args)])
-    assert isinstance(left.value.code, int)
-    return left.value.code
-
-
 @pytest.mark.parametrize("ending", ["svg", "PNG"])
 def test_the_verb_tells_and_draws_without_flying(
     ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / f"map.{ending}"
-    assert _run("map", "1", "--study", ROOT, "--output", file) == 0
+    assert run("map", "1", "--study", ROOT, "--output", file) == 0
     told = capsys.readouterr()
     assert told.out.startswith("T0O0W0D0H1\n")
     assert told.err == f"map: {file}\n"
@@ -111,7 +104,7 @@ def test_the_verb_tells_and_draws_without_flying(
 def test_bad_words_are_one_sentence_and_exit_2(
     words: tuple[str, ...], sentence: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert _run("map", *words, "--study", ROOT) == 2
+    assert run("map", *words, "--study", ROOT) == 2
     error = capsys.readouterr().err
     assert sentence in error
     assert error.count("\n") == 1
@@ -124,5 +117,5 @@ def test_a_situation_whose_values_contradict_each_other_is_told(
         shutil.copytree(ROOT / name, tmp_path / name)
     world = tmp_path / "sim" / "world.yaml"
     world.write_text(world.read_text().replace("corner: [0.0, 7.0]", "corner: [4.0, 7.0]"))
-    assert _run("map", "--study", tmp_path) == 2
+    assert run("map", "--study", tmp_path) == 2
     assert "must be in the open space of the mine" in capsys.readouterr().err
