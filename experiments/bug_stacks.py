@@ -1,6 +1,6 @@
 """Real bugs of flight software, each written into a copy of the reference stack as its fix shows it.
 
-A copy is the reference stack with one exchanged stage; with the defect off it is the reference stack, bit for bit.
+A copy is the reference stack with one exchanged stage; without the defect it is the reference stack, bit for bit.
 What was wrong, the fix and how it stands in the copy are told in `results/published/bugs.md`.
 """
 
@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -98,6 +97,11 @@ class StagedStack(ReferenceStack):
         super().companion(now_s, self._received or frames)
 
 
+def changed(frames: SensorFrames, **messages: object) -> SensorFrames:
+    """The messages of a tick with others from some sensors, each by the sensor's name."""
+    return SensorFrames({**frames.by_sensor, **messages})
+
+
 def declaration(name: str, parts: Parts) -> Declaration:
     """The declaration of a staged stack: that of the reference stack under another name."""
 
@@ -166,25 +170,12 @@ class Bug:
     Attributes:
         key: of the bug, and name of its stack, such as `px4-11866`: project and number of the thread that tells it.
         cell: the cell that reads like it.
-        parts: the stages; the defective ones have a class attribute `defect`.
+        parts: the stages, one of which has the defect.
     """
 
     key: str
     cell: str
     parts: Parts
-
-    @property
-    def mended(self) -> Parts:
-        """The same stages with the defect off."""
-        kinds: dict[str, Any] = {field.name: _mended(getattr(self.parts, field.name)) for field in fields(Parts)}
-        return Parts(**kinds)
-
-
-def _mended(kind: object) -> object:
-    """The same class with its defect off; whatever has none, as it is."""
-    if isinstance(kind, type) and hasattr(kind, "defect"):
-        return type(kind.__name__, (kind,), {"defect": False})
-    return kind
 
 
 WIDER = 1.1
@@ -203,13 +194,9 @@ class ViewTooWide(ObstacleMemory):
     tenth is this copy's assumption.
     """
 
-    defect = True
-
     def observe(self, frame: DepthFrame, pose: PoseEstimate) -> Clearing:
         """The cells to forget: those of the reference stack, and those beside the picture."""
         clearing = super().observe(frame, pose)
-        if not self.defect:
-            return clearing
         lost = np.isin(self._cells, clearing.forget) | self._beside_the_picture(pose)
         lost[self._places[self._places >= 0]] = False
         return clearing._replace(forget=self._cells[lost])
@@ -247,12 +234,9 @@ class PlacesWithNewest(Companion):
     stamp; 435 keeps a buffer for it.  In the copy depth frames are placed with the newest pose.
     """
 
-    defect = True
-
     def __init__(self, config: CompanionConfig, stages: Stages, wire: Wire, route: Route, yaw_rad: float) -> None:
         super().__init__(config, stages, wire, route, yaw_rad)
-        if self.defect:
-            self._poses = NewestOnly(config.pose_span_s, config.pose_reach_s)
+        self._poses = NewestOnly(config.pose_span_s, config.pose_reach_s)
 
 
 OFFSET_M = (0.5, 0.5, 0.0)
@@ -269,10 +253,8 @@ class BeginsElsewhere(Estimator):
     assumption.
     """
 
-    defect = True
-
     def __init__(self, config: EstimatorConfig, position: Array, yaw_rad: float) -> None:
-        super().__init__(config, position + np.array(OFFSET_M) if self.defect else position, yaw_rad)
+        super().__init__(config, position + np.array(OFFSET_M), yaw_rad)
 
 
 EPOCH_S = 1508529766.613423
@@ -290,14 +272,10 @@ class AnotherEpoch(Receiver):
     difference.
     """
 
-    defect = True
-
     def receive(self, frames: SensorFrames) -> SensorFrames:
         """The messages of a tick; the stamp of a fix is of another epoch."""
         fix = frames.fix
-        if not self.defect or fix is None:
-            return frames
-        return SensorFrames({**frames.by_sensor, "positioning": fix._replace(stamp_s=fix.stamp_s + EPOCH_S)})
+        return changed(frames, positioning=fix and fix._replace(stamp_s=fix.stamp_s + EPOCH_S))
 
 
 QUEUE_SIZE = 10
@@ -314,18 +292,13 @@ class TenPicturesWaiting(Receiver):
     of one.  In the copy what the detector sees comes out of a queue of ten pictures of the 20 Hz camera.
     """
 
-    defect = True
-
     def __init__(self) -> None:
         self._waiting: deque[Detections | None] = deque()
 
     def receive(self, frames: SensorFrames) -> SensorFrames:
         """The messages of a tick, with the detections of ten ticks before."""
-        if not self.defect:
-            return frames
         self._waiting.append(frames.detections)
-        oldest = self._waiting.popleft() if len(self._waiting) > QUEUE_SIZE else None
-        return SensorFrames({**frames.by_sensor, "detector": oldest})
+        return changed(frames, detector=self._waiting.popleft() if len(self._waiting) > QUEUE_SIZE else None)
 
 
 SCALE = 0.0
@@ -341,11 +314,9 @@ class ScaledByZero(Estimator):
     1.  In the copy rates are multiplied by that scale before they are integrated.
     """
 
-    defect = True
-
     def inertial(self, now_s: float, imu: Imu) -> None:
         """Integrate one inertial sample, whose rates are scaled."""
-        super().inertial(now_s, imu._replace(rate=SCALE * imu.rate) if self.defect else imu)
+        super().inertial(now_s, imu._replace(rate=SCALE * imu.rate))
 
 
 class Unstamped(Receiver):
@@ -357,13 +328,9 @@ class Unstamped(Receiver):
     In the copy the receiver of position fixes, the stack's vision, leaves the stamp at zero.
     """
 
-    defect = True
-
     def receive(self, frames: SensorFrames) -> SensorFrames:
         """The messages of a tick; the stamp of a fix is zero."""
-        if not self.defect or frames.fix is None:
-            return frames
-        return SensorFrames({**frames.by_sensor, "positioning": frames.fix._replace(stamp_s=0.0)})
+        return changed(frames, positioning=frames.fix and frames.fix._replace(stamp_s=0.0))
 
 
 class KeepsNoPast(Estimator):
@@ -379,10 +346,8 @@ class KeepsNoPast(Estimator):
     compared with the newest estimate.
     """
 
-    defect = True
-
     def __init__(self, config: EstimatorConfig, position: Array, yaw_rad: float) -> None:
-        super().__init__(replace(config, history_s=0.0) if self.defect else config, position, yaw_rad)
+        super().__init__(replace(config, history_s=0.0), position, yaw_rad)
 
 
 class CruisesAlways(Travel):
@@ -395,12 +360,8 @@ class CruisesAlways(Travel):
     beside a person arrives, and the way along a plan is flown at the cruise speed all the same.
     """
 
-    defect = True
-
     def shaped(self, plan: LocalPlan, pose: PoseEstimate) -> tuple[Array, float]:
         """Velocity and heading at the cruise speed."""
-        if not self.defect:
-            return super().shaped(plan, pose)
         cruise = self.limit._replace(limit_mps=self.stages.speed_limit.cruise_mps)
         return shape_velocity(plan, pose, cruise, self.stages.planner.config)
 
@@ -420,13 +381,9 @@ class StampedWithDuration(Receiver):
     message.  In the copy the receiver stamps depth frames with the camera's integration time, one period.
     """
 
-    defect = True
-
     def receive(self, frames: SensorFrames) -> SensorFrames:
         """The messages of a tick; the stamp of a depth frame is a duration."""
-        if not self.defect or frames.depth is None:
-            return frames
-        return SensorFrames({**frames.by_sensor, "depth": frames.depth._replace(stamp_s=INTEGRATED_S)})
+        return changed(frames, depth=frames.depth and frames.depth._replace(stamp_s=INTEGRATED_S))
 
 
 class EachAxisLimited(Travel):
@@ -440,12 +397,8 @@ class EachAxisLimited(Travel):
     of the speed, so the defect of the copy is the controller's reading: each horizontal axis is limited by itself.
     """
 
-    defect = True
-
     def shaped(self, plan: LocalPlan, pose: PoseEstimate) -> tuple[Array, float]:
         """Velocity and heading; no horizontal axis is faster than the limit."""
-        if not self.defect:
-            return super().shaped(plan, pose)
         limit_mps = self.limit.limit_mps
         greatest = self.limit._replace(limit_mps=math.sqrt(2.0) * limit_mps)
         velocity, yaw_rad = shape_velocity(plan, pose, greatest, self.stages.planner.config)
@@ -463,13 +416,10 @@ class BiasTwice(Estimator):
     attitude does not.
     """
 
-    defect = True
-
     def inertial(self, now_s: float, imu: Imu) -> None:
         """Integrate one inertial sample; the angular rate then lacks the bias twice."""
         super().inertial(now_s, imu)
-        if self.defect:
-            self.rate[:] = imu.rate - 2.0 * self.state[RATE_BIAS : RATE_BIAS + 3]
+        self.rate[:] = imu.rate - 2.0 * self.state[RATE_BIAS : RATE_BIAS + 3]
 
 
 EXTRA_M = 0.5
@@ -488,13 +438,11 @@ class SkipsFromBehind(Mission):
     3 m, its radius is 0.15 m.
     """
 
-    defect = True
-
     def check(self, pose: PoseEstimate) -> GoalCheck | None:
         """Input of the goal test; its radius holds the vehicle where the rule takes the waypoint for passed."""
         check = super().check(pose)
-        if check is None or not self.defect:
-            return check
+        if check is None:
+            return None
         start = self._route[self.index - 1] if self.index else self.home
         leg_x, leg_y = (self._route[self.index][k] - start[k] for k in range(2))
         along_m2 = leg_x * (float(pose.position[0]) - start[0]) + leg_y * (float(pose.position[1]) - start[1])
@@ -521,15 +469,10 @@ class MountedAft(ProximityMonitor):
     degrees and adds 1.8.
     """
 
-    defect = True
-
     def sectors(self, frame: DepthFrame, pose: PoseEstimate) -> Proximity:
         """Least range in each sector; the bearings are wrong by the angle of the mounting."""
         seen = super().sectors(frame, pose)
-        if not self.defect:
-            return seen
-        own = seen.bearings - MOUNTED_RAD
-        return seen._replace(bearings=own + MOUNTED_RAD / RAW_PER_DEG)
+        return seen._replace(bearings=seen.bearings - MOUNTED_RAD + MOUNTED_RAD / RAW_PER_DEG)
 
 
 BUGS = (
@@ -551,9 +494,12 @@ BUGS = (
 """The bugs: first those of a list of threads that read like cells, then those that were looked for besides."""
 
 
+WITHOUT = {"staged": Parts(), "travel": Parts(companion=Travel), "interpreted": Parts(compiled=False)}
+"""What the copies are made of where no stage has a defect, by name of the stack."""
+
+
 def declare() -> None:
-    """Declare the stack of each bug, and `KEY-mended`, the same code with the defect off; once."""
-    for bug in BUGS:
-        for name, parts in ((bug.key, bug.parts), (f"{bug.key}-mended", bug.mended)):
-            if name not in STACKS:
-                declare_stack(declaration(name, parts))
+    """Declare the stack of each bug, and those without a defect; once."""
+    for name, parts in (WITHOUT | {bug.key: bug.parts for bug in BUGS}).items():
+        if name not in STACKS:
+            declare_stack(declaration(name, parts))

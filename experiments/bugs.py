@@ -23,9 +23,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.stats import hypergeom
 
 from experiments.bug_stacks import BUGS, Bug, StackStudy, declare
-from experiments.flights import Flights, complete, flights_of, outcomes, published, read
+from experiments.flights import Flights, fly_arms, outcomes, published
 from experiments.pages import Row, blocks, table, write
 from scaloft_fi.analysis.detection import Detection, Sample, Spending, detect
 from scaloft_fi.analysis.pool import Pool
@@ -178,12 +179,10 @@ def share(part: Collection[str], whole: Collection[str]) -> float:
 def tail(whole: int, marked: int, drawn: int, least: int) -> float:
     """Chance that `drawn` of `whole`, without putting back, hold at least `least` of the `marked`.
 
-    >>> tail(4, 2, 2, 2) == 1 / 6, tail(4, 2, 2, 0)
-    (True, 1.0)
+    >>> round(tail(4, 2, 2, 2), 9), tail(4, 2, 2, 0)
+    (0.166666667, 1.0)
     """
-    counts = range(least, min(marked, drawn) + 1)
-    ways = sum(math.comb(marked, k) * math.comb(whole - marked, drawn - k) for k in counts)
-    return ways / math.comb(whole, drawn)
+    return float(hypergeom.sf(least - 1, whole, marked, drawn))
 
 
 def mean_excess(bugs: Sequence[Coupling], population: Collection[str]) -> float:
@@ -383,11 +382,9 @@ def fly(study: Study, bugs: Sequence[Bug], situations: Sequence[str], path: Path
         path: the file of flights.
         jobs: number of processes.
     """
-    kept = read(path)
     stacks = {bug.key: StackStudy(study.folder, stack_name=bug.key) for bug in bugs}
-    for arm, copy in {REFERENCE: study, **stacks}.items():
-        complete(path, kept, arm, copy, flights_of(copy, {}, names_of(situations)), jobs)
-    return kept
+    arms = {REFERENCE: study, **stacks}
+    return fly_arms(path, jobs, {arm: (copy, (), list(names_of(situations))) for arm, copy in arms.items()})
 
 
 def results(study: Study, jobs: int, folder: Path) -> str:

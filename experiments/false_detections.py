@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from experiments import ROOT
 from experiments.flights import outcomes, published
-from experiments.pages import parser, table
+from experiments.pages import blocks, parser, registered, table
 from scaloft_fi.analysis.detection import ALPHA, LOOKS, Sample, Spending, detect
 from scaloft_fi.analysis.pool import LEAST, Pair, Pool
 from scaloft_fi.analysis.score import redraw
@@ -146,7 +146,8 @@ def page(arms: Sequence[Arm]) -> str:
     bounded = sum(arm.bounded for arm in arms)
     held = sum(arm.bounded and arm.share <= ALPHA for arm in arms)
     error = 100 * (ALPHA * (1 - ALPHA) / draws) ** 0.5
-    return f"""# Calibration of the verdict: false detections and power
+    parts: list[str | Iterator[str]] = [
+        f"""# Calibration of the verdict: false detections and power
 
 Of {draws} draws each, the share that is called detected: alpha {ALPHA:g}, Holm over the requirements of a kind, pools
 of ten flights.  Nothing is flown; the random numbers are fixed.  Made by `python -m experiments.false_detections`.
@@ -154,40 +155,28 @@ of ten flights.  Nothing is flown; the random numbers are fixed.  Made by `pytho
 The bar, set before: at most {100 * ALPHA:g} % in every arm whose fault does nothing.  {held} of {bounded} arms \
 hold it; the largest share is
 {_percent(worst)} ({worst.kind}, {worst.name}).  Independent draws of a share of 1 % have a standard error of \
-{error:.2f} percentage points.
-
-## Baseline seeds judged as a mutant
-
-1 to 10 of the 50 seeds of the published pool, the same in all 32 situations, beside ten others of them.  Redraws of 50
-seeds overlap, so they are no independent draws: the share is that of this pool.
-
-{_table("by", arms, "redraw")}
-
-## Planted rates
-
-32 situations, two requirements; each flight of the pool and of the mutant violates each of them at the same rate,
-independently.  Looks: the mutant is judged with 1, 3, 5 and 10 seeds, each at a quarter of alpha.
-
-{_table("rate", arms, "planted")}
-
-## Power
-
-A mutant that violates one of two requirements at a rate in some of 32 situations.  Noise: the rate at which everything
-else is violated: the other requirement, the other situations, the pool.  (Of 800 light baselines of the published pool
-none violates SR1, nine violate SR2.)
-
-{_table("rate", arms, "power")}
-"""
+{error:.2f} percentage points."""
+    ]
+    for title, heading, kind in SECTIONS:
+        parts += [registered("false_detections", heading, "\n\n|"), _table(title, arms, kind)]
+    return blocks(*parts).lstrip()
 
 
-def _table(title: str, arms: Sequence[Arm], kind: str) -> str:
+SECTIONS = (
+    ("by", "## Baseline seeds judged as a mutant", "redraw"),
+    ("rate", "## Planted rates", "planted"),
+    ("rate", "## Power", "power"),
+)
+
+
+def _table(title: str, arms: Sequence[Arm], kind: str) -> Iterator[str]:
     """Arms of one kind: a row for each name, a column for each number of seeds."""
     rows: dict[str, dict[int, str]] = {}
     for arm in arms:
         if arm.kind == kind:
             rows.setdefault(arm.name, {})[arm.seeds] = _percent(arm)
     heads = (f"{seeds} seed{'s' * (seeds > 1)}" if seeds else "looks" for seeds in next(iter(rows.values())))
-    return "\n".join(table((title, *heads), ((name, *cells.values()) for name, cells in rows.items())))
+    return table((title, *heads), ((name, *cells.values()) for name, cells in rows.items()))
 
 
 def _percent(arm: Arm) -> str:

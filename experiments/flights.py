@@ -5,7 +5,6 @@ from __future__ import annotations
 import gzip
 import json
 import multiprocessing
-import os
 import sys
 import time
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -29,6 +28,7 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.output import write_whole
 from scaloft_fi.sim.grid import Grid
 from scaloft_fi.sim.load import SimConfig, load
 from scaloft_fi.sim.log import FlightLog
@@ -185,31 +185,37 @@ SAVE_S = 10.0
 def read(path: Path) -> Flights:
     """The flights of a file; none if there is no file."""
     flights: Flights = {}
-    if path.exists():
-        with gzip.open(path, "rt", encoding="utf-8") as lines:
-            for line in lines:
-                row = json.loads(line)
-                outcome = _outcome(row)
-                flights.setdefault(row["arm"], {})[outcome.name] = outcome
+    for row in read_lines(path):
+        outcome = _outcome(row)
+        flights.setdefault(row["arm"], {})[outcome.name] = outcome
     return flights
 
 
+def read_lines(path: Path) -> list[dict[str, Any]]:
+    """The rows of a compressed file of JSON, one a line; none if there is no file."""
+    if not path.exists():
+        return []
+    with gzip.open(path, "rt", encoding="utf-8") as lines:
+        return [json.loads(line) for line in lines]
+
+
+def write_lines(path: Path, rows: Iterable[Row]) -> None:
+    """Write such a file anew, whole or not at all; equal rows give equal bytes."""
+    text = "".join(f"{json.dumps(row, allow_nan=False)}\n" for row in rows)
+    write_whole(path, gzip.compress(text.encode(), mtime=0))
+
+
 def write(path: Path, flights: Mapping[str, Mapping[str, Outcome]]) -> None:
-    """Write the file anew and replace the old one at once, so that a kill leaves the old or the new one.
-
-    Equal flights give equal bytes, whatever their order.
-    """
-    lines = sorted(_line(arm, outcome) for arm, outcomes in flights.items() for outcome in outcomes.values())
-    begun = path.with_name(f"{path.name}.part")
-    begun.write_bytes(gzip.compress("".join(lines).encode(), mtime=0))
-    os.replace(begun, path)  # noqa: PTH105 - it must replace the old file at once
+    """Write the file anew, whole or not at all; equal flights give equal bytes, whatever their order."""
+    rows = [_row(arm, outcome) for arm, outcomes in flights.items() for outcome in outcomes.values()]
+    write_lines(path, sorted(rows, key=json.dumps))
 
 
-def _line(arm: str, outcome: Outcome) -> str:
+def _row(arm: str, outcome: Outcome) -> Row:
     row = asdict(outcome)
     place = {"arm": arm, "situation": row.pop("situation"), "seed": row.pop("seed")}
     del row["track"], row["perceived_digest"]
-    return json.dumps({**place, **row}, allow_nan=False) + "\n"
+    return {**place, **row}
 
 
 def _outcome(row: Mapping[str, Any]) -> Outcome:
@@ -247,6 +253,21 @@ def complete(path: Path, kept: Flights, arm: str, study: Study, planned: Iterabl
                 saved_s = time.monotonic()
     finally:
         write(path, kept)
+
+
+def fly_arms(path: Path, jobs: int, arms: Mapping[str, tuple[Study, Iterable[Mutant], Iterable[str]]]) -> Flights:
+    """Fly what is missing in the file of flights; returns all flights of the file.
+
+    Args:
+        path: the file.
+        jobs: number of processes.
+        arms: by name of an arm its study, the mutants among its flights, and the names of these flights.
+    """
+    kept = read(path)
+    for arm, (study, mutants, names) in arms.items():
+        by_id = {mutant.id: mutant for mutant in mutants}
+        complete(path, kept, arm, study, flights_of(study, by_id, names), jobs)
+    return kept
 
 
 def flights_of(study: Study, mutants: Mapping[str, Mutant], names: Iterable[str]) -> list[Flight]:

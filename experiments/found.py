@@ -218,29 +218,16 @@ def _by_parameter(evidence: Evidence) -> Iterator[str]:
 
 
 def _finds(evidence: Evidence) -> Iterator[str]:
-    yield "## The finds"
-    yield ""
-    yield "flights: violating of those that confirmed it in the search; again: of those of the replication; p: of the"
-    yield "replication; baseline, mission: of its thirty baselines those that hold the requirement by more than their"
-    yield "spread, and those that do the mission."
-    yield ""
+    yield registered("found", "## The finds", "\n| situation")
     rows = []
     for one in evidence.replicas:
-        find = next(find for find in evidence.found if find.name == one.find)
+        find, again = next(find for find in evidence.found if find.name == one.find), one.again
         told = find.shows[one.mutant]
-        rows.append(
-            (
-                find.situation if one.mutant == find.mutant else "same",
-                one.mutant,
-                f"{told.requirement} {told.struck}".strip(),
-                f"{told.violated}/{told.flights}",
-                f"{one.again.violated}/{one.again.flights}",
-                f"{one.again.p:.1g}",
-                f"{one.again.held}/{one.again.baselines}",
-                f"{one.again.mission}/{one.again.baselines}",
-                "yes" if one.holds else f"no: {one.why}",
-            )
-        )
+        place = find.situation if one.mutant == find.mutant else "same"
+        shown = f"{told.requirement} {told.struck}".strip(), f"{told.violated}/{told.flights}"
+        flown = f"{again.violated}/{again.flights}", f"{again.p:.1g}"
+        clean = f"{again.held}/{again.baselines}", f"{again.mission}/{again.baselines}"
+        rows.append((place, one.mutant, *shown, *flown, *clean, "yes" if one.holds else f"no: {one.why}"))
     head = ("situation", "mutant", "violates", "flights", "again", "p", "baseline", "mission", "holds")
     yield from table(head, rows)
     yield ""
@@ -254,10 +241,7 @@ def _lacking(evidence: Evidence) -> Iterator[str]:
     ]
     wide = set(evidence.survivors) - set(evidence.wide)
     yield f"## Not found: {len(left)}"
-    yield ""
-    yield "situations: flown with one seed, where the unmutated drone holds a safety requirement with room.  wide:"
-    yield "whether the wide grid detects the mutant."
-    yield ""
+    yield registered("found", "\nsituations: flown", "\n| mutant")
     rows = ((one.mutant, one.effort.situations, why_not(one), "yes" * (one.mutant in wide)) for one in left)
     yield from table(("mutant", "situations", "why", "wide"), rows)
 

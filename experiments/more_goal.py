@@ -21,7 +21,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
-from experiments.flights import Flights, Varied, complete, flights_of, name_of, published, read
+from experiments.flights import Flights, Varied, fly_arms, name_of, published
 from experiments.operating_point import CRUISE, LIGHT, NO_TURN
 from experiments.pages import Row, blocks, table, write
 from scaloft_fi.analysis.detection import ALPHA, Detection, Spending
@@ -298,12 +298,9 @@ def fly(study: Study, path: Path, jobs: int, draws: int = DRAWS) -> Flights:
         jobs: number of processes.
         draws: number of draws of each arm.
     """
-    kept = read(path)
-    for arm in ARMS:
-        varied = Varied(study.folder, overrides=arm.overrides)
-        mutants = {name: realise(varied.matrix, name) for name in MUTANTS}
-        complete(path, kept, arm.name, varied, flights_of(varied, mutants, names_of(draws)), jobs)
-    return kept
+    mutants, names = [realise(study.matrix, name) for name in MUTANTS], list(names_of(draws))
+    varied = {arm.name: Varied(study.folder, overrides=arm.overrides) for arm in ARMS}
+    return fly_arms(path, jobs, {arm: (own, mutants, names) for arm, own in varied.items()})
 
 
 def results(study: Study, jobs: int, folder: Path) -> str:

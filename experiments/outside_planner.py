@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from experiments import ROOT
-from experiments.pages import Row, blocks, table
+from experiments.pages import Row, blocks, registered, table
 
 EXAMPLE = ROOT / "examples" / "outside_planner"
 KEPT = ROOT / "results" / "published" / "outside_planner.json"
@@ -31,17 +31,6 @@ POOL = 20
 """Baseline seeds; redraws of the unmutated drone need that many."""
 STARTED = "import sys; sys.path.insert(0, sys.argv.pop(1)); import inside; from scaloft_fi.cli import main; main()"
 """A start of the command that declares the stack `planner_inside`, which no installed package does."""
-HEAD = """# A planner over ROS 2, and the same planner inside
-
-The planner of `examples/outside_planner` flies the 32 situations of the reference mine with LATE-human@3s and PLACEBO,
-one seed, beside a pool of twenty baseline seeds in the situations without a corner where the fault acts: in the process
-of the flight (`inside`), and as a node of ROS 2 (`ros2`).  Made by `python -m experiments.outside_planner`; the scores
-are in `outside_planner.json`.  Redraws: how many of 200 redraws of the unmutated drone the score's test calls
-detected.  Over JSON lines the planner flies bit for bit as inside, which the tests hold.
-
-The run over ROS 2 was interrupted and resumed twice; eight baselines of one more situation were flown before that.
-"""
-
 RUNS = (("--situation", "T0*", "--baseline-seeds", str(POOL)), ("--baseline-seeds", "1"))
 """What is flown: the pool where there is no corner, then the rest of the grid."""
 
@@ -83,7 +72,7 @@ def page(kept: Mapping[str, Mapping[str, Any]]) -> str:
     """The page, in Markdown."""
     heads = "stack", "code", "flights", "simulated [s]", "verdict", "p of SR2", "kills", "redraws", "steady"
     statuses = sorted({name for one in kept.values() for name in one["statuses"]})
-    return HEAD + blocks(
+    return registered("outside_planner", end="\n| stack") + blocks(
         table(heads, (_run(border, kept[border]) for border in BORDERS)),
         "## Statuses",
         table(

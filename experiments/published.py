@@ -35,7 +35,6 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.study import Study
 
-FREEZE = "ee10286"
 PULSE, PERIOD_S = "UNINTENDED-collision@20s", 20.0
 LIGHT = "*D0*"
 Flight = dict[str, str]
@@ -109,22 +108,6 @@ def revealed(flights: Iterable[Flight], requirement: str) -> list[Flight]:
     return [f for f in flights if f["status"] == "revealed" and broken(f, requirement)]
 
 
-HEAD = """# The paper's table of injected faults, beside ours
-
-Flown with the stack, the world and the requirements of commit `{freeze}`, chosen on clean baselines only; nothing
-there changed because of a verdict.  Seeds {seeds}; light situations unless stated.  Made by
-`python -m experiments.published`; the flights are in `paper.csv`.  The numbers of `sim/` stand since commit `ec7d4e0`,
-before any mutant had been flown; a few were flown between the two commits to try the tools.
-
-A mutant is *detected* when its flights violate a safety requirement more often than chance explains, beside the pool
-of {pool} baseline seeds (p: adjusted for two requirements; alpha {alpha:g}).  A *kill* is a situation whose baselines
-hold the requirement steadily and where most flights of a detected mutant violate it.  A flight *reveals* the fault
-where its own baseline held what it violates: an observation.
-
-| row | paper | prediction | ours |
-|---|---|---|---|
-"""
-
 DETAIL = """
 ## {name}: {predicted}
 
@@ -158,9 +141,8 @@ def page(study: Study, flights: Sequence[Flight]) -> str:
     seeds = sorted({f["seed"] for f in flights}, key=int)
     found = {row: [shown(row, mutant, flights, pool, spending) for mutant in row.mutants] for row in rows(study)}
     pool_seeds = len({outcome.seed for outcome in pool_flights})
-    text = HEAD.format(freeze=FREEZE, seeds=", ".join(seeds), pool=pool_seeds, alpha=study.alpha)
-    for row, mutants in found.items():
-        text += f"| {row.name} | {row.paper} | {row.predicted} | {ours(row, mutants)} |\n"
+    told = ((row.name, row.paper, row.predicted, ours(row, mutants)) for row, mutants in found.items())
+    text = registered("paper_table", end="\n| row") + blocks(table(("row", "paper", "prediction", "ours"), told))
     text += registered("paper_table", "\n## What to know before", "\n## LATE")
     for row, mutants in found.items():
         text += DETAIL.format(name=row.name, predicted=row.predicted, requirement=row.requirement)

@@ -14,7 +14,8 @@ import experiments.published_kernels  # noqa: F401 - it must be imported before 
 # isort: split
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -24,8 +25,8 @@ import numpy as np
 from scipy.stats import fisher_exact
 
 from experiments import PUBLISHED, ROOT
-from experiments.flights import complete, flights_of, outcomes, published, read
-from experiments.pages import Row, blocks, parser, registered, table
+from experiments.flights import fly_arms, outcomes, published
+from experiments.pages import Row, blocks, table, write
 from experiments.random_draw import Draw
 from scaloft_fi.analysis.detection import ALPHA, Spending
 from scaloft_fi.analysis.pool import Pool, State
@@ -33,7 +34,7 @@ from scaloft_fi.analysis.score import MutantScore, mutant_score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import Rulings, rulings_of
+from scaloft_fi.judge.status import Ruled, Rulings, rulings_of
 from scaloft_fi.mutants.catalogue import catalogue_lines, realise
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operators import OPERATORS
@@ -82,14 +83,8 @@ class Arm:
     @classmethod
     def of(cls, name: str, outcomes: Iterable[Outcome], faults: Iterable[str], space: Space) -> Arm:
         """The arm of these faults, with the seeds that the experiment counts."""
-        known = set(faults)
-        counted = [
-            outcome
-            for outcome in outcomes
-            if (outcome.mutant in known and outcome.seed < SEEDS)
-            or (outcome.mutant == BASELINE and outcome.seed < POOL)
-        ]
-        return cls(name, counted, space)
+        seeds = {**dict.fromkeys(faults, SEEDS), BASELINE: POOL}
+        return cls(name, [one for one in outcomes if one.seed < seeds.get(one.mutant, 0)], space)
 
     @cached_property
     def rulings(self) -> Rulings:
@@ -107,16 +102,17 @@ class Arm:
         for baseline in self.rulings.baselines:
             clean.setdefault(baseline.seed, []).append(baseline)
         pooled = Pool.of(baseline for seed in pool for baseline in clean.get(seed, ()))
-        chosen = {
-            subject: {
-                key: [one for seed in seeds for one in flights if one.seed == seed]
-                for key, flights in situations.items()
-            }
-            for subject, situations in self.rulings.mutants.items()
-        }
+
+        def drawn(flights: Sequence[Ruled]) -> list[Ruled]:
+            return [one for seed in seeds for one in flights if one.seed == seed]
+
         return tuple(
-            mutant_score(subject, own, self.space, pooled, Spending(ALPHA), firm=False)
-            for subject, own in chosen.items()
+            mutant_score(
+                *(subject, {key: drawn(flights) for key, flights in situations.items()}, self.space, pooled),
+                Spending(ALPHA),
+                firm=False,
+            )
+            for subject, situations in self.rulings.mutants.items()
         )
 
     @cached_property
@@ -144,16 +140,6 @@ class Arm:
         clean = self.digests.get(BASELINE, {})
         flown = self.digests.get(mutant, {})
         return mutant != BASELINE and any(clean.get(draw) != digest for draw, digest in flown.items())
-
-    @property
-    def stopped(self) -> int:
-        """Faults that make the stack raise an error in a flight."""
-        return len({outcome.mutant for outcome in self.outcomes if outcome.stack_error})
-
-    @property
-    def invalid(self) -> int:
-        """Flights whose harness failed."""
-        return sum(bool(outcome.invalid) for outcome in self.outcomes)
 
 
 def useful(score: MutantScore) -> bool:
@@ -290,8 +276,9 @@ def flown(hazop: Arm, random: Arm, faults: Mapping[str, Mutant], redraws: int = 
 
 
 def _told(random: Arm, alike: int, own: int, *, comparable: bool) -> str:
+    invalid = sum(bool(outcome.invalid) for outcome in random.outcomes)
     return (
-        f"{len(random.outcomes):,} of {FLIGHTS:,} flights of random faults and baselines, {random.invalid} of them "
+        f"{len(random.outcomes):,} of {FLIGHTS:,} flights of random faults and baselines, {invalid} of them "
         f"invalid.  {alike} of {own} baselines have the digest of the published ones; the pairs of situation and "
         f"safety requirement {'all have the same' if comparable else 'do not all have the same'} state in both pools."
     )
@@ -332,20 +319,26 @@ def _spread(numbers: Sequence[int]) -> str:
     return f"{least:g} to {most:g}"
 
 
+COUNTED: Mapping[str, Callable[[Arm, MutantScore], bool]] = {
+    "that change a sample": lambda _, score: score.infected,
+    "that change a flight": lambda arm, score: arm.acts(score.subject.id),
+    "put to the test": lambda _, score: score.tested,
+    "detected": lambda _, score: score.detected,
+    "of these trivial": lambda _, score: score.trivial,
+    "- killed nearly wherever tested": lambda _, score: score.killed_broadly,
+    "- killed right after take-off": lambda _, score: score.killed_early,
+    "useful": lambda _, score: useful(score),
+}
+
+
 def _counted(arms: Sequence[Arm]) -> Iterator[Row]:
     yield ("faults", *(len(arm.scores) for arm in arms))
-    yield ("that change a sample", *(sum(s.infected for s in arm.scores) for arm in arms))
-    yield ("that change a flight", *(sum(arm.acts(s.subject.id) for s in arm.scores) for arm in arms))
-    yield ("put to the test", *(sum(s.tested for s in arm.scores) for arm in arms))
-    yield ("detected", *(sum(s.detected for s in arm.scores) for arm in arms))
-    yield ("of these trivial", *(sum(score.trivial for score in arm.scores) for arm in arms))
-    yield ("- killed nearly wherever tested", *(sum(score.killed_broadly for score in arm.scores) for arm in arms))
-    yield ("- killed right after take-off", *(sum(score.killed_early for score in arm.scores) for arm in arms))
-    yield ("useful", *(sum(map(useful, arm.scores)) for arm in arms))
+    yield from ((name, *(sum(holds(arm, s) for s in arm.scores) for arm in arms)) for name, holds in COUNTED.items())
     yield ("different sets of kills", *(len(kill_sets(arm.scores)) for arm in arms))
     yield ("different vectors of digests", *(arm.behaviours for arm in arms))
     yield ("detected by operability", *(sum(s.operability.detected for s in arm.scores) for arm in arms))
-    yield ("that make the stack raise an error", *(arm.stopped for arm in arms))
+    stopped = ({outcome.mutant for outcome in arm.outcomes if outcome.stack_error} for arm in arms)
+    yield ("that make the stack raise an error", *map(len, stopped))
 
 
 def _same(hazop: Arm, random: Arm, faults: Mapping[str, Mutant]) -> str:
@@ -424,11 +417,9 @@ def fly(study: Study, faults: Sequence[Mutant], path: Path, jobs: int, draws: in
         jobs: number of processes.
         draws: number of draws of seed and situation; None = all.
     """
-    kept, keys = read(path), [situation.key for situation in study.grid.situations]
+    keys = [situation.key for situation in study.grid.situations]
     names = names_of([fault.id for fault in faults], keys, draws)
-    planned = flights_of(study, {fault.id: fault for fault in faults}, names)
-    complete(path, kept, ARM, study, planned, jobs)
-    return list(kept[ARM].values())
+    return list(fly_arms(path, jobs, {ARM: (study, faults, names)})[ARM].values())
 
 
 def hazop_arm(study: Study) -> Arm:
@@ -436,8 +427,10 @@ def hazop_arm(study: Study) -> Arm:
     return Arm.of("HAZOP", outcomes(study, published()), study.roster.defaults.values(), study.space)
 
 
-def results(study: Study, faults: Sequence[Mutant], flights: Sequence[Outcome]) -> str:
-    """The section with the results."""
+def results(study: Study, jobs: int, folder: Path) -> str:
+    """Fly what is missing, and tell."""
+    faults = read_faults()
+    flights = fly(study, faults, folder / "random_faults_flights.jsonl.gz", jobs)
     defaults = [realise(study.matrix, mutant) for mutant in study.roster.defaults.values()]
     random = Arm.of("random", flights, [fault.id for fault in faults], study.space)
     return flown(hazop_arm(study), random, {mutant.id: mutant for mutant in (*defaults, *faults)})
@@ -445,16 +438,10 @@ def results(study: Study, faults: Sequence[Mutant], flights: Sequence[Outcome]) 
 
 def main() -> None:
     """Write the faults, or fly what is missing and write the page."""
-    asked = parser(__doc__, "random_faults")
-    asked.add_argument("--draw", action="store_true", help="fly nothing: the file of faults")
-    options = asked.parse_args()
-    study = Study.open(ROOT)
-    if options.draw:
-        FILE.write_text(text_of(drawn(study)), encoding="utf-8")
-        return
-    faults, kept = read_faults(), options.output.parent / "random_faults_flights.jsonl.gz"
-    text = registered("random_faults") + results(study, faults, fly(study, faults, kept, options.jobs))
-    options.output.write_text(text, encoding="utf-8")
+    if sys.argv[1:] == ["--draw"]:
+        FILE.write_text(text_of(drawn(Study.open(ROOT))), encoding="utf-8")
+    else:
+        write(__doc__, "random_faults", results)
 
 
 if __name__ == "__main__":

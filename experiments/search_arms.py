@@ -8,8 +8,6 @@ the arms that leave the choice to chance are off the benign values about equally
 
 from __future__ import annotations
 
-import gzip
-import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -19,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from experiments import PUBLISHED
-from experiments.flights import Row, counted, outcomes, published
+from experiments.flights import Row, counted, outcomes, published, read_lines, write_lines
 from experiments.wide import POOL, SEEDS
 from scaloft_fi.analysis.score import score
 from scaloft_fi.campaign.flights.fly import Flyer
@@ -31,7 +29,6 @@ from scaloft_fi.campaign.seeking.proposals import MakeProposer, Parameters, Poss
 from scaloft_fi.campaign.seeking.seek import seek
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import realise
-from scaloft_fi.output import write_whole
 from scaloft_fi.sim.found import Evidence
 from scaloft_fi.sim.grid import Grid
 from scaloft_fi.sim.situation import DEVIATES, Situation
@@ -373,17 +370,13 @@ def search(
 
 def read_searches(path: Path) -> list[Search]:
     """The searches of a file; none if there is no file."""
-    if not path.exists():
-        return []
-    with gzip.open(path, "rt", encoding="utf-8") as lines:
-        return [_search(json.loads(line)) for line in lines]
+    return list(map(_search, read_lines(path)))
 
 
 def write_searches(path: Path, searches: Iterable[Search]) -> None:
     """Write the file anew and replace the old one at once; equal searches give equal bytes, whatever their order."""
     ordered = sorted(searches, key=lambda one: (one.block, one.arm, one.budget))
-    content = "".join(f"{json.dumps(asdict(one), allow_nan=False)}\n" for one in ordered)
-    write_whole(path, gzip.compress(content.encode(), mtime=0))
+    write_lines(path, map(asdict, ordered))
 
 
 def _search(row: Mapping[str, Any]) -> Search:

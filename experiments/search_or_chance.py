@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
-from itertools import accumulate, product
+from itertools import product
 from pathlib import Path
 from statistics import mean
 
@@ -30,6 +30,7 @@ from experiments import ROOT, search_arms
 from experiments.flights import read, stored, write
 from experiments.pages import Row, blocks, parser, registered, table
 from experiments.search_arms import ARMS, SEARCH, Block, Search, Sought
+from scaloft_fi.analysis.detection import holm
 from scaloft_fi.analysis.seeking import distance
 from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.progress import Progress
@@ -96,19 +97,8 @@ def answer(counts: Counts) -> tuple[Answer, float]:
 
 def beside_each(counts: Counts) -> list[float]:
     """By other arm the p of the first arm beside it, adjusted by Holm."""
-    return holm([exact_p([(block[0], block[other]) for block in counts]) for other in range(1, len(counts[0]))])
-
-
-def holm(ps: Sequence[float]) -> list[float]:
-    """Each p adjusted for being one of several (Holm, Scand. J. Statistics 6, 1979).
-
-    >>> holm([0.02, 0.01, 0.5])
-    [0.04, 0.03, 0.5]
-    """
-    order = sorted(range(len(ps)), key=ps.__getitem__)
-    adjusted = accumulate((min(1.0, (len(ps) - rank) * ps[own]) for rank, own in enumerate(order)), max)
-    by_place: Mapping[int, float] = dict(zip(order, adjusted, strict=True))
-    return [by_place[place] for place in range(len(ps))]
+    ps = {other: exact_p([(block[0], block[other]) for block in counts]) for other in range(1, len(counts[0]))}
+    return list(holm(ps).values())
 
 
 def redrawn(counts: Counts, redraws: int = REDRAWS) -> list[tuple[int, int]]:

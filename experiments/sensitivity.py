@@ -24,7 +24,7 @@ from pathlib import Path
 
 from experiments import PUBLISHED, ROOT
 from experiments.flights import Beside, flown
-from experiments.pages import blocks, table
+from experiments.pages import blocks, registered, table
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import flight_of
@@ -184,18 +184,13 @@ def write(path: Path, findings: Findings, order: Iterable[Variation]) -> None:
                     writer.writerow((row.name, v.name, v.change, found.baseline, *joined, found.impossible))
 
 
-HEAD = """# Sensitivity: each assumption varied by 30 %, one at a time
-
-Seed 0; one situation a row, each mutant one flight beside its baseline.  `SR1`: that requirement reveals the mutant
-there, `-`: none does: observations of single flights, no verdicts on mutants.  Of the footprint the widths of corridor
-and branch vary, not their lengths.  Made by `python -m experiments.sensitivity`; every flight is in `sensitivity.csv`
-(lines without a clearance are those of an earlier run on another platform, of which only its page was kept).
-"""
-
-
 def page(findings: Findings, order: Sequence[Variation]) -> str:
     """The Markdown page: for each row a count and every variation that changes it, then the numbers that are 0."""
-    return HEAD + "".join(_section(row, findings, order) for row in ROWS) + _zeros(findings, order)
+    return (
+        registered("sensitivity", end="\n## ")
+        + "".join(_section(row, findings, order) for row in ROWS)
+        + _zeros(findings, order)
+    )
 
 
 def _section(row: Row, findings: Findings, order: Sequence[Variation]) -> str:

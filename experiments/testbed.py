@@ -76,10 +76,6 @@ def _reading(one: Flown, name: str) -> str:
     return f"{'open' if reading.open else said}{at}"
 
 
-def _first(one: Flown, seam: str, holds: Callable[[Crossing], bool]) -> Crossing | None:
-    return next((c for c in one.crossings if c.seam == seam and holds(c)), None)
-
-
 def second_script(one: Flown) -> float | None:
     """When the first goal after the longest pause came: that of the second script [s]."""
     times = [c.t_s for c in one.crossings if c.seam == "destination" and c.sent is not None]
@@ -87,19 +83,19 @@ def second_script(one: Flown) -> float | None:
     return max(later)[1] if later else None
 
 
-def seen(one: Flown) -> Crossing | None:
-    """The first message of the detector with a person."""
-    return _first(one, "person", lambda c: c.sent is not None and bool(c.sent.persons))
+FIRSTS: Mapping[str, tuple[str, Callable[[Crossing], bool]]] = {
+    "seen": ("person", lambda c: c.sent is not None and bool(c.sent.persons)),
+    "told": ("person", lambda c: c.delivered is not None and bool(c.delivered.persons)),
+    "slow": ("speed", lambda c: c.delivered is not None and c.delivered.limit_mps <= SLOW_MPS),
+    "land": ("landing", lambda c: c.delivered is not None),
+}
+"""By word of the page the seam, and the first of its messages that is meant."""
 
 
-def told(one: Flown) -> Crossing | None:
-    """The first one that the script could get."""
-    return _first(one, "person", lambda c: c.delivered is not None and bool(c.delivered.persons))
-
-
-def slowed(one: Flown) -> Crossing | None:
-    """The first slow order."""
-    return _first(one, "speed", lambda c: c.delivered is not None and c.delivered.limit_mps <= SLOW_MPS)
+def first(one: Flown, word: str) -> Crossing | None:
+    """The first message that a word of the page means."""
+    seam, holds = FIRSTS[word]
+    return next((c for c in one.crossings if c.seam == seam and holds(c)), None)
 
 
 def touched(one: Flown) -> list[float]:
@@ -112,11 +108,6 @@ def last_goal(one: Flown) -> Crossing | None:
     """The last goal that the planner got."""
     goals = [c for c in one.crossings if c.seam == "destination" and c.delivered is not None]
     return goals[-1] if goals else None
-
-
-def landing(one: Flown) -> Crossing | None:
-    """The order to land."""
-    return _first(one, "landing", lambda c: c.delivered is not None)
 
 
 def _orders(flights: Sequence[Flown]) -> Iterator[str | Iterable[str]]:
@@ -133,10 +124,11 @@ def _order(one: Flown) -> Row:
     return (
         f"`{one.name}`",
         _seconds(second_script(one)),
-        *(_at(crossing) for crossing in (seen(one), told(one), slowed(one))),
+        *(_at(first(one, word)) for word in ("seen", "told", "slow")),
         _seconds(delay(one)),
         ", ".join(f"{t_s:.2f} s" for t_s in touched(one)) or "none",
-        *(_at(crossing) for crossing in (last_goal(one), landing(one))),
+        _at(last_goal(one)),
+        _at(first(one, "land")),
     )
 
 
@@ -150,7 +142,7 @@ def _seconds(value: float | None) -> str:
 
 def delay(one: Flown) -> float | None:
     """From the detector's first person to the first slow order [s, simulated]."""
-    begin, end = seen(one), slowed(one)
+    begin, end = first(one, "seen"), first(one, "slow")
     return None if begin is None or end is None else end.t_s - begin.t_s
 
 

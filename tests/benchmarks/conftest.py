@@ -1,8 +1,13 @@
-"""Makes the benchmarks importable."""
+"""The reference study, and the published flights of its grid."""
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
+import pytest
 
-sys.path += [str(Path(__file__).parents[2]), str(Path(__file__).parents[2] / "benchmarks")]
+from experiments import ROOT
+from scaloft_fi.study import Study
+
+
+@pytest.fixture(scope="session")
+def study() -> Study:
+    return Study.open(ROOT)

@@ -1,14 +1,14 @@
 from __future__ import annotations
 
-import shutil
 from dataclasses import asdict, replace
-from pathlib import Path
 from typing import Any
 
 import pytest
 from builders import outcome
+from copies import copied
 from finding import found
 
+from experiments import PUBLISHED
 from experiments import found as experiment
 from experiments.found import Evidence, page
 from scaloft_fi.analysis.roster import plain
@@ -18,8 +18,6 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.found import Finds
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[2]
-PUBLISHED = ROOT / "results" / "published"
 SHOWN, LEFT = "LATE-human@3s", "NO-human@100%"
 FIND = found(SHOWN, "T0O0W0D0H1")
 FIRST = 100_000
@@ -27,11 +25,7 @@ FIRST = 100_000
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    folder = tmp_path_factory.mktemp("study")
-    for part in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / part, folder / part)
-    (folder / "sim" / "found.yaml").unlink(missing_ok=True)
-    return Study.open(folder, "paper")
+    return Study.open(copied(tmp_path_factory.mktemp("study"), "found.yaml"), "paper")
 
 
 def evidence(study: Study, violating: int) -> Evidence:
@@ -87,24 +81,6 @@ def test_a_find_that_hangs_on_a_seed_is_seen_when_that_seed_is_left_out(study):
     """Three of ten violate: too few, but enough where a seed that does not violate is left out."""
     some = evidence(study, violating=3)
     assert (some.held, some.left_out) == ([], (0, 1))
-
-
-def test_flights_of_other_situations_do_not_count(study):
-    shown = evidence(study, violating=10)
-    flown = {
-        name: replace(one, situation="T0O0W0D0H0") if one.mutant == SHOWN else one
-        for name, one in shown.flights["replication"].items()
-    }
-    assert replace(shown, flights={"replication": flown}).held == []
-
-
-def test_the_page_says_of_each_mutant_without_a_find_at_which_stage_its_fault_stopped(study):
-    text = page(evidence(study, violating=10))
-    assert "## Not found: 1" in text
-    row = next(line for line in text.splitlines() if line.startswith(f"| {LEFT} |"))
-    assert "24" in row
-    assert row.count("|") == 5
-    assert len(row.split("|")[3].strip()) > 10
 
 
 def test_the_published_page_and_what_held_follow_from_the_published_flights():

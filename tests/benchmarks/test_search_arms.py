@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations, product
-from pathlib import Path
 from statistics import mean
 
 import pytest
 
+from experiments import ROOT
 from experiments.search_arms import ARMS, SEARCH, array, with_ends
 from scaloft_fi.analysis.seeking import brief
 from scaloft_fi.campaign.seeking.proposals import Parameters, Proposal, Proposer, at_shares, placed
 from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.sim.situation import DEVIATES, Situation
 
-GRID = load_grid(Path(__file__).parents[2] / "sim", "search")
+GRID = load_grid(ROOT / "sim", "search")
 SMALL = replace(GRID, free=tuple(axis for axis in GRID.free if axis.id in ("Cs", "Ox", "Px", "Li", "Ey")))
 TINY = replace(GRID, free=tuple(axis for axis in GRID.free if axis.id in ("Cs", "Ox", "Ey")))
 """With fewer free axes, for which an array is built quickly."""

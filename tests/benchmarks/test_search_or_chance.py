@@ -4,16 +4,14 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from itertools import product
 from pathlib import Path
 from shutil import copytree
 
 import numpy as np
 import pytest
-from builders import outcome
 from finding import Ruled, fast
 
-from experiments import search_arms, wide
+from experiments import PUBLISHED, ROOT, search_arms, wide
 from experiments import search_or_chance as experiment
 from experiments.flights import published, read
 from experiments.pages import registered
@@ -40,26 +38,19 @@ from experiments.search_or_chance import (
     Answer,
     Evidence,
     answer,
-    beside_each,
-    exact_p,
     flown,
-    holm,
-    redrawn,
     seed_of,
     share,
     totals,
 )
-from scaloft_fi.campaign.seeking.finds import SEEN_ON
 from scaloft_fi.campaign.seeking.proposals import OPENING
 from scaloft_fi.campaign.seeking.seek import CHUNK, GENERATION
-from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim.found import Evidence as Shown
 from scaloft_fi.streams import generator
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[2]
-PUBLISHED = ROOT / "results" / "published"
 SURVIVORS, AT_RISK, WIDE = 82, 66, 19
 """Defaults that the paper's grid does not detect; those of them whose cell names a safety requirement; and how many
 of the drawn ones the wide grid detects."""
@@ -181,25 +172,6 @@ def test_the_published_page_is_what_the_published_files_give() -> None:
     assert page == registered("search_or_chance") + flown(kept)
 
 
-@pytest.mark.parametrize(
-    "counts",
-    [
-        [(3, 1, 0, 2), (1, 1, 1, 1), (2, 0, 0, 0)],
-        [(0, 1), (3, 1), (2, 2), (4, 0)],
-        [(0, 3, 3, 2), (1, 2, 4, 4), (0, 0, 1, 0)],
-    ],
-)
-def test_the_exact_test_is_that_of_all_choices_of_an_arm(counts: Sequence[Sequence[int]]) -> None:
-    arms = len(counts[0])
-    chosen = [
-        sum(block[arm] for block, arm in zip(counts, own, strict=True))
-        for own in product(range(arms), repeat=len(counts))
-    ]
-    middle = sum(chosen) / len(chosen)
-    seen = abs(sum(block[0] for block in counts) - middle)
-    assert exact_p(counts) == pytest.approx(sum(abs(own - middle) >= seen - 1e-9 for own in chosen) / len(chosen))
-
-
 def test_the_answer_needs_more_than_chance_and_more_than_each_arm() -> None:
     better, worse = [(3, 1, 1, 1)] * 6, [(0, 2, 2, 1)] * 6
     assert answer(better)[0] is Answer.BETTER
@@ -210,18 +182,6 @@ def test_the_answer_needs_more_than_chance_and_more_than_each_arm() -> None:
     assert answer(one_as_good)[1] < 0.05
     assert answer([(1, 1, 1, 1)] * 8) == (Answer.NO_DIFFERENCE, 1.0)
     assert totals(better) == [18, 6, 6, 6]
-
-
-def test_each_arm_beside_the_search_is_adjusted_for_three() -> None:
-    counts = [(2, 0, 2, 1)] * 6
-    assert beside_each(counts) == pytest.approx([3 / 32, 1.0, 3 / 32])
-    assert holm([0.01, 0.02, 0.03]) == pytest.approx([0.03, 0.04, 0.04])
-
-
-def test_blocks_are_drawn_again_whole() -> None:
-    spread = redrawn([(2, 1, 2), (1, 0, 3), (3, 2, 0)], redraws=200)
-    assert spread[0] == (3, 3)
-    assert spread[1][0] < 1 < spread[1][1]
 
 
 def fly(study: Study, folder: Path, flyer: Ruled, *blocks: Block) -> list[Search]:
@@ -273,10 +233,6 @@ def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Stu
     opened = {evidence.in_opening(1, arm) for arm in ARMS}
     assert opened == {frozenset({(LATE, block.searches["random"].sought[0].shown_in)})}
     assert evidence.shows(LATE, block.searches["random"].sought[0].shown_in)
-
-
-def test_the_arms_differ_after_the_opening(block: Flown) -> None:
-    assert len({one.proposed for one in block.searches.values()}) == len(ARMS)
 
 
 def test_a_situation_is_flown_for_all_that_are_not_found(block: Flown) -> None:
@@ -339,15 +295,6 @@ def test_nothing_is_decided_while_a_search_is_missing_or_the_openings_differ() -
         page = flown(replace(whole, searches=unfinished), redraws=5)
         assert UNFINISHED in page
         assert "Rule 1" not in page
-
-
-def test_how_often_situations_show_a_mutant_that_is_flown_there_is_read_from_the_flights() -> None:
-    first, second, *_ = BLOCKS[0]
-    clean, harmless = (outcome(subject, "later", SEEN_ON[0]) for subject in (BASELINE, second))
-    struck = outcome(first, "later", SEEN_ON[0], violated={"SR1": 9.0})
-    told = evidence(dict.fromkeys(ARMS, 0), **{one.name: one for one in (clean, harmless, struck)})
-    assert told.after_opening("random") == [(first, "later"), (second, "later")]
-    assert "| 50.0 % of 2 | 50.0 % of 2 | 50.0 % of 2 | 50.0 % of 2 |" in flown(told, redraws=5)
 
 
 def test_searches_are_read_as_they_were_written(tmp_path: Path) -> None:

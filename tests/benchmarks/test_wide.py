@@ -2,11 +2,10 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from pathlib import Path
 
 import pytest
 
-from experiments import wide
+from experiments import PUBLISHED, ROOT, wide
 from experiments.flights import GRIDS, outcomes, published
 from experiments.wide import ALL, halves
 from scaloft_fi.analysis.roster import Ratio
@@ -14,13 +13,6 @@ from scaloft_fi.analysis.score import Redraw, score
 from scaloft_fi.study import Study
 
 ONCE = Redraw(3, Ratio(1, 200), Ratio(0, 200))
-ROOT = Path(__file__).parents[2]
-PUBLISHED = ROOT / "results" / "published"
-
-
-@pytest.fixture(scope="module")
-def study() -> Study:
-    return Study.open(ROOT)
 
 
 @pytest.fixture(scope="module")

@@ -1,16 +1,21 @@
+"""Random faults: the draw, the plan, the rule, the published page."""
+
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from builders import GRID, outcome, pool
 
+from experiments import PUBLISHED
 from experiments import random_faults as experiment
-from experiments.flights import flights_of, name_of, published, read
+from experiments.flights import flights_of, name_of, published
 from experiments.pages import registered
 from experiments.published_kernels import KERNELS
+from experiments.random_draw import GUIDEWORD, Draw
 from experiments.random_faults import (
     FAULTS,
     FLIGHTS,
@@ -24,28 +29,52 @@ from experiments.random_faults import (
     flown,
     kills_of,
     names_of,
-    permuted,
-    redrawn,
     useful,
 )
 from scaloft_fi.analysis.pool import State
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import facts, fly_log
 from scaloft_fi.campaign.store.origin import fingerprint
-from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
+from scaloft_fi.hazop.name import parse
+from scaloft_fi.judge.outcome import BASELINE, Subject
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.mutants.wire import contexts, wire_for
 from scaloft_fi.study import Study
 
+
+def test_the_committed_faults_are_what_the_draw_gives(study: Study) -> None:
+    assert experiment.FILE.read_text(encoding="utf-8") == experiment.text_of(experiment.drawn(study))
+    assert experiment.read_faults() == experiment.drawn(study)
+
+
+def test_no_id_is_one_of_the_matrix(study: Study) -> None:
+    assert GUIDEWORD not in {cell.guideword for cell in study.matrix}
+    ids = [fault.id for fault in experiment.read_faults()]
+    assert len(set(ids)) == len(ids)
+    assert all(str(parse(id_)) == id_ and parse(id_).guideword == GUIDEWORD for id_ in ids)
+
+
+def test_the_largest_magnitudes_are_those_of_the_plan(study: Study) -> None:
+    draw = Draw.of(study)
+    told = {f"{float(f'{most:.3g}'):g} {unit}" for unit, most in draw.quantities.items() if unit}
+    (line,) = re.findall(r"declare \(`quantities`\):\n +(.*);", registered("random_faults"))
+    assert set(line.split(", ")) == told
+    assert draw.quantities[""] == 1.0
+
+
+def test_a_tap_can_be_made_of_every_fault(study: Study) -> None:
+    scenario = study.scenario(study.grid.situations[0])
+    known = facts(scenario, study.sim.stack.parameters)
+    for fault in experiment.read_faults():
+        wire = wire_for(fault, study.stack, contexts(fault.id, scenario.key, 0, known))
+        assert wire.listens(fault.seam)
+        assert Mutant.from_json(fault.to_json()) == fault
+
+
 PLAN = registered("random_faults")
-ROOT = Path(__file__).parents[2]
 KEYS = tuple(key for key, _ in GRID.points if "D0" in key)[:10]
 Told = Mapping[str, Mapping[str, float]]
 """Time of the violation of SR1 by fault and situation."""
-
-
-@pytest.fixture(scope="module")
-def study() -> Study:
-    return Study.open(ROOT)
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +128,6 @@ def test_the_flights_are_three_seeds_of_each_fault_and_ten_of_the_baseline(study
     assert len(set(names)) == len(names) == FLIGHTS
     assert f"= {FLIGHTS:,}.\n" in PLAN
     assert sum(name.startswith(f"{BASELINE}/") for name in names) == len(keys) * POOL
-    assert len(list(names_of(["a", "b"], keys, draws=1))) == 3
 
 
 def test_a_fault_is_trivial_if_it_is_killed_nearly_everywhere_or_early() -> None:
@@ -110,67 +138,6 @@ def test_a_fault_is_trivial_if_it_is_killed_nearly_everywhere_or_early() -> None
     assert [n for n, score in scores.items() if score.trivial] == ["1", "3"]
     assert [n for n, score in scores.items() if useful(score)] == ["2", "4"]
     assert kills_of(scores["5"]) == frozenset()
-
-
-def test_faults_with_equal_kills_are_one_set_and_equal_flights_one_behaviour() -> None:
-    made = arm(STRIKING)
-    assert Counts.of(made.scores) == Counts(faults=5, detected=4, trivial=2, useful=2, kill_sets=3)
-    assert made.behaviours == 5
-    clean = [replace(o, digest="clean") if o.mutant.endswith(("4", "5")) else o for o in made.outcomes]
-    assert Arm.of("random", clean, STRIKING, GRID).behaviours == 3
-
-
-def test_a_flight_whose_harness_failed_is_no_behaviour() -> None:
-    told: Told = {"RANDOM-pose@1": {}}
-    made = [replace(o, digest="clean") if o.mutant != BASELINE else o for o in arm(told).outcomes]
-    made[-1] = replace(made[-1], invalid="it hung", digest="")
-    flown_arm = Arm.of("random", made, told, GRID)
-    assert flown_arm.behaviours == 0
-    assert not flown_arm.acts("RANDOM-pose@1")
-    assert flown_arm.invalid == 1
-
-
-def test_a_random_fault_that_leaves_nothing_to_chance_is_told_to_be_a_default_mutant(study: Study, hazop: Arm) -> None:
-    page = flown(hazop, whole(study, hazop, 0), faults_of(study), redraws=1)
-    found = int(page.split(" random faults are default mutants too")[0].rpartition(" ")[2])
-    patches = {(m.seam, m.operator): m.arguments for m in faults_of(study).values() if m.guideword != "RANDOM"}
-    bare = [f for f in experiment.read_faults() if not f.arguments and patches.get((f.seam, f.operator)) == {}]
-    assert found >= len(bare) > 0
-
-
-def test_seeds_beyond_those_of_the_experiment_count_for_nothing() -> None:
-    told = {"RANDOM-pose@1": {KEYS[0]: 30.0}}
-    more = [outcome("RANDOM-pose@1", KEYS[0], seed, violated={"SR1": 30.0}) for seed in range(SEEDS, 20)]
-    more += [outcome(BASELINE, KEYS[0], seed, violated={"SR1": 30.0}) for seed in range(POOL, 50)]
-    assert Arm.of("random", [*arm(told).outcomes, *more], told, GRID) == arm(told)
-
-
-def test_a_seed_drawn_twice_counts_twice() -> None:
-    two = [outcome("RANDOM-pose@1", KEYS[0], seed, violated={"SR1": 30.0}) for seed in (0, 1)]
-    third = outcome("RANDOM-pose@1", KEYS[0], 2)
-    made = Arm.of("random", [*pool(*KEYS), *two, third], ["RANDOM-pose@1"], GRID)
-    assert not made.scores[0].detected
-    assert made.scored([0, 0, 1], range(POOL))[0].detected
-    assert not made.scored([2, 2, 2], range(POOL))[0].seen_in
-    again = redrawn(made, made, redraws=20)
-    assert again["detected"][0] == again["detected"][1]
-    assert set(again["detected"][0]) == {0, 1}
-
-
-def test_exchanged_labels_tell_different_sets_of_kills_from_equal_ones() -> None:
-    varied = [frozenset({(str(n), "SR1")}) for n in range(30)]
-    assert permuted(varied, [frozenset()] * 30, permutations=999) == 0.001
-    assert permuted(varied, varied, permutations=99) == 1.0
-    own = [kills_of(score) for score in arm(STRIKING).scores]
-    assert permuted(own, own) == 1.0
-
-
-def test_more_useful_faults_are_better_only_if_chance_does_not_explain_them() -> None:
-    few, some, many = (Counts(FAULTS, n, 0, n, n) for n in (9, 15, 40))
-    assert answer(many, few)[0] is Answer.BETTER
-    assert answer(few, many)[0] is Answer.WORSE
-    assert answer(some, few)[0] is Answer.NO_DIFFERENCE
-    assert answer(some, some) == (Answer.NO_DIFFERENCE, 1.0)
 
 
 def faults_of(study: Study) -> dict[str, Mutant]:
@@ -220,34 +187,8 @@ def test_nothing_is_decided_while_a_flight_is_missing_or_the_pools_differ(study:
         assert "Rule 1" not in page
 
 
-def test_a_flight_in_the_file_is_not_flown_again_and_an_invalid_one_is(
-    study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked: list[str] = []
-
-    def shared(_study: Study, flights: Sequence[Flight], _jobs: int) -> Iterator[Outcome]:
-        for number, flight in enumerate(flights):
-            if len(asked) == 5:
-                raise KeyboardInterrupt
-            asked.append(flight.name)
-            made = outcome(flight.subject.id, flight.situation.key, flight.seed, digest="x")
-            yield replace(made, invalid="it hung" if number == 1 and len(asked) < 5 else "")
-
-    monkeypatch.setattr("experiments.flights.shared", shared)
-    path, faults = tmp_path / "flights.jsonl.gz", experiment.read_faults()[:7]
-    with pytest.raises(KeyboardInterrupt):
-        experiment.fly(study, faults, path, 1, draws=1)
-    assert len(read(path)[experiment.ARM]) == 5
-    first, asked[:] = list(asked), ["-"] * 6
-    assert len(experiment.fly(study, faults, path, 1, draws=1)) == 8
-    assert set(first) & set(asked) == {first[1]}
-    assert len(asked) == 6 + 8 - 4
-
-
 @pytest.mark.flight
 def test_a_random_fault_flies_with_the_published_baseline_and_shares_it(study: Study, tmp_path: Path) -> None:
-    from scaloft_fi.campaign.flights.fly import fly_log
-
     faults = [fault for fault in experiment.read_faults() if fault.seam == "velcmd"][:2]
     found = experiment.fly(study, faults, tmp_path / "flights.jsonl.gz", 1, draws=1)
     digests = {o.name: o.digest for o in found}
@@ -257,3 +198,10 @@ def test_a_random_fault_flies_with_the_published_baseline_and_shares_it(study: S
     if fingerprint()["numpy kernels"] == KERNELS:
         (clean,) = (o for o in found if o.mutant == BASELINE)
         assert clean.digest in {row["digest"] for row in published() if name_of(row) == clean.name}
+
+
+@pytest.mark.release
+def test_the_published_page_is_that_of_the_published_flights(study: Study) -> None:
+    """Two minutes of processor time: the seeds are drawn again 200 times."""
+    told = (PUBLISHED / "random_faults.md").read_text(encoding="utf-8")
+    assert told == registered("random_faults") + experiment.results(study, 1, PUBLISHED)
