@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import shutil
 import time
 from pathlib import Path
 
 import pytest
+from copies import copied
 from effort import usually
-from fuzzing import FOLDERS, MOST_S, probe, told, wrong_sentence
+from fuzzing import MOST_S, probe, told, wrong_sentence
 from harmful import CORPUS, WORLD
 from plugins import ROOT, call, install_project
 
@@ -23,8 +23,7 @@ OWN = ROOT / "examples" / "own_stack"
 
 def meshed(folder: Path) -> Path:
     """Copy the reference study with its mine as a mesh, an accepted survivor and a constraint."""
-    for name in FOLDERS:
-        shutil.copytree(ROOT / name, folder / name)
+    copied(folder)
     mine, lines, count = load_grid(ROOT / "sim").world(()).mine, [], 1
     for name, part in (("rock", mine.wall), ("floor", mine.ground)):
         lines += [f"o {name}", *(f"v {x:g} {y:g} {z:g}" for x, y, z in part.vertices)]
@@ -60,8 +59,7 @@ def study(tmp_path_factory) -> Path:
 @pytest.mark.parametrize("name", CORPUS)
 def test_an_input_that_once_did_harm_is_refused_at_once(study, tmp_path, name):
     file, change, sentence = CORPUS[name]
-    for part in FOLDERS:
-        shutil.copytree(study / part, tmp_path / part)
+    copied(tmp_path, study=study)
     change(tmp_path / file)
     begun_s = time.process_time()
     with pytest.raises(InputError, match=sentence) as error:
@@ -71,8 +69,7 @@ def test_an_input_that_once_did_harm_is_refused_at_once(study, tmp_path, name):
 
 
 def test_a_refused_study_ends_a_verb_with_one_sentence_and_code_2(study, tmp_path):
-    for part in FOLDERS:
-        shutil.copytree(study / part, tmp_path / part)
+    copied(tmp_path, study=study)
     (tmp_path / WORLD).write_text("[" * 30_000)
     assert not told(tmp_path, ("mutants", "--check"))
 

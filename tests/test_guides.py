@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 import shlex
-import shutil
 from pathlib import Path
 
 import pytest
+from copies import copied
 from plugins import ROOT, call, install_project
 from shown_commands import GUIDES, update
 
@@ -22,10 +22,7 @@ for name in operators_of("clip"):
 
 @pytest.fixture
 def study(tmp_path: Path) -> Path:
-    folder = tmp_path / "study"
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, folder / name)
-    return folder
+    return copied(tmp_path / "study")
 
 
 def _follow(guide: str, tmp_path: Path, study: Path) -> tuple[Path, list[str]]:

@@ -4,8 +4,7 @@ from itertools import product
 
 import pytest
 from builders import GRID
-from effort import usually
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from ranges import RANGED, drawn
 
@@ -70,14 +69,16 @@ def test_a_situation_cannot_both_kill_and_be_survived() -> None:
         condition(GRID, KEYS[:2], KEYS[1:3])
 
 
+def with_fate(fates: list[str], wanted: str) -> list[str]:
+    return [key for key, fate in zip(KEYS, fates, strict=True) if fate == wanted]
+
+
 split = st.lists(st.sampled_from(["kill", "survive", "unknown"]), min_size=32, max_size=32)
 
 
-@settings(deadline=None, max_examples=usually(25, release=60))
 @given(split)
 def test_the_condition_covers_every_kill_and_no_survivor(fates: list[str]) -> None:
-    killing = [key for key, fate in zip(KEYS, fates, strict=True) if fate == "kill"]
-    surviving = [key for key, fate in zip(KEYS, fates, strict=True) if fate == "survive"]
+    killing, surviving = with_fate(fates, "kill"), with_fate(fates, "survive")
     terms = cover(GRID, killing, surviving)
     covered = {key for key, point in GRID.points if any(admits(term, point) for term in terms)}
     assert set(killing) <= covered
@@ -85,25 +86,21 @@ def test_the_condition_covers_every_kill_and_no_survivor(fates: list[str]) -> No
     assert len(terms) <= max(1, len(killing))
 
 
-@settings(deadline=None, max_examples=usually(25, release=60))
 @given(split)
 def test_no_term_of_the_condition_could_be_left_out_or_widened(fates: list[str]) -> None:
-    killing = [key for key, fate in zip(KEYS, fates, strict=True) if fate == "kill"]
-    surviving = [point for (_, point), fate in zip(GRID.points, fates, strict=True) if fate == "survive"]
-    terms = cover(GRID, killing, [key for key, fate in zip(KEYS, fates, strict=True) if fate == "survive"])
+    killing, surviving = with_fate(fates, "kill"), with_fate(fates, "survive")
+    terms = cover(GRID, killing, surviving)
     for term in terms:
         others = [other for other in terms if other != term]
         assert any(not any(admits(other, GRID.point[key]) for other in others) for key in killing)
         for axis, values in enumerate(GRID.values):
             wider = (*term[:axis], frozenset(values), *term[axis + 1 :])
-            assert wider == term or any(admits(wider, point) for point in surviving)
+            assert wider == term or any(admits(wider, GRID.point[key]) for key in surviving)
 
 
-@settings(deadline=None, max_examples=usually(25, release=60))
 @given(split)
 def test_the_way_for_large_grids_finds_what_the_way_for_small_ones_finds(fates: list[str]) -> None:
-    killing = [key for key, fate in zip(KEYS, fates, strict=True) if fate == "kill"]
-    surviving = [key for key, fate in zip(KEYS, fates, strict=True) if fate == "survive"]
+    killing, surviving = with_fate(fates, "kill"), with_fate(fates, "survive")
     with pytest.MonkeyPatch.context() as patch:
         found = cover(GRID, killing, surviving)
         patch.setattr("scaloft_fi.analysis.condition.MOST_BOXES", 0)

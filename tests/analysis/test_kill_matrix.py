@@ -7,7 +7,7 @@ from itertools import pairwise, product
 from math import prod
 
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.analysis.detection import Verdict
@@ -79,7 +79,6 @@ def test_a_detected_mutant_without_a_kill_is_named() -> None:
     assert matrix_of(CAMPAIGN).scattered == ()
 
 
-@settings(deadline=None, max_examples=20)
 @given(seeded())
 def test_the_matrix_says_what_the_score_says(outcomes: list[Outcome]) -> None:
     scored = score(outcomes, ROSTER, GRID)
@@ -96,7 +95,6 @@ def test_the_matrix_says_what_the_score_says(outcomes: list[Outcome]) -> None:
         assert sum(row.verdict is Verdict.DETECTED for row in counted) == scored.mutation_score.part
 
 
-@settings(deadline=None, max_examples=20)
 @given(campaigns())
 def test_its_json_is_plain_and_every_row_has_every_situation(outcomes: list[Outcome]) -> None:
     plain = json.loads(json.dumps(matrix_of(outcomes).to_json(), allow_nan=False))

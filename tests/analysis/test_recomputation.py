@@ -10,7 +10,6 @@ from typing import Any
 
 import recomputation
 from builders import AXES, GRID, KINDS, ROSTER, campaigns, seeded
-from effort import usually
 from hypothesis import given, settings
 
 from scaloft_fi.analysis.coverage import coverage
@@ -71,13 +70,11 @@ def compare(outcomes: list[Outcome]) -> dict[str, Any]:
     return found
 
 
-@settings(deadline=None, max_examples=usually(25, release=200))
 @given(campaigns())
 def test_every_figure_of_the_score_follows_from_the_export(outcomes: list[Outcome]) -> None:
     compare(outcomes)
 
 
-@settings(deadline=None, max_examples=usually(25, release=120))
 @given(seeded())
 def test_every_verdict_follows_from_the_export(outcomes: list[Outcome]) -> None:
     compare(outcomes)

@@ -6,7 +6,7 @@ import random
 
 import pytest
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, subject_of
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.analysis.detection import Spending, Verdict
@@ -65,7 +65,6 @@ def ratios(found: Score) -> list[Ratio]:
 
 
 @given(st.one_of(campaigns(), seeded()), st.randoms())
-@settings(deadline=None)
 def test_the_score_ignores_the_order_of_outcomes(outcomes: list[Outcome], chance: random.Random) -> None:
     shuffled = chance.sample(outcomes, len(outcomes))
     one, other = score(outcomes, ROSTER, GRID), score(shuffled, ROSTER, GRID)
@@ -78,7 +77,6 @@ def test_the_score_ignores_the_order_of_outcomes(outcomes: list[Outcome], chance
 
 
 @given(st.one_of(campaigns(), seeded()))
-@settings(deadline=None)
 def test_statuses_sum_to_flights_and_fates_to_mutants(outcomes: list[Outcome]) -> None:
     found = score(outcomes, ROSTER, GRID)
     entries = [*found.mutants, *found.controls, *([found.placebo] if found.placebo else [])]
@@ -87,7 +85,6 @@ def test_statuses_sum_to_flights_and_fates_to_mutants(outcomes: list[Outcome]) -
 
 
 @given(seeded())
-@settings(deadline=None)
 def test_the_condition_is_true_where_it_kills(outcomes: list[Outcome]) -> None:
     for mutant in score(outcomes, ROSTER, GRID).mutants:
         assert bool(mutant.condition(GRID)) == bool(mutant.killing or mutant.seen_in)

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from itertools import combinations, permutations, product
-from random import Random
 
 import networkx as nx
 import pytest
 from builders import GRID, ROSTER, pool, thrice
-from effort import usually
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.analysis.condition import admits
@@ -17,7 +15,6 @@ from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.suite import (
-    NIST,
     Interaction,
     Redundancy,
     Subsumption,
@@ -60,7 +57,6 @@ def least_literals(killing: list[str], surviving: list[str]) -> int:
     )
 
 
-@settings(deadline=None, max_examples=usually(25, release=60))
 @given(fates)
 def test_the_order_is_the_fewest_literals_of_any_box_without_a_survivor(drawn: list[str]) -> None:
     keys = [key for key, _ in THREE.points]
@@ -99,12 +95,6 @@ def test_the_histogram_counts_default_mutants_only() -> None:
     assert orders([], GRID).cumulative() == (None,) * 6
 
 
-def test_nists_shares_never_fall_with_the_order() -> None:
-    for shares in NIST.values():
-        known = [share for share in shares if share is not None]
-        assert known == sorted(known)
-
-
 COLUMNS = "abcdefgh"
 matrices = st.dictionaries(
     st.sampled_from([f"m{n}" for n in range(12)]),
@@ -123,7 +113,6 @@ def every_smallest(kills: dict[str, frozenset[str]], columns: str) -> list[tuple
     raise AssertionError
 
 
-@settings(deadline=None, max_examples=usually(25, release=300))
 @given(matrices)
 def test_the_suite_is_the_first_of_all_smallest_ones(kills: dict[str, frozenset[str]]) -> None:
     smallest = every_smallest(kills, COLUMNS)
@@ -137,7 +126,6 @@ def test_the_suite_is_the_first_of_all_smallest_ones(kills: dict[str, frozenset[
 pairs = st.sets(st.sets(st.sampled_from("abcdefghijk"), min_size=2, max_size=2).map(frozenset), min_size=8, max_size=30)
 
 
-@settings(deadline=None, max_examples=usually(25, release=300))
 @given(pairs)
 def test_where_no_situation_is_forced_it_is_still_the_first_smallest(rows: set[frozenset[str]]) -> None:
     # pairs make it a vertex cover, of which reductions leave most to the search
@@ -147,24 +135,16 @@ def test_where_no_situation_is_forced_it_is_still_the_first_smallest(rows: set[f
     assert (found.situations, found.alternatives) == (smallest[0], len(smallest))
 
 
-@settings(deadline=None, max_examples=usually(25, release=100))
 @given(matrices)
 def test_beyond_its_limit_it_is_greedy_still_covers_and_says_so(kills: dict[str, frozenset[str]]) -> None:
     found = minimal_suite(kills, COLUMNS, most_entries=0)
-    assert not found.exact
+    assert found.exact is not any(kills.values())
     assert found.alternatives is None
     assert all(keys & set(found.situations) for keys in kills.values() if keys)
     assert len(found.situations) >= len(every_smallest(kills, COLUMNS)[0])
     for left_out in found.situations:
         rest = set(found.situations) - {left_out}
         assert not all(keys & rest for keys in kills.values() if keys)
-
-
-@given(matrices, st.randoms(use_true_random=False))
-def test_the_order_of_the_mutants_does_not_matter(kills: dict[str, frozenset[str]], random: Random) -> None:
-    shuffled = list(kills.items())
-    random.shuffle(shuffled)
-    assert minimal_suite(dict(shuffled), COLUMNS) == minimal_suite(kills, COLUMNS)
 
 
 def test_without_kills_no_situation_is_needed() -> None:
@@ -193,7 +173,6 @@ def digraph(found: Subsumption) -> nx.DiGraph:
     return graph
 
 
-@settings(deadline=None, max_examples=usually(25, release=200))
 @given(matrices)
 def test_the_graph_says_exactly_which_mutant_subsumes_which(kills: dict[str, frozenset[str]]) -> None:
     found = subsumption(kills)
@@ -205,7 +184,6 @@ def test_the_graph_says_exactly_which_mutant_subsumes_which(kills: dict[str, fro
         assert (node_of[b] in below[node_of[a]]) == (kills[a] <= kills[b])
 
 
-@settings(deadline=None, max_examples=usually(25, release=100))
 @given(matrices)
 def test_no_edge_follows_from_others(kills: dict[str, frozenset[str]]) -> None:
     graph = digraph(subsumption(kills))

@@ -5,13 +5,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from copies import ROOT, copied
 from plugins import call, install, install_project
 
 from scaloft_fi.checks.check import Check, check_study
 from scaloft_fi.checks.finding import Severity
 from scaloft_fi.sim.mesh import box
 
-ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 PROGRAM = """
 import sys
@@ -38,9 +38,7 @@ def reference() -> Check:
 
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("found.yaml", "grids"))
-    return tmp_path
+    return copied(tmp_path, "found.yaml", "grids")
 
 
 def _edit(path: Path, old: str, new: str) -> None:

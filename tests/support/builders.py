@@ -9,12 +9,13 @@ from itertools import product
 from typing import Any
 
 from hypothesis import strategies as st
+from paper_flyer import made
 
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.hazop.matrix import SeverityClass
 from scaloft_fi.hazop.name import cell_of
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Subject, Violation
-from scaloft_fi.judge.requirement import Kind, Reading
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Subject
+from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.sim.log import signal_names
 from scaloft_fi.stack.reference.messages import BELIEFS
@@ -75,31 +76,17 @@ def outcome(
     violated = violated or {}
     end_s = min(violated.values()) if struck else duration_s
     clean = mutant in (BASELINE, PLACEBO_ID)
-    return Outcome(
-        subject=subject_of(mutant),
-        situation=situation,
-        seed=seed,
-        ending="" if invalid else "struck" if struck else "landed",
+    return made(
+        *(subject_of(mutant), situation, seed, KINDS, violated),
+        rho=(-0.1, 0.3),
+        idle=vacuous,
+        place=(1.0, 2.0, 1.65),
+        struck=struck,
+        **({"ending": ""} if invalid else {}),
         invalid=invalid,
-        readings=tuple(
-            Reading(
-                name,
-                kind,
-                -0.1 if name in violated else 0.3,
-                violated.get(name),
-                int(name in violated or name not in vacuous),
-                bool(struck) and name not in violated,
-            )
-            for name, kind in KINDS.items()
-        ),
-        violations=tuple(
-            Violation(name, KINDS[name], t_s, 1.0, 2.0, 1.65, struck if t_s == end_s else "")
-            for name, t_s in violated.items()
-        ),
         carried=carried,
         altered=(0 if clean else 5) if altered is None else altered,
         infected_at_s=None if clean else 3.0,
-        struck=struck,
         duration_s=end_s,
         digest=digest or ("clean" if clean else mutant),
         realised=tuple((axis, realised) for axis in AXES) if mutant == BASELINE else (),

@@ -7,6 +7,8 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import Any
 
+import recomputation
+
 from scaloft_fi.verbs.export.rows import export_rows, to_json
 from scaloft_fi.verbs.report.analyses import Evidence
 
@@ -24,26 +26,9 @@ def exported(evidence: Evidence) -> list[Row]:
 
 def states_of(rows: list[Row]) -> dict[tuple[str, str], str]:
     """The state of each pair of situation and requirement."""
-    pools: dict[str, list[Row]] = defaultdict(list)
-    for row in rows:
-        if row["mutant"] == "baseline" and row["status"] != "invalid":
-            pools[row["situation"]].append(row)
-    return {(key, name): _state(name, pool) for key, pool in pools.items() for name in (*SAFETY, "OP1")}
-
-
-def _state(name: str, pool: list[Row]) -> str:
-    size = len(pool)
-    violated = sum(name in row["violated"] for row in pool)
-    held = sum(name in row["held"] for row in pool)
-    if size < 10:
-        return "unknown"
-    if sum(name in row["triggered"] or name in row["violated"] for row in pool) < size / 2:
-        return "vacuous"
-    if size - held - violated > size / 10:
-        return "open"
-    if held >= 0.9 * size:
-        return "steady"
-    return "red" if violated > size / 2 else "unsteady"
+    pool = [row | {"counts": row["status"] != "invalid"} for row in rows if row["mutant"] == "baseline"]
+    found = recomputation.pairs(pool, {**dict.fromkeys(SAFETY, "safety"), "OP1": "operability"})
+    return {(pair["situation"], pair["requirement"]): pair["state"] for pair in found}
 
 
 @dataclass

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from effort import usually
+from paper_flyer import made
 
 from scaloft_fi.campaign.runs.run import remember_seeds
 from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.origin import fingerprint
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, Violation, pack_track
-from scaloft_fi.judge.requirement import Reading
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, pack_track
 from scaloft_fi.study import Study
 
 HERE = "T0O0W0D0H1"
@@ -44,16 +44,9 @@ def campaign(study: Study, path: Path) -> None:
                 altered = "-" in mutant
                 store.put(
                     planned.key,
-                    Outcome(
-                        flight.subject,
-                        HERE,
-                        seed,
-                        ending="landed",
-                        readings=tuple(
-                            Reading(name, kind, -1.0 if name in violated else 0.5, violated.get(name), 1, open=False)
-                            for name, kind in kinds.items()
-                        ),
-                        violations=tuple(Violation(n, kinds[n], t, 0.0, 1.0, 1.6, "") for n, t in violated.items()),
+                    made(
+                        *(flight.subject, HERE, seed, kinds, violated),
+                        rho=(-1.0, 0.5),
                         carried=10,
                         altered=3 * altered,
                         infected_at_s=1.0 if altered else None,

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+
+from copies import copied
 
 from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.judge.outcome import Outcome, Violation
@@ -174,7 +175,6 @@ free:
 
 def small_study(folder: Path) -> Study:
     """A copy of the reference study with a grid that is searched fast."""
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(Path(__file__).parents[2] / name, folder / name, ignore=shutil.ignore_patterns("found.yaml"))
+    copied(folder, "found.yaml")
     (folder / "sim" / "grids" / "small.yaml").write_text(SMALL, encoding="utf-8")
     return Study.open(folder, "small")

@@ -11,7 +11,6 @@ import os
 import random
 import re
 import resource
-import shutil
 import sys
 import tempfile
 import time
@@ -21,13 +20,13 @@ from pathlib import Path
 from unittest import mock
 
 from click.testing import CliRunner
+from copies import copied
 
 from scaloft_fi.cli import main as command_line
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants import catalogue
 from scaloft_fi.study import Study
 
-FOLDERS = ("hazop", "mutants", "sim")
 MOST_S = 5.0
 """CPU time that one input may take [s]."""
 MOST_BYTES = 3 << 30
@@ -189,8 +188,7 @@ def fuzz(study: Path, seeds: Sequence[int], files: Sequence[str] = ()) -> dict[s
     failures = {}
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch) / "study"
-        for name in FOLDERS:
-            shutil.copytree(study / name, folder / name)
+        copied(folder, study=study)
         every = sorted(path for path in folder.rglob("*") if path.is_file() and path.suffix != ".md")
         paths = [path for path in every if not files or path.name.endswith(tuple(files))]
         for seed in seeds:

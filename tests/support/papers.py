@@ -8,8 +8,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK_COLUMNS, Outcome, Subject, Violation, pack_track
-from scaloft_fi.judge.requirement import Reading
+from paper_flyer import made
+
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK_COLUMNS, Outcome, Subject, pack_track
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.report.analyses import Evidence
 
@@ -78,31 +79,17 @@ def flight(study: Study, mutant: str, situation: str, seed: int) -> Outcome:
     plain = BASELINE if masked or not altered else mutant
     guideword, _, parameter = mutant.partition("@")[0].partition("-")
     named = mutant in (BASELINE, PLACEBO_ID)
-    return Outcome(
-        subject=Subject(mutant) if named else Subject(mutant, guideword, parameter, mutant.partition("@")[2]),
-        situation=situation,
-        seed=seed,
-        ending="struck" if struck else "landed",
-        readings=tuple(
-            Reading(
-                r.name,
-                r.kind,
-                -0.25 if r.name in violated else 0.5,
-                violated.get(r.name),
-                int(human or not r.name.startswith("SR2")),
-                bool(struck) and r.name not in violated,
-            )
-            for r in study.requirements
-        ),
-        violations=tuple(
-            Violation(r.name, r.kind, violated[r.name], 0.25, 1.5, 1.65, struck)
-            for r in study.requirements
-            if r.name in violated
-        ),
+    kinds = {r.name: r.kind for r in study.requirements}
+    return made(
+        Subject(mutant) if named else Subject(mutant, guideword, parameter, mutant.partition("@")[2]),
+        *(situation, seed, kinds, {name: violated[name] for name in kinds if name in violated}),
+        rho=(-0.25, 0.5),
+        idle=() if human else [name for name in kinds if name.startswith("SR2")],
+        place=(0.25, 1.5, 1.65),
+        struck=struck,
         carried=0 if named else carried,
         altered=altered,
         infected_at_s=from_s if altered else None,
-        struck=struck,
         duration_s=duration_s,
         digest=f"{plain}/{situation}/{seed}",
         perceived_digest=f"{plain}/{situation}/{seed}",

@@ -90,6 +90,11 @@ def pairs(pool: list[Row], kinds: dict[str, str]) -> list[Row]:
     return found
 
 
+def state(table: dict[tuple[str, str], Row], key: str, name: str) -> str:
+    """Of a pair; unknown where it has no flights."""
+    return str(table[key, name]["state"]) if (key, name) in table else "unknown"
+
+
 def exact(strata: list[tuple[int, int, int, int, int]]) -> Fraction:
     """The stratified test in whole numbers; last in a stratum: the size of the whole pool, which sets the gate."""
     observed, sums, ways = 0, {0: 1}, 1
@@ -143,9 +148,9 @@ def verdict(
         names: the requirements.
         alpha: accepted error.
     """
-    steady = {key: [n for n in names if table.get((key, n), {"state": ""})["state"] == "steady"] for key in flights}
+    steady = {key: [n for n in names if state(table, key, n) == "steady"] for key in flights}
     tested = [key for key in flights if key in acts and steady[key]]
-    blind = [key for key in acts if all(table.get((key, n), {"state": "unknown"})["state"] == "unknown" for n in names)]
+    blind = [key for key in acts if all(state(table, key, n) == "unknown" for n in names)]
     if not tested:
         return {"verdict": "undecided" if blind and names else "not_tested", "p": dict.fromkeys(names, Fraction(1))}
     p = holm(flights, table, names)
@@ -181,7 +186,7 @@ def firm(
     for some, gone in lost:
         worst = {}
         for key in acts & some.keys():
-            steady = [name for name in names if table.get((key, name), {"state": ""})["state"] == "steady"]
+            steady = [name for name in names if state(table, key, name) == "steady"]
             worst |= {key: [{"violated": steady}] * len(some[key])} if steady else {}
         if min(holm(worst, table, names, gone).values()) <= alpha:
             return "hangs_on_a_seed"
@@ -299,21 +304,15 @@ def score(
                 {"situation": key, "requirement": name, "violated": count, "flights": len(some)}
                 for key, some in flights.items()
                 for name in by_kind[kind]
-                if found["verdict"] == "detected" and key in acts and table[key, name]["state"] == "steady"
+                if found["verdict"] == "detected" and key in acts and state(table, key, name) == "steady"
                 if 2 * (count := sum(name in row["violated"] for row in some)) > len(some)
             ]
-        tests = {
-            name: sum(key in acts and table.get((key, name), {"state": ""})["state"] == "steady" for key in flights)
-            for name in kinds
+        testing = {
+            name: [key for key in flights if key in acts and state(table, key, name) == "steady"] for name in kinds
         }
-        kills = {
-            name: sum(kill["requirement"] == name for kill in said["safety"] + said["operability"]) for name in kinds
-        }
+        kills = {n: sum(kill["requirement"] == n for kill in said["safety"] + said["operability"]) for n in kinds}
         hit = len({kill["situation"] for kill in said["safety"]})
-        tested = sum(
-            key in acts and any(table.get((key, n), {"state": ""})["state"] == "steady" for n in by_kind["safety"])
-            for key in flights
-        )
+        tested = len({key for name in by_kind["safety"] for key in testing[name]})
         cell, _, magnitude = id_.partition("@")
         guideword, _, parameter = cell.partition("-")
         entry = {
@@ -330,7 +329,7 @@ def score(
             "kill_rate": share(hit, tested),
             "kill_rate_flown": share(hit, len(flights)),
             "kills": said["safety"],
-            "requirements": {name: share(kills[name], tests[name]) for name in kinds if kills[name]},
+            "requirements": {name: share(kills[name], len(testing[name])) for name in kinds if kills[name]},
             "operability": {
                 "verdict": by_operability["verdict"],
                 "p": {name: float(p) for name, p in by_operability["p"].items()},
