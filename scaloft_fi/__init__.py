@@ -47,22 +47,18 @@ __all__ = [
 ]
 
 _LATE = {
-    "Answer": "scaloft_fi.views.output",
-    "CampaignScore": "scaloft_fi.scripting.campaign",
-    "ColumnType": "scaloft_fi.views.output",
-    "Columns": "scaloft_fi.views.output",
-    "Figure": "scaloft_fi.scripting.flight",
-    "FlownFlight": "scaloft_fi.scripting.flight",
-    "GateError": "scaloft_fi.errors",
-    "InputError": "scaloft_fi.errors",
-    "Interrupted": "scaloft_fi.campaign.workers.local",
-    "Log": "scaloft_fi.scripting.flight",
-    "OpenCampaign": "scaloft_fi.scripting.campaign",
-    "OpenStudy": "scaloft_fi.scripting.study",
-    "Ratio": "scaloft_fi.analysis.roster",
-    "ScaloftError": "scaloft_fi.errors",
-    "Worksheet": "scaloft_fi.verbs.worksheet",
-    "open": "scaloft_fi.scripting.study",
+    name: f"scaloft_fi.{module}"
+    for module, names in {
+        "analysis.roster": "Ratio",
+        "campaign.workers.local": "Interrupted",
+        "errors": "GateError InputError ScaloftError",
+        "scripting.campaign": "CampaignScore OpenCampaign",
+        "scripting.flight": "Figure FlownFlight Log",
+        "scripting.study": "OpenStudy open",
+        "verbs.worksheet": "Worksheet",
+        "views.output": "Answer ColumnType Columns",
+    }.items()
+    for name in names.split()
 }
 """Where the names are; imported by whoever asks for one of them, so that a verb starts fast."""
 

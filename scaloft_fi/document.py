@@ -13,7 +13,7 @@ import os
 import stat
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from io import BufferedReader
 from pathlib import Path
@@ -159,7 +159,6 @@ class Item:
     line: int
     name: str
     value: Scalar | tuple[Item, ...] | dict[str, Item]
-    _taken: set[str] = field(default_factory=set, compare=False, repr=False)
 
     @property
     def place(self) -> str:
@@ -253,8 +252,7 @@ class Item:
         return self.value
 
     def get(self, key: str) -> Item | None:
-        """The entry of a mapping under `key`, or None; from now on the key counts as known."""
-        self._taken.add(key)
+        """The entry of a mapping under `key`, or None."""
         return self.mapping().get(key)
 
     def need(self, key: str, meaning: str = "") -> Item:
@@ -270,20 +268,10 @@ class Item:
         entry = self.get(key)
         if entry is None:
             entries = self.mapping()
-            for near in difflib.get_close_matches(key, sorted(entries.keys() - self._taken)[:MOST], n=1, cutoff=0.75):
+            for near in difflib.get_close_matches(key, sorted(entries)[:MOST], n=1, cutoff=0.75):
                 raise InputError(f"{entries[near].place}: unknown key {near!r} in {self.name}; did you mean {key!r}?")
             raise InputError(f"{self.place}: {self.name} lacks the key {key!r}{f': {meaning}' if meaning else ''}")
         return entry
-
-    def close(self) -> None:
-        """Refuse unknown keys: the keys that no call of `get` or `need` has read.
-
-        Raises:
-            InputError: a key is unknown; the message names the first unknown key and the nearest known key.
-        """
-        for key, item in self.mapping().items():
-            if key not in self._taken:
-                raise InputError(f"{item.place}: unknown key {key!r} in {self.name}{did_you_mean(key, self._taken)}")
 
 
 DEPTH = 50
@@ -308,9 +296,8 @@ def load(path: Path) -> Item:
         InputError: the file cannot be read, is not YAML, repeats a key, has a tag, or exceeds a limit.
     """
     text = read_text(path)
-    read = _parsed_once if len(text) <= KEPT else _parsed
     try:
-        return _placed(read(text, path.name), path)
+        return (_parsed_once if len(text) <= KEPT else _parsed)(text, path)
     except _FlawError as flaw:
         raise InputError(f"{path}:{flaw.line}: {flaw}") from flaw
 
@@ -323,19 +310,19 @@ class _FlawError(Exception):
         self.line = line
 
 
-def _parsed(text: str, name: str) -> Item:
-    """The item of a document, in no folder yet.
+def _parsed(text: str, path: Path) -> Item:
+    """The item of a document.
 
     Args:
         text: the document.
-        name: its file's name.
+        path: where it is from.
 
     Raises:
         _FlawError: the document is not YAML, or not of the kind that `load` allows.
     """
     loader = _LOADER(text)
     try:
-        return _Document(loader, name).item()
+        return _Document(loader, path).item()
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         line = mark.line + 1 if mark else 1
@@ -351,29 +338,14 @@ def _parsed(text: str, name: str) -> Item:
 _parsed_once = lru_cache(maxsize=128)(_parsed)
 
 
-def _placed(item: Item, path: Path) -> Item:
-    """The item at a path; a copy, because an item notes which of its keys are known."""
-
-    def copy(item: Item) -> Item:
-        value = item.value
-        if isinstance(value, dict):
-            value = {key: copy(entry) for key, entry in value.items()}
-        elif isinstance(value, tuple):
-            value = tuple([copy(entry) for entry in value])
-        return Item(path, item.line, item.name, value)
-
-    return copy(item)
-
-
 class _Document:
     """Builds the items of one document from the events of the parser, so that every limit holds before memory is used.
 
     Aliases are allowed: an alias stands for a copy of the anchored value, and the copies count against `ITEMS`.
     """
 
-    def __init__(self, loader: Any, name: str) -> None:
-        self._loader = loader
-        self._path = Path(name)
+    def __init__(self, loader: Any, path: Path) -> None:
+        self._loader, self._path = loader, path
         self._left = ITEMS
         self._anchors: dict[str, Item | None] = {}
         """The value of each anchor; None while the value is being read."""
@@ -449,7 +421,7 @@ class _Document:
         return value if value is None or isinstance(value, int | float) else text
 
     def _copy(self, event: Any, item: Item, name: str, key_line: int, depth: int) -> Item:
-        """A copy of an anchored item under another name, which knows no key yet."""
+        """A copy of an anchored item under another name."""
         if isinstance(item.value, dict):
             entries = {key: self._again(event, entry, key, depth) for key, entry in item.value.items()}
             return Item(item.path, key_line or item.line, name, entries)

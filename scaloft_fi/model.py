@@ -85,13 +85,9 @@ def is_model(hint: Any) -> bool:
     return isinstance(hint, type) and (dataclasses.is_dataclass(hint) or hasattr(hint, "_fields")) and hint is not Item
 
 
+@cache
 def fields_of(cls: type) -> tuple[Field, ...]:
     """The fields of a model, in their order; private ones left out."""
-    return _fields_of(cls)
-
-
-@cache
-def _fields_of(cls: Any) -> tuple[Field, ...]:
     hints, told = _hints(cls), attributes_of(cls)
     found = []
     for name, default in _defaults(cls).items():
@@ -110,10 +106,7 @@ def _hints(cls: type) -> dict[str, Any]:
     """The types of all fields; a base class of another module names what its own module imports."""
     if hasattr(cls, "_fields"):
         return get_type_hints(cls, include_extras=True)
-    hints: dict[str, Any] = {}
-    for base in reversed(cls.__mro__):
-        hints |= get_annotations(base, eval_str=True)
-    return hints
+    return {name: hint for base in reversed(cls.__mro__) for name, hint in get_annotations(base, eval_str=True).items()}
 
 
 def _defaults(cls: type) -> dict[str, Any]:
@@ -213,13 +206,12 @@ def read(
             `contradictions` of the model yields.
     """
     faults, entries, values = Faults(), item.mapping(), dict(fixed or {})
-    fields = [field for field in fields_of(cls) if field.name not in values]
+    fields = [field for field in fields_of(cast(Any, cls)) if field.name not in values]
     faults.add(*_wrong_keys(item, fields, beside))
     for field in fields:
         if field.given is not None:
             values[field.name] = field.given.find(item)
         elif field.key in entries:
-            item.get(field.key)
             with faults.collecting():
                 values[field.name] = _reader(field.hint)(entries[field.key], names)
         elif field.optional:
@@ -232,10 +224,10 @@ def read(
 
 def _partly(cls: type, values: Mapping[str, Any]) -> Any:
     """A model of which some fields cannot be read."""
-    model: Any = object.__new__(cls) if dataclasses.is_dataclass(cls) else None
-    if model is not None:
-        for name, value in values.items():
-            object.__setattr__(model, name, value)
+    if not dataclasses.is_dataclass(cls):
+        return None
+    model = object.__new__(cls)
+    vars(model).update(values)
     return model
 
 

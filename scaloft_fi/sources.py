@@ -123,67 +123,39 @@ def closure(entries: Iterable[str], beside: Collection[str] = ()) -> Mapping[str
     Raises:
         ModuleNotFoundError: there is no such entry.
     """
-    files = _Files()
-    waiting = dict(pair for entry in entries for pair in _entry(entry, files) if pair[0] not in beside)
+    waiting = dict(pair for entry in entries for pair in _entry(entry) if pair[0] not in beside)
     seen = {*waiting, *beside}
     sources: dict[str, SourceFile] = {}
     while waiting:
         name, path = waiting.popitem()
         sources[name] = source = read(path)
         for imported in _imported(name, source.path.name == "__init__.py", source.imports):
-            if imported in seen:
-                continue
-            seen.add(imported)
-            own = files.of(imported)
-            if own is not None:
+            if imported not in seen and (own := _source(imported)) is not None:
                 waiting[imported] = own
+            seen.add(imported)
     _CACHE.save()
     return sources
 
 
-class _Files:
-    """The source files of this package; each folder is listed once."""
-
-    def __init__(self) -> None:
-        self._listed: dict[str, frozenset[str]] = {}
-        """The names in the folder of a package."""
-
-    def of(self, name: str) -> Path | None:
-        """The source of a module; None when `name` is no module of this package."""
-        package, _, last = name.rpartition(".")
-        if package.partition(".")[0] != PACKAGE:
-            return None
-        there = self._in(package)
-        if f"{last}.py" in there:
-            return _folder(package) / f"{last}.py"
-        return _folder(name) / "__init__.py" if last in there and "__init__.py" in self._in(name) else None
-
-    def _in(self, package: str) -> frozenset[str]:
-        if package not in self._listed:
-            folder = _folder(package)
-            self._listed[package] = frozenset(one.name for one in folder.iterdir()) if folder.is_dir() else frozenset()
-        return self._listed[package]
+def _source(name: str) -> Path | None:
+    """The source of a module; None when `name` is no module of this package."""
+    if not name.startswith(f"{PACKAGE}."):
+        return None
+    place = os.path.join(_ROOT, *name.split("."))  # noqa: PTH118 - thousands of names are asked for
+    return next((Path(file) for file in (f"{place}.py", f"{place}/__init__.py") if os.path.isfile(file)), None)  # noqa: PTH113
 
 
-def _folder(package: str) -> Path:
-    return _ROOT.joinpath(*package.split("."))
-
-
-def _entry(name: str, files: _Files) -> Iterator[tuple[str, Path]]:
+def _entry(name: str) -> Iterator[tuple[str, Path]]:
     top = name.partition(".")[0]
-    if top == PACKAGE:
-        path = files.of(name)
-        if path is None:
-            raise ModuleNotFoundError(f"no module named {name!r}")
+    spec = find_spec(top) if top != PACKAGE else None
+    if top == PACKAGE and (path := _source(name)) is not None:
         yield name, path
-        return
-    spec = find_spec(top)
-    if spec is None:
+    elif spec is None:
         raise ModuleNotFoundError(f"no module named {name!r}")
-    for folder in map(Path, spec.submodule_search_locations or ()):
+    for folder in map(Path, (spec.submodule_search_locations or ()) if spec else ()):
         for path in folder.rglob("*.py"):
             yield ".".join((top, *path.relative_to(folder).with_suffix("").parts)), path
-    if spec.submodule_search_locations is None and spec.origin:
+    if spec and spec.submodule_search_locations is None and spec.origin:
         yield top, Path(spec.origin)
 
 

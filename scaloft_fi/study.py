@@ -19,10 +19,10 @@ from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.document import Item, digest, is_file, is_there, load, read_text
 from scaloft_fi.errors import Faults, InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import find_study, load_matrix
-from scaloft_fi.hazop.matrix import CellStatus, Matrix
+from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.marks import MOST, Bounds, Examples, Reads, Size
 from scaloft_fi.model import read
-from scaloft_fi.mutants.catalogue import check_catalogue, default_of, realise, with_events
+from scaloft_fi.mutants.catalogue import check_catalogue, realise, with_events
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import write_whole
@@ -36,7 +36,6 @@ from scaloft_fi.sim.world import ROLES
 from scaloft_fi.sources import closure, digest_of
 
 if TYPE_CHECKING:
-    from scaloft_fi.analysis.roster import Roster
     from scaloft_fi.mutants.mutant import Mutant
     from scaloft_fi.sim.grid import Grid
     from scaloft_fi.sim.situation import Situation
@@ -343,10 +342,7 @@ class Study(Setup):
     @cached_property
     def roster(self) -> Roster:
         """The mutants for scores."""
-        credible = [cell for cell in self.matrix if cell.status is CellStatus.CREDIBLE]
-        controls = frozenset(cell.name for cell in self.matrix if cell.status is CellStatus.CONTROL)
-        defaults = {cell.name: default_of(cell).id for cell in credible}
-        return Roster(defaults, controls, tuple(mutant.id for mutant in self.catalogue), self.matrix.severities)
+        return Roster.of(self.matrix, [mutant.id for mutant in self.catalogue])
 
     @cached_property
     def alpha(self) -> float:

@@ -31,7 +31,7 @@ stack did.  PLACEBO alters nothing: its flight beside the baseline of the same s
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -380,37 +380,25 @@ def noise_of(outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:
 def _noise(name: str, pairs: Sequence[tuple[Outcome, Outcome]], baselines: Sequence[Outcome]) -> Noise:
     both = [(_rho(name, first), _rho(name, second)) for first, second in pairs]
     squares = [(one - other) ** 2 for one, other in both if one is not None and other is not None]
-    by_situation: dict[str, list[float]] = {}
+    groups = defaultdict[str, list[float]](list)
     for outcome in baselines:
-        rho = _rho(name, outcome)
-        if rho is not None:
-            by_situation.setdefault(outcome.situation, []).append(rho)
+        if (rho := _rho(name, outcome)) is not None:
+            groups[outcome.situation].append(rho)
+    within = sum((rho - sum(own) / len(own)) ** 2 for own in groups.values() for rho in own)
+    freedom = sum(map(len, groups.values())) - len(groups)
     return Noise(
         requirement=name,
         pairs=len(squares),
         stack=math.sqrt(sum(squares) / len(squares) / 2.0) if squares else None,
-        seeds=_pooled(by_situation.values()),
+        seeds=math.sqrt(within / freedom) if freedom else None,
         apart=sum(_violates(name, first) != _violates(name, second) for first, second in pairs),
     )
 
 
-def _pooled(groups: Iterable[Sequence[float]]) -> float | None:
-    """The standard deviation within groups; None where none has two numbers."""
-    squares, freedom = 0.0, 0
-    for group in groups:
-        mean = sum(group) / len(group)
-        squares += sum((one - mean) ** 2 for one in group)
-        freedom += len(group) - 1
-    return math.sqrt(squares / freedom) if freedom else None
-
-
 def _rho(name: str, outcome: Outcome) -> float | None:
-    measured = next(_measured(name, outcome), None)
+    reading = outcome.reading(name)
+    measured = measured_rho(reading) if reading else None
     return measured if measured is not None and math.isfinite(measured) else None
-
-
-def _measured(name: str, outcome: Outcome) -> Iterator[float | None]:
-    return (measured_rho(reading) for reading in outcome.readings if reading.requirement == name)
 
 
 def _violates(name: str, outcome: Outcome) -> bool:

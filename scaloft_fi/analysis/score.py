@@ -488,63 +488,38 @@ class Group:
 def groups(scored: Score, by: By, space: Space) -> tuple[Group, ...]:
     """Group the default mutants of credible cells."""
     mutants = scored.counted
-    if by is By.GUIDEWORD:
-        return _of_mutants(by, mutants, lambda mutant: mutant.subject.guideword)
-    if by is By.PARAMETER:
-        return _of_mutants(by, mutants, lambda mutant: mutant.subject.parameter)
-    if by is By.SEVERITY:
-        ordered = worst_first(mutants, lambda mutant: mutant.severity)
-        return _of_mutants(by, ordered, lambda mutant: class_of(mutant.severity) or UNCLASSED)
+    results = [(result, space.point.get(result.situation)) for mutant in mutants for result in mutant.results]
+
+    def group(name: str, facts: Iterable[tuple[bool, bool]], *place: str) -> Group:
+        """Of facts whether each was hit, and whether it was tested."""
+        hit, tested = zip(*facts, strict=True) if (facts := list(facts)) else ((), ())
+        return Group(by, name, Ratio(sum(hit), sum(tested)), Ratio(sum(hit), len(hit)), *place)
+
+    def of_results(name: str, own: Iterable[Result], *place: str) -> Group:
+        return group(name, ((bool(result.kills), result.tested) for result in own), *place)
+
     if by is By.REQUIREMENT:
-        return _of_requirements(mutants)
-    results = [result for mutant in mutants for result in mutant.results]
+        shown = [(mutant.tests, (*mutant.safety.by, *mutant.operability.by)) for mutant in mutants]
+        names = dict.fromkeys(name for tests, _ in shown for name in tests)
+        return tuple(group(n, ((n in tests and n in told, n in tests) for tests, told in shown)) for n in names)
     if by is By.SITUATION:
-        keys = sorted({result.situation for result in results}, key=space.rank)
-        return tuple(_of_results(by, key, (r for r in results if r.situation == key)) for key in keys)
-    return tuple(
-        replace(
-            _of_results(
-                by, f"{axis} = {space.word(number, value)}", (r for r in results if _at(space, r, number) == value)
-            ),
-            axis=axis,
-            value=value,
+        keys = sorted({result.situation for result, _ in results}, key=space.rank)
+        return tuple(of_results(key, (r for r, _ in results if r.situation == key)) for key in keys)
+    if by is By.AXIS:
+        return tuple(
+            of_results(f"{axis} = {space.word(n, value)}", (r for r, p in results if p and p[n] == value), axis, value)
+            for n, axis in enumerate(space.axes)
+            for value in space.values[n]
         )
-        for number, axis in enumerate(space.axes)
-        for value in space.values[number]
-    )
-
-
-def _at(space: Space, result: Result, axis: int) -> str:
-    point = space.point.get(result.situation)
-    return point[axis] if point else ""
-
-
-def _of_mutants(by: By, mutants: Iterable[MutantScore], name: Callable[[MutantScore], str]) -> tuple[Group, ...]:
-    parts: dict[str, list[MutantScore]] = {}
-    for mutant in mutants:
-        parts.setdefault(name(mutant), []).append(mutant)
-    return tuple(_of_part(by, part, members) for part, members in parts.items())
-
-
-def _of_part(by: By, name: str, members: list[MutantScore]) -> Group:
-    detected = sum(mutant.detected for mutant in members)
-    return Group(by, name, Ratio(detected, sum(mutant.tested for mutant in members)), Ratio(detected, len(members)))
-
-
-def _of_results(by: By, name: str, results: Iterable[Result]) -> Group:
-    listed = list(results)
-    killed = sum(bool(result.kills) for result in listed)
-    return Group(by, name, Ratio(killed, sum(result.tested for result in listed)), Ratio(killed, len(listed)))
-
-
-def _of_requirements(mutants: Sequence[MutantScore]) -> tuple[Group, ...]:
-    names = dict.fromkeys(name for mutant in mutants for name in mutant.tests)
-    parts = []
-    for name in names:
-        able = [mutant for mutant in mutants if name in mutant.tests]
-        detected = sum(name in (*mutant.safety.by, *mutant.operability.by) for mutant in able)
-        parts.append(Group(By.REQUIREMENT, name, Ratio(detected, len(able)), Ratio(detected, len(mutants))))
-    return tuple(parts)
+    name_of: Mapping[By, Callable[[MutantScore], str]] = {
+        By.GUIDEWORD: lambda mutant: mutant.subject.guideword,
+        By.PARAMETER: lambda mutant: mutant.subject.parameter,
+        By.SEVERITY: lambda mutant: class_of(mutant.severity) or UNCLASSED,
+    }
+    parts: dict[str, list[tuple[bool, bool]]] = {}
+    for mutant in worst_first(mutants, lambda mutant: mutant.severity) if by is By.SEVERITY else mutants:
+        parts.setdefault(name_of[by](mutant), []).append((mutant.detected, mutant.tested))
+    return tuple(group(name, facts) for name, facts in parts.items())
 
 
 FROM = 20

@@ -1,8 +1,8 @@
 """Which situations are needed: the smallest set that keeps every kill, subsumption, how many axes must be right.
 
-Mutants are the rows to be hit, situations the columns that hit them.  Rows that contain another row and columns within
-another column are dropped, what remains is searched by branch and bound (Coudert, "Two-level logic minimization: an
-overview", Integration 17, 1994: unate covering; its bound is a set of rows that share no column).
+Mutants are the rows to be hit, situations the columns that hit them: unate covering (Coudert, "Two-level logic
+minimization: an overview", Integration 17, 1994), which integer programming solves.  The smallest sets are counted by
+branch and bound, whose bound is a set of rows that share no column.
 
 A mutant subsumes another when something kills it and whatever kills it kills the other too: kills(a) is not empty and
 within kills(b).  Mutants with equal kill sets are one node; the nodes that no other subsumes are the minimal ones
@@ -18,10 +18,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from scaloft_fi.analysis.condition import condition, sides
 from scaloft_fi.analysis.kill_matrix import KillMatrix, KillRow
@@ -31,8 +34,8 @@ from scaloft_fi.judge.space import Space
 
 MOST_ENTRIES = 10_000_000
 """Entries of the matrix looked at in one search, over all branches (some ten seconds); beyond, the answer is greedy."""
-MOST_COLUMNS = 2_000
-"""Beyond this many columns only equal ones are dropped, not those within others."""
+BEGUN = 5
+"""Nodes that the beginning of an integer program counts as."""
 MOST_COUNTED = 1_000_000
 """Minimum sets counted; beyond, their number is None."""
 
@@ -73,12 +76,8 @@ def minimal_suite(
         raise ValueError(f"kills in unknown situations: {sorted(unknown)}")
     rows = _minimal_rows(frozenset(place[key] for key in keys) for keys in kills.values() if keys)
     needed = tuple(situations[min(row)] for row in sorted(rows, key=sorted) if len(row) == 1)
-    search = _Search(most_entries)
     try:
-        best = search.least(rows, len(situations))
-        assert best is not None
-        chosen = _first_in_order(search, rows, len(best))
-        exact = True
+        chosen, exact = _first_in_order(rows, most_entries), True
     except _TooMany:
         chosen, exact = _greedy(rows), False
     return Suite(
@@ -97,46 +96,6 @@ class _TooMany(Exception):  # noqa: N818 - a limit, no error
     """The search looked at more than allowed."""
 
 
-@dataclass
-class _Search:
-    """Branch and bound over unate covers, with its results kept for sets of rows it meets again."""
-
-    most: int
-    looked_at: int = 0
-    known: dict[Rows, frozenset[int]] = field(default_factory=dict)
-
-    def least(self, rows: Rows, most_columns: int) -> frozenset[int] | None:
-        """A smallest set of columns that hits all rows, None when it takes more than `most_columns`.
-
-        Raises:
-            _TooMany: beyond the limit.
-        """
-        self.looked_at += 1 + sum(map(len, rows))
-        if self.looked_at > self.most:
-            raise _TooMany
-        chosen, rows = _reduce(rows)
-        budget = most_columns - len(chosen)
-        if not rows:
-            return chosen if budget >= 0 else None
-        if rows in self.known:
-            known = self.known[rows]
-            return chosen | known if len(known) <= budget else None
-        if _bound(rows) > budget:
-            return None
-        best: frozenset[int] | None = None
-        allowed = budget
-        branching = min(rows, key=lambda row: (len(row), sorted(row)))
-        for column in sorted(branching, key=lambda c: (-sum(c in row for row in rows), c)):
-            rest = self.least(frozenset(row for row in rows if column not in row), allowed - 1)
-            if rest is not None:
-                best = rest | {column}
-                allowed = len(best) - 1
-        if best is None:
-            return None
-        self.known[rows] = best
-        return chosen | best
-
-
 def _minimal_rows(rows: Iterable[frozenset[int]]) -> Rows:
     """The rows that contain no other: whoever hits those hits all."""
     kept: list[frozenset[int]] = []
@@ -146,42 +105,16 @@ def _minimal_rows(rows: Iterable[frozenset[int]]) -> Rows:
     return frozenset(kept)
 
 
-def _reduce(rows: Rows) -> tuple[frozenset[int], Rows]:
-    """Columns that are forced, and the rows that remain without dominated rows and columns."""
-    forced: frozenset[int] = frozenset()
-    while True:
-        single = frozenset(column for row in rows if len(row) == 1 for column in row)
-        forced |= single
-        rows = frozenset(row for row in rows if not row & single)
-        kept = _undominated(rows)
-        smaller = _minimal_rows(row & kept for row in rows)
-        if smaller == rows and not any(len(row) == 1 for row in rows):
-            return forced, rows
-        rows = smaller
-
-
-def _undominated(rows: Rows) -> frozenset[int]:
-    """The columns that hit what no other column hits as well; of equal ones the first."""
-    hits = _hits(rows)
-    first: dict[int, int] = {}
-    for column in sorted(hits):
-        first.setdefault(hits[column], column)
-    if len(first) > MOST_COLUMNS:
-        return frozenset(first.values())
-    kept: list[int] = []
-    for mask in sorted(first, key=lambda mask: (-mask.bit_count(), first[mask])):
-        if not any(mask & ~larger == 0 for larger in kept):
-            kept.append(mask)
-    return frozenset(first[mask] for mask in kept)
-
-
-def _hits(rows: Rows) -> dict[int, int]:
-    """Per column the rows it hits, as bits."""
+def _classes(rows: Rows) -> list[list[int]]:
+    """The columns, those that hit the same rows together; of equal ones the first stands for all."""
     hits: dict[int, int] = {}
     for number, row in enumerate(rows):
         for column in row:
             hits[column] = hits.get(column, 0) | 1 << number
-    return hits
+    classes: dict[int, list[int]] = {}
+    for column, mask in sorted(hits.items()):
+        classes.setdefault(mask, []).append(column)
+    return list(classes.values())
 
 
 def _bound(rows: Rows) -> int:
@@ -195,22 +128,41 @@ def _bound(rows: Rows) -> int:
     return number
 
 
-def _first_in_order(search: _Search, rows: Rows, size: int) -> frozenset[int]:
-    """Of the smallest sets the one that comes first when each is listed in the columns' order."""
-    chosen: set[int] = set()
-    columns = sorted(frozenset().union(*rows))
-    for column in columns:
-        if not rows:
+def _first_in_order(rows: Rows, most_entries: int) -> frozenset[int]:
+    """Of the smallest sets the one that comes first when each is listed in the columns' order.
+
+    Raises:
+        _TooMany: beyond a limit.
+    """
+    if not rows:
+        return frozenset()
+    from scipy.optimize import LinearConstraint, milp  # takes longer to import than other verbs take
+
+    columns = [same[0] for same in _classes(rows)]
+    every, each = np.array([[column in row for column in columns] for row in rows], float), np.ones(len(columns))
+    least, most, left = np.zeros(len(columns)), np.ones(len(columns)), most_entries
+
+    def smallest() -> NDArray[np.bool_]:
+        nonlocal left
+        nodes = left // every.size
+        if nodes < 1:
+            raise _TooMany
+        hit, limits = LinearConstraint(every, lb=1), {"node_limit": nodes}
+        found = milp(each, integrality=each, bounds=(least, most), constraints=hit, options=limits)
+        left -= every.size * (BEGUN + (found.mip_node_count or 0))
+        if found.status:
+            raise _TooMany
+        return np.asarray(found.x > 0.5)
+
+    best = smallest()
+    for place in range(len(columns)):
+        least[place] = 1
+        if not best[place] and (other := smallest()).sum() == best.sum():
+            best = other
+        least[place] = most[place] = best[place]
+        if least.sum() == best.sum():
             break
-        left = frozenset(row for row in rows if column not in row)
-        if left == rows:
-            continue
-        if search.least(left, size - len(chosen) - 1) is None:
-            rows = _minimal_rows(row - {column} for row in rows)
-        else:
-            chosen.add(column)
-            rows = left
-    return frozenset(chosen)
+    return frozenset(column for column, chosen in zip(columns, best, strict=True) if chosen)
 
 
 def _count(rows: Rows, size: int, most_entries: int) -> int | None:
@@ -218,10 +170,7 @@ def _count(rows: Rows, size: int, most_entries: int) -> int | None:
 
     Columns that hit the same rows stand for one another, and a smallest set never has two of them.
     """
-    classes: dict[int, list[int]] = {}
-    for column, mask in sorted(_hits(rows).items()):
-        classes.setdefault(mask, []).append(column)
-    weight = {columns[0]: len(columns) for columns in classes.values()}
+    weight = {same[0]: len(same) for same in _classes(rows)}
     looked_at = 0
 
     def count(left: Rows, budget: int) -> int:

@@ -51,6 +51,10 @@ class KnownSignals:
         return within_caps(Formula.parse, self.caps)
 
 
+KEYS = ("definitions", "requirements")
+"""The keys of `sim/requirements.yaml`."""
+
+
 def kinds_in(path: Path) -> Mapping[str, str]:
     """The kind of each requirement by name, as it stands in the file; empty for a file that cannot be read so far."""
     try:
@@ -86,7 +90,10 @@ def check_requirements(path: Path, known: KnownSignals, findings: Findings) -> i
             with findings.collecting():
                 read.append(read_requirement(name, item, texts, set(ranges), known.check))
                 _check_bounds(read[-1], item, ranges, findings)
-        document.close()
+        for key, item in document.mapping().items():
+            if key not in KEYS:
+                hint = did_you_mean(key, KEYS)
+                raise InputError(f"{item.place}: unknown key {key!r} in {document.name}{hint}")
         if len(read) == len(entries) and not any(one.kind is Kind.SAFETY for one in read):
             what = "no requirement is of kind safety, so no mutant can be detected"
             findings.wrong(document.need("requirements").place, what, "give one of them `kind: safety`")

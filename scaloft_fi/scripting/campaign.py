@@ -194,19 +194,7 @@ class CampaignScore:
 
         The state is `steady`, `red`, `unsteady`, `open`, `vacuous` or `unknown`.
         """
-        pairs = self._scored.score.pool.pairs.values()
-        rows = (
-            {
-                "situation": pair.situation,
-                "requirement": pair.requirement,
-                "kind": pair.kind.value,
-                "state": pair.state.value,
-                "violated": pair.violated,
-                "flights": pair.flights,
-            }
-            for pair in pairs
-        )
-        return Columns("Pairs", PAIR_COLUMNS, rows)
+        return Columns("Pairs", PAIR_COLUMNS, [pair.to_json() for pair in self._scored.score.pool.pairs.values()])
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -280,10 +268,10 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
-def of_campaign(verb: Callable[Concatenate[Study, str, P], R]) -> Callable[Concatenate[HeldCampaign, P], R]:
+def of_campaign(verb: Callable[Concatenate[Study, str, P], R]) -> Callable[Concatenate[OpenCampaign, P], R]:
     """The function of a verb as a method of a campaign, whose study and name it gets; errors name its arguments."""
 
-    def method(self: HeldCampaign, /, *args: P.args, **named: P.kwargs) -> R:
+    def method(self: OpenCampaign, /, *args: P.args, **named: P.kwargs) -> R:
         with in_python():
             return verb(self._study, self.name, *args, **named)
 
@@ -292,10 +280,13 @@ def of_campaign(verb: Callable[Concatenate[Study, str, P], R]) -> Callable[Conca
 
 
 REPORT_NAME = "report.html"
+MOST_JOBS = 1024
+MOST_SEED = 2**31 - 1
+LEAST_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
-class HeldCampaign:
+class OpenCampaign:
     """A campaign of a study, which need not exist yet.
 
     Each method reads study and campaign as they are when it is called.
@@ -380,37 +371,6 @@ class HeldCampaign:
     worksheet = of_campaign(worksheet.worksheet)
     dispositions = of_campaign(dispositions.dispositions)
     diff = of_campaign(diff.diff)
-
-    @property
-    def _study(self) -> Study:
-        return study_of(self.study_folder, self.name, self.grid)
-
-    def _repr_html_(self) -> str:
-        if is_archive(self.folder) or (self.folder / STORE_NAME).is_file():
-            return self.status()._repr_html_()
-        return html((Table(f"Campaign {self.folder}", (), (), ("Nothing was flown here yet.",)),))
-
-
-MOST_JOBS = 1024
-MOST_SEED = 2**31 - 1
-LEAST_TOLERANCE = 1e-9
-
-
-@dataclass(frozen=True)
-class OpenCampaign(HeldCampaign):
-    """A campaign of a study, which need not exist yet.
-
-    Each method reads study and campaign as they are when it is called.
-
-    Attributes:
-        study_folder: folder of the study.
-        name: name of the campaign.
-        grid: name of the grid; None for that of the campaign.
-    """
-
-    study_folder: Path
-    name: str
-    grid: str | None = None
 
     @described
     def run(
@@ -578,6 +538,15 @@ class OpenCampaign(HeldCampaign):
                 raise InputError("others=() must name a campaign")
             study = study_of_all(self.study_folder, [*sources, self.name])
             return merge.merge(study, self.name, sources, same_platform=same_platform)
+
+    @property
+    def _study(self) -> Study:
+        return study_of(self.study_folder, self.name, self.grid)
+
+    def _repr_html_(self) -> str:
+        if is_archive(self.folder) or (self.folder / STORE_NAME).is_file():
+            return self.status()._repr_html_()
+        return html((Table(f"Campaign {self.folder}", (), (), ("Nothing was flown here yet.",)),))
 
 
 def _options(jobs: int | None, same_platform: bool) -> RunOptions:
