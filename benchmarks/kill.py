@@ -43,8 +43,9 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
@@ -183,46 +184,48 @@ STUDY = ("hazop", "mutants", "sim")
 HEAL_EVERY_S = 0.5
 
 
+@dataclass
 class Campaign:
     """A campaign in its own folder.
 
-    Args:
+    Attributes:
         folder: of the campaign.
         words: mutants, situations and options of the command.
         cluster: what flies; None for processes of this machine.
         study: its folder.
+        call: verb, and the option that names the campaign.
     """
 
-    verb, into = "run", "--campaign"
-
-    def __init__(self, folder: Path, words: Sequence[str], cluster: Cluster | None = None, study: Path = ROOT) -> None:
-        self.folder = folder
-        self._cluster = cluster
-        self._words = _call(self.verb, *words, "--quiet", self.into, str(folder), study=study)
-        self._export = _call("export", "--campaign", str(folder), study=study)
+    folder: Path
+    words: Sequence[str]
+    cluster: Cluster | None = None
+    study: Path = ROOT
+    call: tuple[str, str] = ("run", "--campaign")
 
     def run(self, kill_after_s: float | None, draw: random.Random) -> tuple[bool, str, int]:
         """Run the command, and kill it if it still runs after `kill_after_s`.
 
         Returns whether the command ended by itself with success, what was killed, and how many processes outlived it.
         """
-        if self._cluster:
-            self._cluster.heal()
-        run = Marked(self._words, ROOT)
+        verb, into = self.call
+        words = self._call(verb, *self.words, "--quiet", into, str(self.folder))
+        if self.cluster:
+            self.cluster.heal()
+        run = Marked(words, ROOT)
         killed = ""
         try:
             run.process.wait(kill_after_s)
         except subprocess.TimeoutExpired:
-            targets = {"run": run, **(self._cluster.targets if self._cluster else {})}
+            targets = {"run": run, **(self.cluster.targets if self.cluster else {})}
             target = draw.choice(list(targets))
             what = targets[target].kill(draw)
             killed = what if target == "run" or not what else f"{target}: {what}"
-        while self._cluster and run.process.poll() is None:
-            self._cluster.heal()  # again and again, because a killed process takes a moment to end
+        while self.cluster and run.process.poll() is None:
+            self.cluster.heal()  # again and again, because a killed process takes a moment to end
             time.sleep(HEAL_EVERY_S)
         code = run.process.wait()
         if not killed and code:
-            raise SystemExit(f"{' '.join(self._words)}: exit code {code}")
+            raise SystemExit(f"{' '.join(words)}: exit code {code}")
         return code == 0, killed, run.outlived()
 
     def sound(self) -> bool:
@@ -234,42 +237,30 @@ class Campaign:
             return bool(connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)])
 
     def export(self) -> bytes:
-        """The export of the campaign."""
-        return subprocess.run(self._export, cwd=ROOT, check=True, capture_output=True).stdout
+        """The finds of a search, and the export of the campaign."""
+        finds, call = self.study / "sim" / "found.yaml", self._call("export", "--campaign", str(self.folder))
+        told = finds.read_bytes() if self.study != ROOT and finds.exists() else b""
+        return told + subprocess.run(call, cwd=ROOT, check=True, capture_output=True).stdout
+
+    def _call(self, *words: str) -> list[str]:
+        return [sys.executable, "-m", "scaloft_fi", *words, "--study", str(self.study)]
 
 
-class Search(Campaign):
+def search(folder: Path, words: Sequence[str], cluster: Cluster | None) -> Campaign:
     """A search in a copy of the study of its own, without finds."""
-
-    verb, into = "seek", "--into"
-
-    def __init__(self, folder: Path, words: Sequence[str], cluster: Cluster | None = None) -> None:
-        study = folder.parent / f"{folder.name}_study"
-        for part in STUDY:
-            shutil.copytree(ROOT / part, study / part)
-        self._finds = study / "sim" / "found.yaml"
-        self._finds.unlink(missing_ok=True)
-        super().__init__(folder, words, cluster, study)
-
-    def export(self) -> bytes:
-        """The finds, and the export of the campaign."""
-        finds = self._finds.read_bytes() if self._finds.exists() else b""
-        return finds + super().export()
+    study = folder.parent / f"{folder.name}_study"
+    for part in STUDY:
+        shutil.copytree(ROOT / part, study / part, ignore=shutil.ignore_patterns("found.yaml"))
+    return Campaign(folder, words, cluster, study, ("seek", "--into"))
 
 
-class Outside(Campaign):
+def outside(folder: Path, words: Sequence[str], cluster: Cluster | None) -> Campaign:
     """A campaign of the example whose planner runs in a process of its own."""
-
-    def __init__(self, folder: Path, words: Sequence[str], cluster: Cluster | None = None) -> None:
-        study = folder.parent / "study"
-        if not study.exists():
-            make = ROOT / "examples" / "outside_planner" / "make_study.py"
-            subprocess.run([sys.executable, str(make), str(study)], check=True, cwd=ROOT, env={"PYTHONPATH": str(ROOT)})
-        super().__init__(folder, words, cluster, study)
-
-
-def _call(*words: str, study: Path) -> list[str]:
-    return [sys.executable, "-m", "scaloft_fi", *words, "--study", str(study)]
+    study = folder.parent / "study"
+    if not study.exists():
+        make = ROOT / "examples" / "outside_planner" / "make_study.py"
+        subprocess.run([sys.executable, str(make), str(study)], check=True, cwd=ROOT, env={"PYTHONPATH": str(ROOT)})
+    return Campaign(folder, words, cluster, study)
 
 
 MUTANTS = ("LATE-human", "MORE-goal", "UNINTENDED-collision@20s")
@@ -283,7 +274,7 @@ def measure(
     seed: int,
     folder: Path,
     cluster: Cluster | None = None,
-    kind: type[Campaign] = Campaign,
+    kind: Callable[[Path, Sequence[str], Cluster | None], Campaign] = Campaign,
 ) -> dict[str, Any]:
     """Fly, kill and resume campaigns of a kind until the number of kills is reached."""
     if cluster:
@@ -349,7 +340,7 @@ def main() -> None:
     try:
         words += [] if options.cluster else ["--jobs", str(options.jobs)]
         cluster = Cluster(folder / "cluster", options.jobs) if options.cluster else None
-        kind = Search if options.seek else Outside if options.outside else Campaign
+        kind = search if options.seek else outside if options.outside else Campaign
         figures = measure(words, options.kills, options.seed, folder, cluster, kind)
     finally:
         shutil.rmtree(folder)

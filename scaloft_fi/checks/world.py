@@ -96,7 +96,6 @@ MOST_PIECES = 50
 """Pieces of a leg that climbs; each piece is as high as it climbs."""
 SLACK_M = 0.02
 """A gap is smaller than a radius if it is smaller by this [m]: walls are rough."""
-Corner = tuple[float, float]
 
 
 @dataclass
@@ -206,15 +205,13 @@ def _gap(triangles: Array, start: Array, end: Array, half_height_m: float, withi
     reach = np.array([within_m, within_m, half_height_m])
     near = ((triangles.min(axis=1) <= high + reach) & (triangles.max(axis=1) >= low - reach)).all(axis=1)
     floor_m, roof_m = float(low[2]) - half_height_m, float(high[2]) + half_height_m
-    a, b = (float(start[0]), float(start[1])), (float(end[0]), float(end[1]))
-    least = math.inf
+    a, b, least = complex(*start[:2]), complex(*end[:2]), math.inf
     for triangle in triangles[near].tolist():
-        outline = _cut(_cut(triangle, floor_m, 1.0), -roof_m, -1.0)
-        least = min(
-            [least, *(_apart(a, b, p[:2], q[:2]) for p, q in zip(outline, outline[1:] + outline[:1], strict=True))]
-        )
-        if _holds([(p[0], p[1]) for p in outline], a):
-            return 0.0
+        corners = [complex(x, y) for x, y, _ in _cut(_cut(triangle, floor_m, 1.0), -roof_m, -1.0)]
+        sides = list(zip(corners, corners[1:] + corners[:1], strict=True))
+        if sides and (all(_side(p, q, a) > 0.0 for p, q in sides) or all(_side(p, q, a) < 0.0 for p, q in sides)):
+            return 0.0  # the outline is convex, and has the point inside
+        least = min([least, *(_apart(a, b, p, q) for p, q in sides)])
     return least
 
 
@@ -231,28 +228,20 @@ def _cut(outline: list[list[float]], least: float, sign: float) -> list[list[flo
     return kept
 
 
-def _apart(a: Corner, b: Corner, p: list[float], q: list[float]) -> float:
-    """Distance of the segments a-b and p-q in the plane."""
-    c, d = (p[0], p[1]), (q[0], q[1])
+def _apart(a: complex, b: complex, c: complex, d: complex) -> float:
+    """Distance of the segments a-b and c-d in the plane, whose points are x + iy."""
     if _side(a, b, c) * _side(a, b, d) < 0.0 and _side(c, d, a) * _side(c, d, b) < 0.0:
         return 0.0
     return min(_from(a, c, d), _from(b, c, d), _from(c, a, b), _from(d, a, b))
 
 
-def _from(point: Corner, a: Corner, b: Corner) -> float:
+def _from(point: complex, a: complex, b: complex) -> float:
     """Distance of a point from the segment a-b."""
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    square = dx * dx + dy * dy
-    share = ((point[0] - a[0]) * dx + (point[1] - a[1]) * dy) / square if square else 0.0
-    share = min(max(share, 0.0), 1.0)
-    return math.hypot(point[0] - a[0] - share * dx, point[1] - a[1] - share * dy)
+    way, out = b - a, point - a
+    share = (out * way.conjugate()).real / abs(way) ** 2 if way else 0.0
+    return abs(out - min(max(share, 0.0), 1.0) * way)
 
 
-def _side(a: Corner, b: Corner, c: Corner) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def _holds(outline: list[Corner], point: Corner) -> bool:
-    """Whether a convex outline has the point inside."""
-    sides = [_side(p, q, point) for p, q in zip(outline, outline[1:] + outline[:1], strict=True)]
-    return bool(sides) and (min(sides) > 0.0 or max(sides) < 0.0)
+def _side(a: complex, b: complex, c: complex) -> float:
+    """Above 0 where c is left of the way from a to b, below 0 where it is right of it."""
+    return ((b - a).conjugate() * (c - a)).imag
