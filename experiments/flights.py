@@ -20,7 +20,7 @@ from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import fly_log, judged
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import together
-from scaloft_fi.campaign.store.archive import STORE_NAME, Rows
+from scaloft_fi.campaign.store.archive import STORE_NAME, outcome_of, subject_of
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers.local import Local
@@ -81,8 +81,8 @@ def rows_of(path: Path) -> list[Row]:
 
 def outcomes(study: Study, rows: Iterable[Row]) -> list[Outcome]:
     """The flights of the rows, without trajectories; an export has no places of violations either."""
-    read = Rows({requirement.name: requirement.kind for requirement in study.requirements}, study.space.axes)
-    return [read({**_lacking(row), **row}) for row in rows]
+    kinds, axes = {requirement.name: requirement.kind for requirement in study.requirements}, study.space.axes
+    return [outcome_of({**_lacking(row), **row}, subject_of(row["mutant"]), kinds, axes) for row in rows]
 
 
 def _lacking(row: Row) -> Row:

@@ -261,9 +261,9 @@ def read_outcomes(
         _check(columns, kinds)
     except BadCellError as error:
         raise InputError(f"{path}: column {error.column} must be {error.allowed}") from error
-    subjects = {id_: _subject(id_) for id_ in set(columns["mutant"])}
+    subjects = {id_: subject_of(id_) for id_ in set(columns["mutant"])}
     rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
-    return tuple(_outcome(row, subjects[row["mutant"]], kinds, axes) for row in rows)
+    return tuple(outcome_of(row, subjects[row["mutant"]], kinds, axes) for row in rows)
 
 
 def _check(columns: Mapping[str, Sequence[Any]], kinds: Mapping[str, Kind]) -> None:
@@ -287,7 +287,8 @@ def _check(columns: Mapping[str, Sequence[Any]], kinds: Mapping[str, Kind]) -> N
         raise BadCellError("violated", f"names of {', '.join(kinds)}")
 
 
-def _subject(id_: str) -> Subject:
+def subject_of(id_: str) -> Subject:
+    """The subject of an id."""
     try:
         name = parse(id_)
     except InputError:  # the baseline and PLACEBO
@@ -295,7 +296,7 @@ def _subject(id_: str) -> Subject:
     return Subject(id_, name.guideword, name.parameter, name.magnitude)
 
 
-def _outcome(row: Mapping[str, Any], subject: Subject, kinds: Mapping[str, Kind], axes: Sequence[str]) -> Outcome:
+def outcome_of(row: Mapping[str, Any], subject: Subject, kinds: Mapping[str, Kind], axes: Sequence[str]) -> Outcome:
     """The outcome of a row with the columns of `_CHECKS` and, for each requirement, its robustness."""
     at = dict(zip(row["violated"], row["violation_times_s"], strict=True))
     episodes = dict(zip(row["triggered"], row["episodes"], strict=True))
