@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import scaloft_ros1.border  # noqa: F401 - the study of the testbed names it
 from copies import ROOT, copied
 from plugins import call, install, install_project
 
