@@ -56,7 +56,7 @@ READERS = {
     "outside/guard.py": "the output of its processes, and /proc",
 }
 """The modules that open files, and which."""
-NO_FILES = {"Study", "archive", "border", "self._lines", "windows", "self.windows", "tarfile", "stream"}
+NO_FILES = {"Study", "archive", "border", "self._lines", "windows", "self.windows", "stream"}
 """What has a method `open` that opens no file that a user names."""
 
 

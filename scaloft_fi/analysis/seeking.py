@@ -31,6 +31,7 @@ from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import groupby, repeat
 from statistics import stdev
 from typing import TYPE_CHECKING, Any
@@ -431,35 +432,28 @@ def shrunk(situation: Situation, grid: Grid, shows: Shows) -> Situation:
         grid: its grid.
         shows: asked for situations of the grid.
     """
-    situation = _rounds(situation, _resets, grid, shows)
-    situation = _rounds(situation, _halves, grid, shows, most=HALVINGS)
-    situation = _rounds(situation, _resets, grid, shows, alone=None)
-    return _rounds(situation, _rounded, grid, shows, alone=None)
-
-
-def _rounds(
-    situation: Situation,
-    changes: Callable[[Situation, Grid], Iterable[Situation]],
-    grid: Grid,
-    shows: Shows,
-    *,
-    most: int | None = None,
-    alone: int | None = ALONE,
-) -> Situation:
-    """The situation after rounds of changes, until none changes it."""
-    for _ in repeat(None) if most is None else range(most):
-        simpler = _round(situation, changes(situation, grid), grid, shows, alone)
-        if simpler == situation:
-            break
-        situation = simpler
+    halved = partial(_renumbered, change=lambda number, benign: brief((number + benign) / 2))
+    rounded = partial(_renumbered, change=rounded_away)
+    stages: Sequence[tuple[Callable[[Situation, Grid], Iterable[Situation | None]], int | None, int | None]] = (
+        (_resets, None, ALONE),
+        (halved, HALVINGS, ALONE),
+        (_resets, None, None),
+        (rounded, None, None),
+    )
+    for changes, most, alone in stages:
+        for _ in repeat(None) if most is None else range(most):
+            simpler = _round(situation, changes(situation, grid), grid, shows, alone)
+            if simpler == situation:
+                break
+            situation = simpler
     return situation
 
 
 def _round(
-    situation: Situation, changed: Iterable[Situation], grid: Grid, shows: Shows, alone: int | None
+    situation: Situation, changed: Iterable[Situation | None], grid: Grid, shows: Shows, alone: int | None
 ) -> Situation:
     """The situation after one round of changes."""
-    tried = list(dict.fromkeys(one for one in changed if one != situation))
+    tried = list(dict.fromkeys(one for one in changed if one is not None and one != situation))
     kept = [one for one, good in zip(tried, shows(tried, False) if tried else (), strict=True) if good]
     joint = _joined(situation, kept, grid)
     for one in dict.fromkeys([*([joint] if joint is not None else []), *kept[:alone]]):
@@ -479,33 +473,25 @@ def _joined(situation: Situation, changed: Sequence[Situation], grid: Grid) -> S
                 numbers.pop(axis, None)
             elif theirs[axis] != number and axis in numbers:
                 numbers[axis] = theirs[axis]
-    return _placed(grid, levels, numbers) if changed else None
+    return situation_at(grid, levels, numbers) if changed else None
 
 
-def _resets(situation: Situation, grid: Grid) -> Iterable[Situation]:
+def _resets(situation: Situation, grid: Grid) -> Iterator[Situation | None]:
     """The situation with one axis at its benign value."""
     levels, numbers = dict(situation.levels), dict(situation.numbers)
     for axis in numbers:
         rest = {other: number for other, number in numbers.items() if other != axis}
-        yield from _possible(grid, levels | ({axis: 0} if axis in levels else {}), rest)
+        yield situation_at(grid, levels | ({axis: 0} if axis in levels else {}), rest)
     for axis, level in levels.items():
         if level and axis not in numbers:
             benign = levels | {axis: 0}
             going = {free.id for free in grid.free if free.goes_with(benign)} | levels.keys()
-            yield from _possible(grid, benign, {other: n for other, n in numbers.items() if other in going})
+            yield situation_at(grid, benign, {other: n for other, n in numbers.items() if other in going})
 
 
-def _halves(situation: Situation, grid: Grid) -> Iterable[Situation]:
-    """The situation with one number halfway to its benign value."""
-    return _renumbered(situation, grid, lambda number, benign: brief((number + benign) / 2))
-
-
-def _rounded(situation: Situation, grid: Grid) -> Iterable[Situation]:
-    """The situation with one number rounded to one digit, away from its benign value."""
-    return _renumbered(situation, grid, rounded_away)
-
-
-def _renumbered(situation: Situation, grid: Grid, change: Callable[[float, float], float]) -> Iterable[Situation]:
+def _renumbered(
+    situation: Situation, grid: Grid, change: Callable[[float, float], float]
+) -> Iterator[Situation | None]:
     """The situation with one number changed; `change` is given the number and its benign value."""
     levels, numbers = dict(situation.levels), dict(situation.numbers)
     benign = {axis.id: axis.benign for axis in grid.free}
@@ -515,15 +501,10 @@ def _renumbered(situation: Situation, grid: Grid, change: Callable[[float, float
         other = change(number, benign[axis])
         bin_ = ranges[axis].bin(other) if axis in ranges else None
         if other not in (number, benign[axis]):
-            yield from _possible(grid, levels | ({} if bin_ is None else {axis: bin_}), numbers | {axis: other})
+            yield situation_at(grid, levels | ({} if bin_ is None else {axis: bin_}), numbers | {axis: other})
 
 
-def _possible(grid: Grid, levels: dict[str, int], numbers: Numbers) -> Iterable[Situation]:
-    placed = _placed(grid, levels, numbers)
-    return () if placed is None else (placed,)
-
-
-def _placed(grid: Grid, levels: dict[str, int], numbers: Numbers) -> Situation | None:
+def situation_at(grid: Grid, levels: dict[str, int], numbers: Numbers) -> Situation | None:
     """The situation of the grid with these values; None where it has none."""
     try:
         return grid.situation(grid.at(levels, numbers).key)

@@ -43,9 +43,9 @@ class _Worker(Generic[TaskT, ResultT]):
     def end(self) -> None:
         """End the process: an idle process ends when its connection closes, a busy one is killed."""
         if self.trial is not None:
-            self.started.process.kill()
+            self.started.kill()
         self.started.connection.close()
-        self.started.process.join()
+        self.started.join()
 
 
 class ProcessPool(Generic[TaskT, ResultT]):

@@ -13,10 +13,9 @@ import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection, wait
-from typing import Any, Protocol
+from typing import Any, NamedTuple
 
 LINUX = sys.platform.startswith("linux")
 _PR_SET_PDEATHSIG = 1
@@ -74,23 +73,11 @@ Work = Callable[[Any, Callable[[Any], None]], None]
 """Called with a task and a callback for its results; an exception ends the run."""
 
 
-class Process(Protocol):
-    """A process that can be ended."""
+class Started(NamedTuple):
+    """A process: how it is ended at once, how its end is awaited, and the connection to it."""
 
-    def kill(self) -> None:
-        """End the process at once."""
-        ...
-
-    def join(self) -> None:
-        """Wait for the end of the process."""
-        ...
-
-
-@dataclass(frozen=True)
-class Started:
-    """A process and the connection to it."""
-
-    process: Process
+    kill: Callable[[], None]
+    join: Callable[[], object]
     connection: Connection
 
 
@@ -119,7 +106,7 @@ def forked(work: Work, others: Sequence[Connection]) -> Started:
     with _interrupts_blocked():
         process.start()
     theirs.close()
-    return Started(process, ours)
+    return Started(process.kill, process.join, ours)
 
 
 def started_clean(work: Work, _others: Sequence[Connection]) -> Started:
@@ -138,7 +125,7 @@ def started_clean(work: Work, _others: Sequence[Connection]) -> Started:
     connection = Connection(ours.detach())
     with suppress(OSError):  # the process has just died; the reader of the connection notices it
         connection.send(work)
-    return Started(_Interpreter(process), connection)
+    return Started(process.kill, process.communicate, connection)
 
 
 @contextmanager
@@ -154,22 +141,8 @@ def _interrupts_blocked() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-@dataclass(frozen=True)
-class _Interpreter:
-    """A `Popen` as a `Process`."""
-
-    popen: subprocess.Popen[bytes]
-
-    def kill(self) -> None:
-        self.popen.kill()
-
-    def join(self) -> None:
-        self.popen.communicate()
-
-
 def _run_worker(work: Work, connection: Connection, inherited: Sequence[Connection], parent: int) -> None:
     """Run a worker: it ignores `STOPS`, works on its tasks, and ends with its parent."""
-    _ignore_stops()
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     die_with(parent)
     for other in inherited:
@@ -177,12 +150,9 @@ def _run_worker(work: Work, connection: Connection, inherited: Sequence[Connecti
     _serve(work, connection)
 
 
-def _ignore_stops() -> None:
+def _serve(work: Work, connection: Connection) -> None:
     for number in STOPS:
         signal.signal(number, signal.SIG_IGN)
-
-
-def _serve(work: Work, connection: Connection) -> None:
     while True:
         try:
             task = connection.recv()
@@ -198,14 +168,8 @@ def _serve(work: Work, connection: Connection) -> None:
             connection.send(("raised", error))
 
 
-def _run_clean_worker(descriptor: int, parent: int) -> None:
-    """Run a worker in a new interpreter; its standard input closes when its parent ends."""
-    _ignore_stops()
-    die_with(parent, sys.stdin.fileno())
-    connection = Connection(descriptor)
+if __name__ == "__main__":  # a worker in a new interpreter, whose standard input closes when its parent ends
+    die_with(int(sys.argv[2]), sys.stdin.fileno())
+    parent = Connection(int(sys.argv[1]))
     with suppress(EOFError):
-        _serve(connection.recv(), connection)
-
-
-if __name__ == "__main__":
-    _run_clean_worker(*map(int, sys.argv[1:]))
+        _serve(parent.recv(), parent)

@@ -13,7 +13,7 @@ from typing import Any, TextIO
 
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.console import line, marked_sentence, show
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Violation
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.study import Study
@@ -26,67 +26,7 @@ WHOLE = frozenset({BASELINE, PLACEBO.id})
 """Subjects that are always flown whole."""
 
 
-class Forecast:
-    """Expected cost of flown and remaining flights [s, simulated], from the nominal mission times of situations.
-
-    Over the flights of the reference campaign the mean error of the remaining time was 12 %.
-
-    Args:
-        share: whether mutants share the beginning of their baseline; if not, they are flown whole.
-
-    Attributes:
-        done_s: expected cost of the flown flights.
-        left_s: expected cost of the remaining flights.
-    """
-
-    def __init__(self, *, share: bool) -> None:
-        self._share = SHARE if share else 1.0
-        self._due: set[str] = set()
-        self.done_s = self.left_s = 0.0
-
-    def cost_s(self, flight: Flight, nominal_s: float) -> float:
-        """Expected cost of a flight with the nominal mission time `nominal_s` [s, simulated]."""
-        return nominal_s * (1.0 if flight.subject.id in WHOLE else self._share) + FLIGHT_S
-
-    def expect(self, flight: Flight, nominal_s: float) -> bool:
-        """Add a flight to the remaining work; returns whether it was not yet added."""
-        if flight.name in self._due:
-            return False
-        self._due.add(flight.name)
-        self.left_s += self.cost_s(flight, nominal_s)
-        return True
-
-    def arrived(self, flight: Flight, nominal_s: float) -> bool:
-        """Record that a flight was flown; returns whether it was expected."""
-        cost_s = self.cost_s(flight, nominal_s)
-        self.done_s += cost_s
-        if flight.name not in self._due:
-            return False
-        self._due.remove(flight.name)
-        self.left_s = max(0.0, self.left_s - cost_s) if self._due else 0.0
-        return True
-
-
 MUTANTS = "mutants"
-
-
-class Violations:
-    """Number of violations of safety and operability requirements, by subject."""
-
-    def __init__(self) -> None:
-        self._counts = Counter[str]()
-
-    def add(self, outcome: Outcome) -> list[str]:
-        """Count the violations of an outcome; returns a line for each."""
-        group = outcome.mutant if outcome.mutant in (BASELINE, PLACEBO_ID) else MUTANTS
-        lines = [violation_line(outcome, entry) for entry in outcome.violations if entry.kind is not Kind.REPORTED]
-        self._counts[group] += len(lines)
-        return lines
-
-    def __str__(self) -> str:
-        """`57 (baseline 16, mutants 25, PLACEBO 16)`; empty before the first one."""
-        groups = [f"{group} {self._counts[group]}" for group in (BASELINE, MUTANTS, PLACEBO_ID) if self._counts[group]]
-        return f"{self._counts.total()} ({', '.join(groups)})" if groups else ""
 
 
 def violation_line(outcome: Outcome, violation: Violation) -> str:
@@ -258,26 +198,38 @@ def duration(seconds: float) -> str:
 class Reporter:
     """Keeps the progress up to date.
 
+    What flights cost is expected from the nominal mission times of their situations.  Over the flights of the reference
+    campaign the mean error of the remaining time was 12 %.
+
     Args:
         study: the study.
         progress: the display.
         log: path of the mission log.
-        share: whether mutants share the beginning of their baseline.
+        share: whether mutants share the beginning of their baseline; if not, they are flown whole.
         warnings: whether each violation is shown when its outcome arrives.
+
+    Attributes:
+        left_s: expected cost of the remaining flights [s, simulated].
     """
 
     def __init__(self, study: Study, progress: Progress, log: Path, *, share: bool, warnings: bool) -> None:
-        self.progress = progress
-        self._study = study
-        self._forecast = Forecast(share=share)
-        progress.left_s = lambda: self._forecast.left_s
-        self._warnings, self._log = warnings, log
-        self._violations = Violations()
+        self.progress, self.left_s = progress, 0.0
+        self._study, self._log, self._warnings = study, log, warnings
+        self._share = SHARE if share else 1.0
+        self._due, self._violations = set[str](), Counter[str]()
+        progress.left_s = lambda: self.left_s
+
+    def cost_s(self, flight: Flight) -> float:
+        """Expected cost of a flight [s, simulated]."""
+        share = 1.0 if flight.subject.id in WHOLE else self._share
+        return self._study.expected_s(flight.situation) * share + FLIGHT_S
 
     def expect(self, flights: Iterable[Flight]) -> None:
         """Announce flights; a flight that was announced before is not counted again."""
         for flight in flights:
-            if self._forecast.expect(flight, self._nominal_s(flight)):
+            if flight.name not in self._due:
+                self._due.add(flight.name)
+                self.left_s += self.cost_s(flight)
                 self.progress.flights += 1
 
     def arrived(self, flight: Flight, outcome: Outcome, *, news: bool) -> None:
@@ -290,16 +242,17 @@ class Reporter:
         """
         if news:
             self._show_outcome(outcome)
-        expected = self._forecast.arrived(flight, self._nominal_s(flight))
-        self.progress.done_s = self._forecast.done_s
+        cost_s = self.cost_s(flight)
+        self.progress.done_s += cost_s
         self.progress.simulated_s += outcome.duration_s
-        if expected:
+        if flight.name in self._due:
+            self._due.remove(flight.name)
+            self.left_s = max(0.0, self.left_s - cost_s) if self._due else 0.0
             self.progress.advance()
 
     def wall_s(self, flights: Iterable[Flight]) -> float:
         """Expected wall time of these flights at the current rate [s, wall]; 0 before the first outcome."""
-        expected_s = sum(self._forecast.cost_s(flight, self._nominal_s(flight)) for flight in flights)
-        return self.progress.wall_s(expected_s) or 0.0
+        return self.progress.wall_s(sum(map(self.cost_s, flights))) or 0.0
 
     def close(self) -> None:
         """Print the last counts, and the file that lists every violation."""
@@ -308,12 +261,14 @@ class Reporter:
         self.progress.close()
 
     def _show_outcome(self, outcome: Outcome) -> None:
-        lines = self._violations.add(outcome)
-        self.progress.violations = str(self._violations)
+        """Count the violations of safety and operability requirements, by subject, and warn of them."""
+        counts, group = self._violations, outcome.mutant if outcome.mutant in WHOLE else MUTANTS
+        told = [violation for violation in outcome.violations if violation.kind is not Kind.REPORTED]
+        counts[group] += len(told)
+        if counts.total():
+            by_group = ", ".join(f"{name} {counts[name]}" for name in (BASELINE, MUTANTS, PLACEBO.id) if counts[name])
+            self.progress.violations = f"{counts.total()} ({by_group})"
         if outcome.invalid:
             self.progress.line(f"warning: invalid, not counted: {outcome.name}: {outcome.invalid}")
-        for violation in lines if self._warnings else ():
-            self.progress.line(f"warning: {violation}")
-
-    def _nominal_s(self, flight: Flight) -> float:
-        return self._study.expected_s(flight.situation)
+        for violation in told if self._warnings else ():
+            self.progress.line(f"warning: {violation_line(outcome, violation)}")

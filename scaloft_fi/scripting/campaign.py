@@ -22,7 +22,7 @@ from scaloft_fi.campaign.seeking.finds import Allowance
 from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive
 from scaloft_fi.campaign.store.flown_grid import study_of, study_of_all
 from scaloft_fi.campaign.workers.cluster import LOCAL, executor_named
-from scaloft_fi.campaign.workers.local import Clean, Executor
+from scaloft_fi.campaign.workers.local import Executor, Local
 from scaloft_fi.defaults import SEARCHED
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.output import write_named
@@ -559,5 +559,5 @@ def _executor(name: str, jobs: int | None, cluster_security: Path | str | None) 
     """What runs the flights; on this machine, new interpreters where the system can hand them a connection."""
     count = None if jobs is None else int(number(jobs, "jobs", 1, MOST_JOBS))
     if name == LOCAL and os.name == "posix" and cluster_security is None:
-        return Clean(count or cores())
+        return Local(count or cores(), clean=True)
     return executor_named(name, count, None if cluster_security is None else Path(cluster_security))

@@ -222,7 +222,7 @@ for number in range(8):
     assert started.connection.recv()[0] == "result"
     assert started.connection.recv() == ("done", None)
     started.connection.close()
-    started.process.join()
+    started.join()
 signal.signal(signal.SIGINT, signal.SIG_IGN)
 print(len(heard))
 """

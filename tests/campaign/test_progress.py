@@ -1,11 +1,32 @@
+"""The progress of a run: what is shown, how well the rest is foretold, what is said of violations."""
+
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from pathlib import Path
+from random import Random
+from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.progress import LINE_EVERY_S, TALLY_EVERY_S, TALLY_SHARE, Progress, Silence, duration
+from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.plan import plan
+from scaloft_fi.campaign.progress import (
+    FLIGHT_S,
+    LINE_EVERY_S,
+    SHARE,
+    TALLY_EVERY_S,
+    TALLY_SHARE,
+    Progress,
+    Reporter,
+    Silence,
+    duration,
+)
+from scaloft_fi.judge.outcome import Outcome, Violation
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.mutants.catalogue import defaults, realise
 
 
 class Terminal(io.StringIO):
@@ -197,3 +218,94 @@ def test_quiet_shows_nothing_at_all() -> None:
 
 def test_a_long_time_is_told_in_hours() -> None:
     assert duration(7260) == "2 h 01 min"
+
+
+def _reporter(study: Any, *, stream: io.StringIO | None = None, share: bool = True, warnings: bool = False) -> Reporter:
+    progress = Progress(stream=stream or io.StringIO())
+    return Reporter(study, progress, Path("c/mission_log.json"), share=share, warnings=warnings)
+
+
+def _flights(study: Any, *mutants: Any) -> list[Flight]:
+    return list(plan(study.grid, (0,), mutants or defaults(study.matrix)[:10], None).known)
+
+
+@pytest.mark.parametrize(("share", "of_a_mutant"), [(True, SHARE), (False, 1.0)])
+def test_a_mutant_is_expected_to_cost_its_share_of_the_mission(study: Any, *, share: bool, of_a_mutant: float) -> None:
+    reporter = _reporter(study, share=share)
+    reporter.expect(_flights(study))
+    missions_s = sum(situation.nominal_s for situation in study.grid)
+    assert reporter.left_s == pytest.approx(missions_s * (2 + 10 * of_a_mutant) + 4 * 12 * FLIGHT_S)
+
+
+def test_what_is_flown_is_not_left_and_in_the_end_nothing_is(study: Any, log: Any) -> None:
+    reporter, flights = _reporter(study), _flights(study)
+    reporter.expect(flights)
+    whole_s = reporter.left_s
+    Random(0).shuffle(flights)
+    for flight in flights:
+        reporter.arrived(flight, log(study, flight), news=True)
+        assert reporter.progress.done_s + reporter.left_s == pytest.approx(whole_s)
+    assert reporter.left_s == 0.0
+    assert reporter.progress.done == reporter.progress.flights == len(flights)
+
+
+def test_a_flight_that_is_announced_twice_is_expected_once_and_a_carrier_flown_again_is_not(
+    study: Any, log: Any
+) -> None:
+    reporter, (flight, *_) = _reporter(study), _flights(study)
+    reporter.expect([flight, flight])
+    assert (reporter.left_s, reporter.progress.flights) == (30.0 + FLIGHT_S, 1)
+    for _ in range(2):
+        reporter.arrived(flight, log(study, flight), news=True)
+    assert (reporter.progress.done, reporter.left_s) == (1, 0.0)
+    assert reporter.progress.done_s == 2 * (30.0 + FLIGHT_S)
+
+
+def _said(study: Any, outcomes: Iterable[tuple[Flight, Outcome]], *, warnings: bool = False, **home: bool) -> list[str]:
+    """The lines of a run in which these came home."""
+    stream = io.StringIO()
+    reporter = _reporter(study, stream=stream, warnings=warnings)
+    for flight, outcome in outcomes:
+        reporter.arrived(flight, outcome, **({"news": True} | home))
+    reporter.close()
+    return stream.getvalue().splitlines()
+
+
+@pytest.fixture
+def home(study: Any, log: Any) -> list[tuple[Flight, Outcome]]:
+    return [(flight, log(study, flight)) for flight in _flights(study, realise(study.matrix, "LATE-human@3s"))]
+
+
+def test_operability_counts_and_what_is_only_reported_does_not(study: Any, home: list[tuple[Flight, Outcome]]) -> None:
+    kinds = (Kind.SAFETY, Kind.OPERABILITY, Kind.REPORTED)
+    listed = tuple(Violation(f"R{kind}", kind, 5.0, 0.0, 1.0, 1.6, "") for kind in kinds)
+    said = _said(study, [(home[0][0], replace(home[0][1], violations=listed))], warnings=True)
+    assert [line.split(" violated")[0] for line in said[:-1]] == ["warning: Rsafety", "warning: Roperability"]
+    assert said[-1].startswith("violations: 2 (baseline 2);")
+
+
+def test_one_line_counts_them_and_says_where_they_are(study: Any, home: list[tuple[Flight, Outcome]]) -> None:
+    assert _said(study, home) == [
+        "violations: 4 (baseline 1, mutants 2, PLACEBO 1); all of them are in c/mission_log.json"
+    ]
+
+
+def test_warnings_tell_each_of_them_the_baselines_too(study: Any, home: list[tuple[Flight, Outcome]]) -> None:
+    *warnings, last = _said(study, home, warnings=True)
+    where = [line.removeprefix("warning: SR2 violated at ").rpartition(" ")[2] for line in warnings]
+    assert where == ["baseline/D1H1/0", "PLACEBO/D1H1/0", "LATE-human@3s/D0H1/0", "LATE-human@3s/D1H1/0"]
+    assert last.startswith("violations: 4 ")
+
+
+def test_what_the_store_had_is_neither_told_nor_counted(study: Any, home: list[tuple[Flight, Outcome]]) -> None:
+    assert _said(study, home, warnings=True, news=False) == []
+
+
+@pytest.mark.parametrize("warnings", [False, True])
+def test_an_invalid_flight_is_always_told_and_is_no_violation(
+    study: Any, home: list[tuple[Flight, Outcome]], warnings: bool
+) -> None:
+    flight, outcome = home[0]
+    broken = replace(outcome, invalid="no memory", violations=())
+    said = _said(study, [(flight, broken)] * 2, warnings=warnings)
+    assert said == ["warning: invalid, not counted: baseline/D0H0/0: no memory"] * 2

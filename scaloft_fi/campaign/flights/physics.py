@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from threading import Timer
 
 from scaloft_fi.campaign.flight import Batch, Flight
@@ -62,7 +63,7 @@ class Physics:
         """Fly and judge one flight from take-off; with a stack that does not fork, in a process of its own."""
         if study.stack.forks:
             return judged(study, flight, fly_log(study, flight))
-        with ProcessPool(_Apart(study), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
+        with ProcessPool(partial(_fly_all, study), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
             (outcome,) = apart.map([Batch((flight,))])
         return outcome
 
@@ -73,15 +74,10 @@ class Physics:
             fly_shared(study, batch, report, lambda flight: apart.map([Batch((flight,))]))
 
 
-@dataclass(frozen=True)
-class _Apart:
-    """The work of a process that flies one flight and ends, with whatever threads the stack has started in it."""
-
-    study: Study
-
-    def __call__(self, batch: Batch, report: Callable[[Outcome], None]) -> None:
-        for flight in batch.flights:
-            report(judged(self.study, flight, fly_log(self.study, flight)))
+def _fly_all(study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
+    """The work of a process that flies and ends, with whatever threads the stack has started in it."""
+    for flight in batch.flights:
+        report(judged(study, flight, fly_log(study, flight)))
 
 
 @contextmanager

@@ -7,18 +7,18 @@ stopped, and flights of other verbs are not flown again.  Where a magnitude infe
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.margin import Margin, Scale, margin_of
 from scaloft_fi.analysis.pool import LEAST
-from scaloft_fi.analysis.score import Score, score
+from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried, phased_fault, tried_in
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import Flyer
-from scaloft_fi.campaign.plan import Plan, canary, plan
+from scaloft_fi.campaign.plan import canary, plan
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import run, spending_of
@@ -203,16 +203,27 @@ def find(
         GateError, InputError, Interrupted: as `campaign.runs.run.run`; all outcomes are saved.
     """
     promising(folder)
-    options = options or RunOptions()
-    question, known, spending = _Question(study, targets, situations, seeds, kind), dict[str, Outcome](), None
+    options, known, spending = options or RunOptions(), dict[str, Outcome](), Spending(study.alpha)
     with read_store(folder / STORE_NAME) as store:
         if store is not None:
             known = {outcome.name: outcome for outcome in current_in(study, store)}
             spending = spending_of(study, store)
-    pooled: set[Situation] = set()
+    cells, wanted, pooled = {target.subject.cell for target in targets}, frozenset(seeds), set[Situation]()
     while True:
-        scored = question.score(known.values(), spending)
-        flights = question.next(known.values(), scored)
+        judged = [one for one in known.values() if one.mutant == BASELINE or cell_of(one.mutant) in cells]
+        scored = score(judged, study.roster, study.space, spending)
+        tried = {  # the magnitudes that were flown with every seed
+            place: {entry.magnitude: entry for entry in entries if entry.seeds >= wanted}
+            for place, entries in tried_in(known.values(), scored, study.matrix, kind).items()
+        }
+        asks = [
+            (target.id_of(magnitude), situation)
+            for target in targets
+            for situation in situations
+            for magnitude in target.search.asks(tried.get((target.subject, situation.key), {}))
+        ]
+        mutants = {id_: realise(study.matrix, id_) for id_, _ in asks}
+        flights = [Flight(mutants[id_], situation, seed) for id_, situation in asks for seed in seeds]
         # where a target infects and the campaign has no pool
         lacking = [one for one in situations if one.key in scored.lacking and one not in pooled]
         if not (flights or lacking) and any(outcome.mutant == BASELINE for outcome in known.values()):
@@ -221,82 +232,31 @@ def find(
         shown = progress()
         shown.line(_asked(flights))
         share = options.share and len(flights) >= SHARED_FROM * len({(f.situation.key, f.seed) for f in flights})
-        planned = question.plan(flights, lacking, known.values())
-        report = run(study, planned, folder, replace(options, share=share), progress=shown, flyer=flyer)
-        known |= {outcome.name: outcome for outcome in report.outcomes}
-        spending = report.spending
-    return question.margins(known.values(), question.score(known.values(), spending))
-
-
-@dataclass(frozen=True)
-class _Question:
-    """The searched margins: targets, situations, seeds, kind of requirements; every answer follows from outcomes."""
-
-    study: Study
-    targets: Sequence[Target]
-    situations: Sequence[Situation]
-    seeds: Sequence[int]
-    kind: Kind
-
-    def score(self, outcomes: Iterable[Outcome], spending: Spending | None) -> Score:
-        """The score of the targets' cells over every situation and seed of the campaign."""
-        cells = {target.subject.cell for target in self.targets}
-        asked = [outcome for outcome in outcomes if outcome.mutant == BASELINE or cell_of(outcome.mutant) in cells]
-        return score(asked, self.study.roster, self.study.space, spending or Spending(self.study.alpha))
-
-    def next(self, outcomes: Iterable[Outcome], scored: Score) -> tuple[Flight, ...]:
-        """The next flights of every target in every situation."""
-        tried = self._tried(outcomes, scored)
-        asked = [
-            (target.id_of(magnitude), situation)
-            for target in self.targets
-            for situation in self.situations
-            for magnitude in target.search.asks(tried.get((target.subject, situation.key), {}))
-        ]
-        mutants = {id_: realise(self.study.matrix, id_) for id_, _ in asked}
-        return tuple(Flight(mutants[id_], situation, seed) for id_, situation in asked for seed in self.seeds)
-
-    def plan(self, flights: Sequence[Flight], lacking: Sequence[Situation], outcomes: Iterable[Outcome]) -> Plan:
-        """The plan of a round: the flights of every run, the next flights, and the pool of known situations.
-
-        It includes all baselines that the campaign has of these situations, so that the gates see every steady pair.
-        """
-        planned = plan(self.situations, self.seeds, [], canary(self.study)).with_pool()
-        places = {situation.key: situation for situation in self.situations}
-        held = [
-            Flight(None, places[outcome.situation], outcome.seed)
-            for outcome in outcomes
-            if outcome.mutant == BASELINE and outcome.situation in places
-        ]
+        planned = plan(situations, seeds, [], canary(study)).with_pool()
         pool = [flight for situation in lacking for flight in planned.pool(situation, LEAST)]
-        unflown = None if planned.canary in {flight.mutant for flight in flights} else planned.canary
-        return replace(
+        # with all baselines that the campaign has, so that the gates see every steady pair
+        places = {situation.key: situation for situation in situations}
+        held = [
+            Flight(None, places[one.situation], one.seed)
+            for one in judged
+            if one.mutant == BASELINE and one.situation in places
+        ]
+        planned = replace(
             planned,
             baselines=tuple(dict.fromkeys((*planned.baselines, *held, *pool))),
             mutants=(*planned.mutants, *flights),
-            canary=unflown,
+            canary=None if planned.canary in mutants.values() else planned.canary,
         )
-
-    def margins(self, outcomes: Iterable[Outcome], scored: Score) -> Mapping[PhasedFault, tuple[Margin, ...]]:
-        """The margin of each target in each situation."""
-        tried = self._tried(outcomes, scored)
-        return {
-            target.subject: tuple(
-                margin_of(target.search.scale, tried.get((target.subject, place.key), {}).values(), place.key)
-                for place in self.situations
-            )
-            for target in self.targets
-        }
-
-    def _tried(
-        self, outcomes: Iterable[Outcome], scored: Score
-    ) -> Mapping[tuple[PhasedFault, str], dict[float, Tried]]:
-        """The tried magnitudes: those flown with every seed."""
-        wanted = frozenset(self.seeds)
-        return {
-            key: {entry.magnitude: entry for entry in entries if entry.seeds >= wanted}
-            for key, entries in tried_in(outcomes, scored, self.study.matrix, self.kind).items()
-        }
+        report = run(study, planned, folder, replace(options, share=share), progress=shown, flyer=flyer)
+        known |= {outcome.name: outcome for outcome in report.outcomes}
+        spending = report.spending
+    return {
+        target.subject: tuple(
+            margin_of(target.search.scale, tried.get((target.subject, place.key), {}).values(), place.key)
+            for place in situations
+        )
+        for target in targets
+    }
 
 
 def _asked(flights: Sequence[Flight]) -> str:

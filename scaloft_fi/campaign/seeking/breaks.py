@@ -4,39 +4,44 @@ Each safety requirement has turns, in which its robustness guides TPE.  What is 
 with a known signature counts as far from breaking.  Half of each generation is drawn at random, because what is new
 need not lie where the robustness is small.  All else is as in the search for mutants: everything follows from the seed
 and the outcomes, and a budget decides only how far it goes.
+
+Outcomes do not keep what a stack believed; so a flight whose signature is asked for is flown once more and listened to.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from scaloft_fi.analysis.pool import LEAST
-from scaloft_fi.analysis.seeking import REJECTED, WORST, Breach, Signature, breaking, shrunk
+from scaloft_fi.analysis.seeking import REJECTED, WORST, Breach, Signature, breaches, breaking, shrunk
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.runs.run import Run, opened, write_log
+from scaloft_fi.campaign.runs.run import Run
 from scaloft_fi.campaign.seeking.finds import (
     SEEN_ON,
     Allowance,
-    Recall,
-    Recalls,
     SearchFlights,
     SeekReport,
     SpentError,
-    recalled,
+    searching,
     words_of,
 )
 from scaloft_fi.campaign.seeking.proposals import OPENING, Flyable, Proposal, Proposals, draws
 from scaloft_fi.campaign.seeking.seek import GENERATION
-from scaloft_fi.campaign.store.held import current_in
+from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.sim.found import Break
+from scaloft_fi.sim.stacks import claims_of
+from scaloft_fi.stack.declaration import TICK_HZ, PlainWire
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
@@ -48,6 +53,66 @@ IDLE = 20
 
 ALIKE = 3
 """Of the flights with fresh seeds at least so many must have the signature of a find."""
+
+
+S = TypeVar("S")
+
+Told = tuple[Breach, ...]
+Recall = Callable[["Study", Flight, Sequence[Violation]], Told]
+"""Flies a baseline again, and tells what its violations of safety requirements say."""
+_Task = tuple[Flight, Sequence[Violation]]
+
+
+class ListeningWire(PlainWire):
+    """Delivers every sample unchanged, and keeps those of some seams.
+
+    Attributes:
+        kept: time [s] and sample of each delivery, by seam.
+    """
+
+    def __init__(self, seams: Iterable[str]) -> None:
+        self.kept: dict[str, list[tuple[float, Any]]] = {seam: [] for seam in seams}
+
+    def listens(self, seam: str) -> bool:
+        """Whether the samples of `seam` are kept."""
+        return seam in self.kept
+
+    def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
+        """Return `sample`."""
+        if sample is not None and seam in self.kept:
+            self.kept[seam].append((t_s, sample))
+        return sample
+
+
+def recalled(study: Study, flight: Flight, violations: Sequence[Violation]) -> Told:
+    """What the violations of a baseline say, the earliest first; it is flown up to the last of them.
+
+    Raises:
+        ScaloftError: the flight cannot be flown, or a claim of the stack fails.
+    """
+    from scaloft_fi.sim.flight import FlightLoop, physics_server
+
+    claims = claims_of(study.stack, study.signals)
+    wire = ListeningWire(claim.seam for claim in claims if claim.seam)
+    scenario = study.scenario(flight.situation)
+    ticks = round(TICK_HZ * max(violation.t_s for violation in violations))
+    with physics_server() as client:
+        loop = FlightLoop(client, study.sim, scenario, flight.seed, wire)
+        while loop.ticks <= ticks and loop.tick():
+            loop.advance()
+        return breaches(loop.log(), violations, study.requirements, scenario.world, claims, wire.kept)
+
+
+def _recall(study: Study, recall: Recall, task: _Task, report: Callable[[tuple[str, Told]], None]) -> None:
+    """The work of a process: raises what is the user's to mend, never for a failure of the harness."""
+    flight, violations = task
+    try:
+        told = recall(study, flight, violations)
+    except ScaloftError:
+        raise
+    except Exception:  # noqa: BLE001 - as for a flight that is invalid: it says nothing
+        told = ()
+    report((flight.name, told))
 
 
 def seek_breaks(
@@ -86,40 +151,40 @@ def seek_breaks(
     drawn = draws(study.grid, seed, possible)
     first = list(islice(drawn, OPENING))
     begun = [Flight(None, one.situation, SEEN_ON[0]) for one in first[:1]]
-    with opened(study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=begun) as campaign:
-        search = _Search(
-            campaign, proposals, Recalls(campaign, recall or recalled), seed, SearchFlights(campaign, allowance), save
-        )
-        spent = False
+    with searching(study, folder, options, progress=progress, flyer=flyer, first=begun) as campaign:
+        flights, spent = SearchFlights(campaign, allowance), False
+        search = _Search(campaign, proposals, recall or recalled, seed, flights, save)
         try:
             search.begin(first)
             search.turns(drawn)
         except SpentError:
             spent = True
-        finally:
-            campaign.reporter.close()
-            write_log(study, folder, current_in(study, campaign.store))
         return search.report(spent=spent)
 
 
+@dataclass
 class _Search:
-    """A search so far."""
+    """A search so far.
 
-    def __init__(
-        self,
-        campaign: Run,
-        proposals: Mapping[str, Proposals],
-        recalls: Recalls,
-        seed: int,
-        flights: SearchFlights,
-        save: Callable[[Sequence[Break]], None],
-    ) -> None:
-        self._campaign, self._grid = campaign, campaign.study.grid
-        self._proposals, self._recalls, self._flights = proposals, recalls, flights
-        self._seed, self._save = seed, save
-        self._breaks: dict[Signature, Break] = {}
-        self._rejected: set[tuple[Situation, Signature]] = set()
-        self._turn = self._candidates = 0
+    Attributes:
+        campaign, proposals, recall, seed, flights, save: what it searches with.
+        told: how flights that were flown again violate the safety requirements; nothing where the harness failed.
+        breaks: what was found.
+        rejected: what fresh seeds did not confirm.
+        turn, candidates: how many so far.
+    """
+
+    campaign: Run
+    proposals: Mapping[str, Proposals]
+    recall: Recall
+    seed: int
+    flights: SearchFlights
+    save: Callable[[Sequence[Break]], None]
+    breaks: dict[Signature, Break] = field(default_factory=dict)
+    rejected: set[tuple[Situation, Signature]] = field(default_factory=set)
+    told: dict[str, Told] = field(default_factory=dict)
+    turn: int = 0
+    candidates: int = 0
 
     def begin(self, first: Sequence[Proposal]) -> None:
         """Fly the first situations.
@@ -141,44 +206,44 @@ class _Search:
         """
         idle = 0
         while idle < IDLE:
-            self._turn += 1
-            before = self._flights.used
-            for guide in self._proposals.values():
+            self.turn += 1
+            before = self.flights.used
+            for guide in self.proposals.values():
                 self._tell_stage()
                 half = GENERATION // 2
                 asked = {one.situation: one for one in (*islice(drawn, half), *guide.ask(half))}
                 self._generation(tuple(asked.values()))
-            idle = idle + 1 if self._flights.used == before else 0
+            idle = idle + 1 if self.flights.used == before else 0
 
     def report(self, *, spent: bool) -> SeekReport:
         """What the search came to."""
-        situations = next(iter(self._proposals.values())).situations  # each guide is told of all
+        situations = next(iter(self.proposals.values())).situations  # each guide is told of all
         return SeekReport(
-            breaks=tuple(self._breaks.values()),
+            breaks=tuple(self.breaks.values()),
             situations=len(situations),
             broken=sum(bool(self._violations(one)) for one in situations),
-            candidates=self._candidates,
-            used=self._flights.used,
-            flown=self._campaign.flown,
-            again=self._recalls.count,
+            candidates=self.candidates,
+            used=self.flights.used,
+            flown=self.campaign.flown,
+            again=len(self.told),
             spent=spent,
         )
 
     def _tell_stage(self) -> None:
-        breaks = f"{len(self._breaks)} {'break' if len(self._breaks) == 1 else 'breaks'}"
-        self._campaign.reporter.progress.stage = f"turn {self._turn}: {breaks}"
+        breaks = f"{len(self.breaks)} {'break' if len(self.breaks) == 1 else 'breaks'}"
+        self.campaign.reporter.progress.stage = f"turn {self.turn}: {breaks}"
 
     def _generation(self, proposed: Sequence[Proposal]) -> None:
         """Fly situations, and pursue each violation that is new."""
         situations = [one.situation for one in proposed]
-        self._flights.fly(Flight(None, one, SEEN_ON[0]) for one in situations)
+        self.flights.fly(Flight(None, one, SEEN_ON[0]) for one in situations)
         broken = [one for one in situations if self._violations(one)]
         self._look(broken)
         for situation in broken:
             for breach in self._told(situation):
-                if breach.signature not in self._breaks and (situation, breach.signature) not in self._rejected:
+                if breach.signature not in self.breaks and (situation, breach.signature) not in self.rejected:
                     self._pursue(situation, breach.signature)
-        for requirement, guide in self._proposals.items():
+        for requirement, guide in self.proposals.items():
             guide.tell([(one, self._distance(one.situation, requirement)) for one in proposed])
 
     def _distance(self, situation: Situation, requirement: str) -> float:
@@ -186,7 +251,7 @@ class _Search:
         if requirement not in self._violated(situation, SEEN_ON[0]):
             return breaking(self._outcome(situation, SEEN_ON[0]), requirement)
         told = [breach.signature for breach in self._told(situation) if requirement in breach.requirements]
-        return WORST if any(one in self._breaks for one in told) else REJECTED
+        return WORST if any(one in self.breaks for one in told) else REJECTED
 
     def _pursue(self, situation: Situation, signature: Signature) -> None:
         """Record the situation, shrunk if that is confirmed too; reject it where nothing is confirmed."""
@@ -196,16 +261,16 @@ class _Search:
 
         found = None
         if all(shows([situation], True)):
-            for one in dict.fromkeys((shrunk(situation, self._grid, shows), situation)):
+            for one in dict.fromkeys((shrunk(situation, self.campaign.study.grid, shows), situation)):
                 found = found or self._confirmed(one, signature)
         if found is None:
-            self._rejected.add((situation, signature))
+            self.rejected.add((situation, signature))
             return
-        self._breaks[signature] = found
-        self._save(tuple(self._breaks.values()))
+        self.breaks[signature] = found
+        self.save(tuple(self.breaks.values()))
         self._tell_stage()
         words = ", ".join(found.words) or "the benign situation"
-        self._campaign.reporter.progress.line(f"found: {found.name}: {found.situation} ({words})")
+        self.campaign.reporter.progress.line(f"found: {found.name}: {found.situation} ({words})")
 
     def _shows(self, asked: Sequence[Situation], signature: Signature, *, every: bool) -> list[bool]:
         """Whether the first flight in each situation violates the requirement and strikes what the signature says.
@@ -213,7 +278,7 @@ class _Search:
         With `every` seed of the search all flights must violate the requirement; the first must have the signature.
         """
         seeds = SEEN_ON if every else SEEN_ON[:1]
-        self._flights.fly(Flight(None, one, seed) for one in asked for seed in seeds)
+        self.flights.fly(Flight(None, one, seed) for one in asked for seed in seeds)
         near = [
             self._strikes(one, SEEN_ON[0], signature)
             and all(signature.requirement in self._violated(one, seed) for seed in seeds)
@@ -231,8 +296,8 @@ class _Search:
 
         None where most of them do not violate the requirement, or fewer than `ALIKE` have the signature.
         """
-        self._candidates += 1
-        self._flights.fly(Flight(None, situation, seed) for seed in range(LEAST))
+        self.candidates += 1
+        self.flights.fly(Flight(None, situation, seed) for seed in range(LEAST))
         outcomes = [self._outcome(situation, seed) for seed in range(LEAST)]
         flights = sum(outcome is not None and not outcome.invalid for outcome in outcomes)
         violated = sum(signature.requirement in self._violated(situation, seed) for seed in range(LEAST))
@@ -241,29 +306,23 @@ class _Search:
             return None
         self._look([situation], strike)
         alike = [(seed, breach) for seed in strike if (breach := self._breach(situation, seed, signature))]
-        return self._break(situation, *alike[0], (violated, flights, len(alike))) if len(alike) >= ALIKE else None
-
-    def _break(self, situation: Situation, flight: int, breach: Breach, counts: tuple[int, int, int]) -> Break:
-        signature = breach.signature
-        violated, flights, alike = counts
+        if len(alike) < ALIKE:
+            return None
+        flight, breach = alike[0]
         return Break(
             name=signature.name,
             situation=situation.key,
-            words=words_of(situation, self._grid),
-            requirement=signature.requirement,
-            struck=signature.struck,
-            leg=signature.leg,
-            near=signature.near,
-            belief=signature.belief,
+            words=words_of(situation, self.campaign.study.grid),
+            **asdict(signature),
             error=breach.error,
             unit=breach.unit,
             violated=violated,
             flights=flights,
-            alike=alike,
+            alike=len(alike),
             flight=flight,
             t_s=breach.t_s,
             place=breach.place,
-            seed=self._seed,
+            seed=self.seed,
         )
 
     def _look(self, situations: Sequence[Situation], seeds: Sequence[int] = SEEN_ON[:1]) -> None:
@@ -272,20 +331,32 @@ class _Search:
         Raises:
             Interrupted, SpentError: as `SearchFlights.fly`.
         """
-        violations = {Flight(None, one, seed): self._violations(one, seed) for one in situations for seed in seeds}
-        self._flights.spend(len(self._recalls.unknown(tuple(violations))))
-        self._recalls.look(violations)
-        self._flights.raise_if_stopped()
+        flights = {Flight(None, one, seed): self._violations(one, seed) for one in situations for seed in seeds}
+        new = [(flight, violations) for flight, violations in flights.items() if flight.name not in self.told]
+        self.flights.spend(len(new))
+        if new:
+            self.campaign.prepare()
+            # the processes end here: if they lived on, they would hold on to the ends of others, and others to theirs
+            with ProcessPool(
+                partial(_recall, self.campaign.study, self.recall),
+                min(self.campaign.options.jobs, len(new)),
+                left=lambda task, _: task,
+                lost=lambda task, _: [(task[0].name, ())],
+                stop=self.campaign.stopped,
+                patient=False,
+            ) as pool:
+                self.told |= dict(pool.map(new))
+        self.flights.raise_if_stopped()
 
     def _told(self, situation: Situation, seed: int = SEEN_ON[0]) -> tuple[Breach, ...]:
-        return self._recalls.of(Flight(None, situation, seed))
+        return self.told.get(Flight(None, situation, seed).name, ())
 
     def _breach(self, situation: Situation, seed: int, signature: Signature) -> Breach | None:
         """The violation with this signature; None without one."""
         return next((one for one in self._told(situation, seed) if one.signature == signature), None)
 
     def _outcome(self, situation: Situation, seed: int) -> Outcome | None:
-        return self._flights.outcome(Flight(None, situation, seed))
+        return self.flights.outcome(Flight(None, situation, seed))
 
     def _violations(self, situation: Situation, seed: int = SEEN_ON[0]) -> tuple[Violation, ...]:
         """How a flight violates the safety requirements."""

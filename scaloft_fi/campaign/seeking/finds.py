@@ -5,8 +5,6 @@ not find what it would have found without the interruption.
 
 The candidates of a mutant are numbered over all searches of a campaign: another seed is no new share of alpha.
 
-Outcomes do not keep what a stack believed; so a flight whose signature is asked for is flown once more and listened to.
-
 Each replication has a block of seeds of its own, which its campaign remembers: finds that fail once and are replicated
 again get other seeds.  An interrupted replication goes on with the seeds that it began with.
 """
@@ -15,9 +13,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
-from functools import partial
 from itertools import chain
 from operator import attrgetter
 from pathlib import Path
@@ -28,11 +26,9 @@ import yaml
 from scaloft_fi.analysis.seeking import (
     POOL,
     SEEDS,
-    Breach,
     Effort,
     Place,
     Replica,
-    breaches,
     distance,
     effort_of,
     is_of_use,
@@ -41,21 +37,18 @@ from scaloft_fi.analysis.seeking import (
 )
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import Flyer
-from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Budget, Run, budget_s, opened, write_log
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import Store, read_store
-from scaloft_fi.errors import InputError, ScaloftError
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Violation
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.output import write_whole
 from scaloft_fi.sim.found import FILE, Break, Find, Finds, read_finds
-from scaloft_fi.sim.stacks import claims_of
-from scaloft_fi.stack.declaration import TICK_HZ, PlainWire
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
@@ -132,6 +125,25 @@ def _notes(folder: Path) -> tuple[list[Unnamed], set[int]]:
             return [], set()
         begun = sorted(store.records(SEARCH_BEGUN, read), key=attrgetter("number"))
         return begun, set(store.records(SEARCH_ENDED, int))
+
+
+@contextmanager
+def searching(
+    study: Study,
+    folder: Path,
+    options: RunOptions | None,
+    *,
+    progress: Progress,
+    flyer: Flyer | None,
+    first: Sequence[Flight],
+) -> Iterator[Run]:
+    """Open the campaign of a search as `opened` does; however the search ends, its mission log is written."""
+    with opened(study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=first) as campaign:
+        try:
+            yield campaign
+        finally:
+            campaign.reporter.close()
+            write_log(study, folder, current_in(study, campaign.store))
 
 
 SEEN_ON = (1_000, 1_001, 1_002)
@@ -531,115 +543,6 @@ def _short(values: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in short.items() if value not in ("", None)}
 
 
-S = TypeVar("S")
-
-Told = tuple[Breach, ...]
-Recall = Callable[["Study", Flight, Sequence[Violation]], Told]
-"""Flies a baseline again, and tells what its violations of safety requirements say."""
-_Task = tuple[Flight, Sequence[Violation]]
-
-
-class ListeningWire(PlainWire):
-    """Delivers every sample unchanged, and keeps those of some seams.
-
-    Attributes:
-        kept: time [s] and sample of each delivery, by seam.
-    """
-
-    def __init__(self, seams: Iterable[str]) -> None:
-        self.kept: dict[str, list[tuple[float, Any]]] = {seam: [] for seam in seams}
-
-    def listens(self, seam: str) -> bool:
-        """Whether the samples of `seam` are kept."""
-        return seam in self.kept
-
-    def cross(self, seam: str, t_s: float, sample: S | None) -> S | None:
-        """Return `sample`."""
-        if sample is not None and seam in self.kept:
-            self.kept[seam].append((t_s, sample))
-        return sample
-
-
-def recalled(study: Study, flight: Flight, violations: Sequence[Violation]) -> Told:
-    """What the violations of a baseline say, the earliest first; it is flown up to the last of them.
-
-    Raises:
-        ScaloftError: the flight cannot be flown, or a claim of the stack fails.
-    """
-    from scaloft_fi.sim.flight import FlightLoop, physics_server
-
-    claims = claims_of(study.stack, study.signals)
-    wire = ListeningWire(claim.seam for claim in claims if claim.seam)
-    scenario = study.scenario(flight.situation)
-    ticks = round(TICK_HZ * max(violation.t_s for violation in violations))
-    with physics_server() as client:
-        loop = FlightLoop(client, study.sim, scenario, flight.seed, wire)
-        while loop.ticks <= ticks and loop.tick():
-            loop.advance()
-        return breaches(loop.log(), violations, study.requirements, scenario.world, claims, wire.kept)
-
-
-class Recalls:
-    """What was recalled in a search.
-
-    Args:
-        campaign: the open campaign.
-        recall: flies a flight again.
-
-    Attributes:
-        count: number of flights that were flown again.
-    """
-
-    def __init__(self, campaign: Run, recall: Recall) -> None:
-        self._campaign, self._work = campaign, partial(_recall, campaign.study, recall)
-        self._told: dict[str, Told] = {}
-        self.count = 0
-
-    def unknown(self, flights: Sequence[Flight]) -> tuple[Flight, ...]:
-        """Those of the flights that were not recalled yet."""
-        return tuple(flight for flight in flights if flight.name not in self._told)
-
-    def look(self, violations: Mapping[Flight, Sequence[Violation]]) -> None:
-        """Fly those of the flights again that were not recalled yet, side by side; fewer once the user stops.
-
-        The processes end here: if they lived on, they would hold on to the ends of others, and others to theirs.
-
-        Args:
-            violations: of safety requirements by flight, at least one each.
-        """
-        new = [(flight, violations[flight]) for flight in self.unknown(tuple(violations))]
-        if not new:
-            return
-        self._campaign.prepare()
-        jobs, stop = min(self._campaign.options.jobs, len(new)), self._campaign.stopped
-        with ProcessPool(
-            self._work,
-            jobs,
-            left=lambda task, _: task,
-            lost=lambda task, _: [(task[0].name, ())],
-            stop=stop,
-            patient=False,
-        ) as pool:
-            self._told |= dict(pool.map(new))
-        self.count += len(new)
-
-    def of(self, flight: Flight) -> Told:
-        """How a recalled flight violates the safety requirements; nothing where the harness failed."""
-        return self._told.get(flight.name, ())
-
-
-def _recall(study: Study, recall: Recall, task: _Task, report: Callable[[tuple[str, Told]], None]) -> None:
-    """The work of a process: raises what is the user's to mend, never for a failure of the harness."""
-    flight, violations = task
-    try:
-        told = recall(study, flight, violations)
-    except ScaloftError:
-        raise
-    except Exception:  # noqa: BLE001 - as for a flight that is invalid: it says nothing
-        told = ()
-    report((flight.name, told))
-
-
 FRESH, BLOCK = 100_000, 100
 """First seed of the first replication, and how far the next ones are apart."""
 REPLICATION_BEGUN, REPLICATION_ENDED = "replication begun", "replication ended"
@@ -680,7 +583,7 @@ def replicate(
     situations = {find.name: study.grid.situation(find.situation) for find in asked}
     mutants = {mutant: realise(study.matrix, mutant) for find in asked for mutant in ask[find.name]}
     begun = [Flight(None, situation, FRESH) for situation in situations.values()]
-    with opened(study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=begun[:1]) as campaign:
+    with searching(study, folder, options, progress=progress, flyer=flyer, first=begun[:1]) as campaign:
         number = _begin(campaign.store, {find.name: list(ask[find.name]) for find in asked}, _block(finds))
         first = FRESH + BLOCK * number
         flights = SearchFlights(campaign, Allowance(), anyhow=anyhow)
@@ -694,11 +597,7 @@ def replicate(
             for find in asked
             for mutant in ask[find.name]
         }
-        try:
-            flights.fly([flight for some in (*pools.values(), *pairs.values()) for flight in some])
-        finally:
-            campaign.reporter.close()
-            write_log(study, folder, current_in(study, campaign.store))
+        flights.fly([flight for some in (*pools.values(), *pairs.values()) for flight in some])
         campaign.store.remember(REPLICATION_ENDED, number, number)
 
         def outcomes(wanted: Sequence[Flight]) -> list[Outcome]:

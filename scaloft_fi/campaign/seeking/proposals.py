@@ -15,7 +15,7 @@ from functools import partial
 from itertools import count, islice
 from typing import TYPE_CHECKING, Any, Protocol
 
-from scaloft_fi.analysis.seeking import brief
+from scaloft_fi.analysis.seeking import brief, situation_at
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.situation import DEVIATES, Situation
 from scaloft_fi.streams import key_words
@@ -243,7 +243,4 @@ def placed(grid: Grid, parameters: Parameters) -> Situation | None:
         drawn = free.drawn(parameters.get(free.id, 0.0))
         if drawn is not None:
             numbers[free.id] = short if free.holds(short := brief(drawn)) else drawn
-    try:
-        return grid.situation(grid.at(levels, numbers).key)
-    except InputError:
-        return None
+    return situation_at(grid, levels, numbers)

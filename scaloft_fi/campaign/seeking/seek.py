@@ -30,7 +30,7 @@ from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.runs.run import Run, opened, write_log
+from scaloft_fi.campaign.runs.run import Run
 from scaloft_fi.campaign.seeking.finds import (
     NAMED,
     SEEN_ON,
@@ -40,10 +40,10 @@ from scaloft_fi.campaign.seeking.finds import (
     Sought,
     SpentError,
     Unnamed,
+    searching,
     words_of,
 )
 from scaloft_fi.campaign.seeking.proposals import Flyable, MakeProposer, Opening, Proposal, Proposals, Proposer, opening
-from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.sim.found import Evidence, Find
 from scaloft_fi.study import Study
@@ -259,10 +259,8 @@ def seek(
     quests = [Quest(mutant, proposer(study.grid, possible, seed, mutant.id), shrinks=shrinks) for mutant in mutants]
     opened_with = list(first(study.grid, seed, possible))
     flown_first = [Flight(None, one.situation, SEEN_ON[0]) for one in opened_with]
-    with opened(
-        study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=flown_first[:1]
-    ) as campaign:
-        search = _Search(campaign, study, quests, seed, SearchFlights(campaign, allowance, anyhow=anyhow), save)
+    with searching(study, folder, options, progress=progress, flyer=flyer, first=flown_first[:1]) as campaign:
+        search = _Search(campaign, quests, seed, SearchFlights(campaign, allowance, anyhow=anyhow), save)
         spent = False
         if unnamed is not None:
             unnamed.begin(campaign.store)
@@ -271,9 +269,6 @@ def seek(
             search.turns()
         except SpentError:
             spent = True
-        finally:
-            campaign.reporter.close()
-            write_log(study, folder, current_in(study, campaign.store))
         if unnamed is not None:
             unnamed.end(campaign.store)
         return SeekReport(
@@ -287,27 +282,22 @@ def seek(
         )
 
 
+@dataclass
 class _Search:
     """A search so far.
 
     Attributes:
-        finds: the found situations.
+        campaign, quests, seed, save: as for `seek`.
         flights: the flights of the search.
+        finds: the found situations.
     """
 
-    def __init__(
-        self,
-        campaign: Run,
-        study: Study,
-        quests: Sequence[Quest],
-        seed: int,
-        flights: SearchFlights,
-        save: Callable[[Sequence[Find]], None],
-    ) -> None:
-        self._campaign, self._study, self._quests = campaign, study, quests
-        self._seed, self._save = seed, save
-        self.finds: list[Find] = []
-        self.flights = flights
+    campaign: Run
+    quests: Sequence[Quest]
+    seed: int
+    flights: SearchFlights
+    save: Callable[[Sequence[Find]], None]
+    finds: list[Find] = field(default_factory=list)
 
     def begin(self, first: Sequence[Proposal]) -> None:
         """Fly the first situations for every mutant.
@@ -326,7 +316,7 @@ class _Search:
         Raises:
             Interrupted, SpentError: as `SearchFlights.fly`.
         """
-        own, turn, idle = families(self._quests), 0, 0
+        own, turn, idle = families(self.quests), 0, 0
         while self._sought and idle < IDLE:
             turn += 1
             before = self.flights.used
@@ -342,7 +332,7 @@ class _Search:
 
     @property
     def _sought(self) -> list[Quest]:
-        return [quest for quest in self._quests if quest.shown_in is None]
+        return [quest for quest in self.quests if quest.shown_in is None]
 
     def _generation(self, quests: Sequence[Quest], proposed: Sequence[Proposal]) -> None:
         """Fly situations for mutants, and pursue what looks like a find, the most distant violation first."""
@@ -363,47 +353,41 @@ class _Search:
         for situation in sorted(distances, key=lambda one: distances[one]):
             if distances[situation] >= 0.0 or quest.shown_in is not None:
                 break
-            if not self._pursue(quest, situation):
+            found = quest.pursued(situation, self.flights, self._grid, self.campaign.study.alpha)
+            if found is None:
                 distances[situation] = REJECTED
+            else:
+                self._note_all(quest, *found)
 
-    def _pursue(self, quest: Quest, situation: Situation) -> bool:
-        """Whether the situation led to a find, which is then noted."""
-        found = quest.pursued(situation, self.flights, self._grid, self._study.alpha)
-        if found is None:
-            return False
-        situation, evidence = found
+    def _note_all(self, quest: Quest, situation: Situation, evidence: Evidence) -> None:
+        """Note a find, then which other mutants still sought it shows, on the same seeds."""
         shows = {quest.mutant.id: evidence}
         self._note(quest, situation, shows)
-        shows |= self._others(situation)
+        self.flights.beside([one.mutant for one in self._sought], [situation], SEEN_ON[:1])
+        near = [one for one in self._sought if self.flights.distance(one.mutant, situation) < 0.0]
+        self.flights.beside([one.mutant for one in near], [situation], SEEN_ON[1:])
+        for other in near:
+            told = other.confirmation(situation, self.flights, self.campaign.study.alpha)
+            shows |= {other.mutant.id: told} if told is not None else {}
         self._note(quest, situation, shows)
         others = f", and {len(shows) - 1} others" if len(shows) > 1 else ""
         words = ", ".join(words_of(situation, self._grid)) or "the benign situation"
-        self._campaign.reporter.progress.line(f"found: {situation.key} ({words}) shows {quest.mutant.id}{others}")
-        return True
-
-    def _others(self, situation: Situation) -> dict[str, Evidence]:
-        """The evidence for the other mutants still sought that the situation shows, on the same seeds."""
-        mutants = [quest.mutant for quest in self._sought]
-        self.flights.beside(mutants, [situation], SEEN_ON[:1])
-        near = [quest for quest in self._sought if self.flights.distance(quest.mutant, situation) < 0.0]
-        self.flights.beside([quest.mutant for quest in near], [situation], SEEN_ON[1:])
-        told = {quest.mutant.id: quest.confirmation(situation, self.flights, self._study.alpha) for quest in near}
-        return {mutant: evidence for mutant, evidence in told.items() if evidence is not None}
+        self.campaign.reporter.progress.line(f"found: {situation.key} ({words}) shows {quest.mutant.id}{others}")
 
     def _note(self, quest: Quest, situation: Situation, shows: dict[str, Evidence]) -> None:
         """Record a find, and save all finds."""
         name = NAMED + quest.mutant.id
-        find = Find(name, situation.key, words_of(situation, self._grid), quest.mutant.id, dict(shows), self._seed)
+        find = Find(name, situation.key, words_of(situation, self._grid), quest.mutant.id, dict(shows), self.seed)
         self.finds = [*(one for one in self.finds if one.name != name), find]
-        self._save(self.finds)
+        self.save(self.finds)
 
     @property
     def _grid(self) -> Grid:
-        return self._study.grid
+        return self.campaign.study.grid
 
     def _tell_stage(self, now: str) -> None:
-        shown = sum(one.shown_in is not None for one in self._quests)
-        self._campaign.reporter.progress.stage = f"{now}, {shown} of {len(self._quests)} shown"
+        shown = sum(one.shown_in is not None for one in self.quests)
+        self.campaign.reporter.progress.stage = f"{now}, {shown} of {len(self.quests)} shown"
 
     def sought(self) -> tuple[Sought, ...]:
         """What the search for each mutant came to."""
@@ -417,5 +401,5 @@ class _Search:
                 quest.spent,
                 efforts.get(quest.mutant.id, Effort()),
             )
-            for quest in self._quests
+            for quest in self.quests
         )

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING
 from scaloft_fi.campaign.flight import Batch
 from scaloft_fi.campaign.flights.fly import Flyer, left_of, lost
 from scaloft_fi.campaign.pool import ProcessPool
-from scaloft_fi.campaign.processes import ATTEMPTS, cores, started_clean
+from scaloft_fi.campaign.processes import cores, started_clean
 from scaloft_fi.campaign.store.archive import study_files
 from scaloft_fi.campaign.store.origin import differences, fingerprint
 from scaloft_fi.campaign.workers.local import Executor, Interrupted, LateWorker, Local, Workers
@@ -288,13 +288,11 @@ class _Trial:
     """A batch that was handed out.
 
     Attributes:
-        begun: how often so far.
         where: to which workers.
         alone: whether nothing else was under way, so that nobody else is to blame when its worker dies.
     """
 
     batch: Batch
-    begun: int
     where: frozenset[str]
     alone: bool
 
@@ -316,8 +314,8 @@ class ClusterRun:
         self._run = uuid.uuid4().hex
         self._sent = sent
         self._trials: dict[Future[list[Outcome] | None], _Trial] = {}
-        self._again: deque[tuple[Batch, int]] = deque()
-        self._suspect: deque[tuple[Batch, int]] = deque()
+        self._again = deque[Batch]()
+        self._suspect = deque[Batch]()
         self._greeted: dict[str, Future[tuple[str, str]]] = {}
         self._ready: set[str] = set()
         self._barred: dict[str, str] = {}
@@ -343,16 +341,16 @@ class ClusterRun:
                 self._look_round()
                 self._hear()
                 while self._room() and not is_empty:
-                    batch, begun = self._again.popleft() if self._again else (next(source, None), 0)
+                    batch = self._again.popleft() if self._again else next(source, None)
                     if batch is None:
                         is_empty = True
                     else:
-                        self._hand_out(batch, begun)
+                        self._hand_out(batch)
                 if is_empty and not self._trials and not self._again:
                     if not self._suspect:
                         return
                     if self._room():
-                        self._hand_out(*self._suspect.popleft(), alone=True)
+                        self._hand_out(self._suspect.popleft(), alone=True)
                 alive = self._threads.keys()  # a batch ends, or waits for workers that are gone
                 ended = [future for future, trial in self._trials.items() if future.done() or not trial.where & alive]
                 for future in ended:
@@ -370,44 +368,40 @@ class ClusterRun:
     def _room(self) -> bool:
         return len(self._trials) < AHEAD * sum(self._threads.get(worker, 0) for worker in self._ready)
 
-    def _hand_out(self, batch: Batch, begun: int, *, alone: bool = False) -> None:
+    def _hand_out(self, batch: Batch, *, alone: bool = False) -> None:
         words = {"key": self._key(), "workers": sorted(self._ready), "pure": False}
         future = self._client.submit(fly_batch, self._sent.name, self._sent.grid, self._flyer, batch, **words)
-        self._trials[future] = _Trial(batch, begun + 1, frozenset(self._ready), alone)
+        self._trials[future] = _Trial(batch, frozenset(self._ready), alone)
 
     def _key(self) -> str:
         return f"scaloft-fi-{self._run}-{uuid.uuid4().hex}"
 
     def _end(self, future: Future[list[Outcome] | None], trial: _Trial) -> Iterator[Outcome]:
-        """Handle the end of a batch: flights without an outcome are flown again, within `ATTEMPTS`."""
+        """Handle the end of a batch: flights without an outcome are flown again; Dask has tried several workers."""
         flown: list[Outcome] = []
         if future.status == "finished":
-            wanted = {flight.name for flight in trial.batch.flights}
             told = future.result(timeout=CONNECT_S)
             if told is None:
                 self._greeted.clear()
                 self._ready.clear()
+            wanted = {flight.name for flight in trial.batch.flights}
             flown = [outcome for outcome in told or () if outcome.name in wanted]
             yield from flown
-        left = left_of(trial.batch, flown)
-        if left is None:
-            return
         error = future.exception(timeout=CONNECT_S) if future.status == "error" else None
         if isinstance(error, InputError):  # the study cannot be flown there, nor anywhere
             raise error
-        if not future.done():
-            self._client.cancel([future])
-        elif future.status in ("cancelled", "lost"):
-            self._note_taken()
-            self._again.append((left, trial.begun - 1))
+        left = left_of(trial.batch, flown)
+        if left is None:
             return
-        is_guilty = trial.alone and future.status == "error"  # nothing else was under way
-        if trial.begun <= ATTEMPTS and not is_guilty:
-            (self._suspect if trial.alone else self._again).append((left, trial.begun))
+        if error is None:  # its workers are gone, lost the study, or somebody took the task
+            if future.status in ("cancelled", "lost"):
+                self._note_taken()
+            self._client.cancel([future])
+            self._again.append(left)
         elif trial.alone:
             yield from lost(left, "died with its Dask worker every time")
         else:  # over one of them, or of another batch, workers die
-            self._suspect += [(Batch((flight,)), 0) for flight in left.flights]
+            self._suspect += [Batch((flight,)) for flight in left.flights]
 
     def _look_round(self) -> None:
         """Count the workers and their threads at intervals, greet new workers, and tell when there are none."""

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 from scaloft_fi.campaign.flight import Batch
 from scaloft_fi.campaign.flights.fly import Flyer, Worker, left_of, lost
 from scaloft_fi.campaign.pool import WORKER_PATIENCE_S, ProcessPool
-from scaloft_fi.campaign.processes import ATTEMPTS, HANGUP, started_clean
+from scaloft_fi.campaign.processes import ATTEMPTS, HANGUP, Work, forked, started_clean
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
@@ -157,50 +157,47 @@ class LateWorker:
 
 
 @dataclass(frozen=True)
-class Clean:
-    """`jobs` new interpreters on this machine.
+class Local:
+    """Processes on this machine.
 
     A fork of a process with threads may hang, and its numeric libraries may use more than one thread.  A new
     interpreter has neither, and the module of the user's script is not imported again in it.
+
+    Attributes:
+        jobs: how many.
+        clean: whether each is a new interpreter, instead of a fork.
     """
 
     jobs: int
+    clean: bool = False
 
     @contextmanager
     def workers(
         self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
     ) -> Iterator[Workers]:
-        """Start a pool; each process reads the study and is prepared at its first task."""
-        work = LateWorker(study.folder, study.grid_name, flyer, study.inputs)
+        """Start a pool; each process starts at its first task: a fork inherits the prepared state, others prepare."""
+        work: Work = Worker(study, flyer)
+        if self.clean:
+            work = LateWorker(study.folder, study.grid_name, flyer, study.inputs)
+        # a command ends itself after its limit, before the pool takes its worker for hung
+        limit_s = study.command.limit_s if study.command else 0.0
         with ProcessPool(
-            work, self.jobs, left=left_of, lost=lost, stop=stop, patience_s=patience_s(study), start=started_clean
+            work,
+            self.jobs,
+            left=left_of,
+            lost=lost,
+            stop=stop,
+            patience_s=max(WORKER_PATIENCE_S, (ATTEMPTS + 1) * limit_s),
+            start=started_clean if self.clean else forked,
         ) as pool:
-            # an empty batch prepares the first process, which compiles the kernels for all of them
-            yield LocalWorkers(pool, lambda: list(pool.map([Batch(())])))
 
+            def prepare() -> None:
+                if self.clean:  # an empty batch prepares the first process, which compiles the kernels for all of them
+                    list(pool.map([Batch(())]))
+                else:
+                    flyer.prepare(study, say)
 
-@dataclass(frozen=True)
-class Local:
-    """`jobs` processes on this machine."""
-
-    jobs: int
-
-    @contextmanager
-    def workers(
-        self, study: Study, flyer: Flyer, *, stop: Callable[[], bool], say: Callable[[str], None]
-    ) -> Iterator[Workers]:
-        """Start a pool; each process is forked at its first task and inherits the prepared state."""
-        with ProcessPool(
-            Worker(study, flyer), self.jobs, left=left_of, lost=lost, stop=stop, patience_s=patience_s(study)
-        ) as pool:
-            yield LocalWorkers(pool, lambda: flyer.prepare(study, say))
-
-
-def patience_s(study: Study) -> float:
-    """The time without a message after which a worker is hung [s, wall]."""
-    # a command ends itself after its limit, before the pool takes its worker for hung
-    limit_s = study.command.limit_s if study.command else 0.0
-    return max(WORKER_PATIENCE_S, (ATTEMPTS + 1) * limit_s)
+            yield LocalWorkers(pool, prepare)
 
 
 class LocalWorkers:

@@ -11,19 +11,15 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from running import CONTROL, Runs, same
 
 from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.plan import Plan, plan, together
-from scaloft_fi.campaign.progress import Silence
-from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.runs.run import Budget, Report, budget_s, fair_order, interleaved, run
+from scaloft_fi.campaign.runs.run import Budget, budget_s, fair_order, interleaved
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import defaults, realise
-from scaloft_fi.verbs.export.rows import export_rows, to_json
 from scaloft_fi.verbs.score import unflown, unflown_tables
-
-CONTROL = "REVERSE-velcmd"
 
 
 @pytest.mark.parametrize("text", ["", "10", "0s", "m", "-5m", "10 minutes", "1m1h", "1.5h"])
@@ -138,40 +134,37 @@ def test_the_first_task_that_would_not_end_in_time_is_the_end() -> None:
     assert list(budget.while_it_lasts(batches, lambda batch: 11.0 if batch.shared else 9.0)) == batches[:1]
 
 
-def _run(study: Any, log: Any, folder: str, options: RunOptions) -> tuple[Plan, Report]:
-    planned = plan(study.grid, (0,), defaults(study.matrix)[:40], realise(study.matrix, CONTROL))
-    return planned, run(study, planned, study.folder / folder, options, progress=Silence(), flyer=log)
+def _some(study: Any) -> Plan:
+    return plan(study.grid, (0,), defaults(study.matrix)[:40], realise(study.matrix, CONTROL))
 
 
-def _export(study: Any, report: Report) -> str:
-    return to_json(export_rows(report.outcomes, study.roster, study.space))
-
-
-def test_a_run_whose_time_is_up_is_completed_by_one_without_budget_to_the_same_bytes(study: Any, log: Any) -> None:
-    _, undisturbed = _run(study, log, "undisturbed", RunOptions())
+def test_a_run_whose_time_is_up_is_completed_by_one_without_budget_to_the_same_bytes(
+    study: Any, log: Any, fly: Runs
+) -> None:
+    undisturbed = fly(_some(study), "undisturbed")
 
     def slow(_flight: Flight, outcome: Outcome) -> Outcome:
         time.sleep(0.05)
         return outcome
 
     log.change = slow
-    _, part = _run(study, log, "budget", RunOptions(jobs=2, budget_s=2.0))
+    part = fly(_some(study), "budget", jobs=2, budget_s=2.0)
     assert part.left
     assert part.flown
-    log.change = lambda _flight, outcome: outcome
-    planned, rest = _run(study, log, "budget", RunOptions())
-    assert (rest.left, rest.flown) == ((), len(planned.known) + 1 - part.flown)
-    assert _export(study, rest) == _export(study, undisturbed)
+    log.change = same
+    rest = fly(_some(study), "budget")
+    assert (rest.left, rest.flown) == ((), len(_some(study).known) + 1 - part.flown)
+    assert fly.export(rest.outcomes) == fly.export(undisturbed.outcomes)
 
 
-def test_a_budget_that_suffices_is_a_whole_run(study: Any, log: Any) -> None:
-    _, undisturbed = _run(study, log, "undisturbed", RunOptions())
-    _, whole = _run(study, log, "budget", RunOptions(budget_s=3600.0))
+def test_a_budget_that_suffices_is_a_whole_run(study: Any, fly: Runs) -> None:
+    undisturbed = fly(_some(study), "undisturbed")
+    whole = fly(_some(study), "budget", budget_s=3600.0)
     assert whole.left == ()
-    assert _export(study, whole) == _export(study, undisturbed)
+    assert fly.export(whole.outcomes) == fly.export(undisturbed.outcomes)
 
 
-def test_the_tables_name_what_was_not_flown(study: Any, log: Any) -> None:
+def test_the_tables_name_what_was_not_flown(study: Any) -> None:
     planned = _whole(study)
     left = [f for f in planned.mutants if f.subject.parameter == "goal" or f.situation.key == "D1H1"]
     by_parameter, by_situation = unflown_tables(unflown(planned, left))

@@ -1,33 +1,35 @@
-"""Runs of a campaign whose flights another platform flew: a sample decides whether they count."""
+"""Runs of a campaign whose flights another platform flew: a sample decides whether they count.
+
+Of a stack that does not repeat its bits nothing is shared, and nothing is compared by digest.
+"""
 
 from __future__ import annotations
 
 import io
-import os
-import signal
+import secrets
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import pytest
+from running import CONTROL, LATE, MORE, Runs, asked, interrupting, quiet, same
 
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.plan import Plan, plan
-from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import BASELINES, MUTANTS, RunOptions, sample_of
-from scaloft_fi.campaign.runs.run import Report, run
-from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.campaign.store.held import Held, current_in, held_in
+from scaloft_fi.campaign.runs.merge import merge
+from scaloft_fi.campaign.runs.run import Report, opened
+from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
-from scaloft_fi.campaign.store.store import FlownFlight, Store
+from scaloft_fi.campaign.store.store import FlownFlight
 from scaloft_fi.campaign.workers.local import Interrupted
 from scaloft_fi.errors import GateError
-from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.status import flights_of
+from scaloft_fi.judge.outcome import PLACEBO_ID, Outcome, Violation
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.status import Status, flights_of
 from scaloft_fi.mutants.catalogue import realise
 
-CONTROL, LATE = "REVERSE-velcmd", "LATE-human@3s"
 FLIGHTS = 13
 
 Move = Callable[[str], None]
@@ -45,30 +47,14 @@ def move(monkeypatch: pytest.MonkeyPatch) -> Move:
     return to
 
 
-def _warning(study: Any) -> str:
-    with Store(study.folder / "c" / STORE_NAME, create=False) as store:
-        return warning_for(Platforms(store), current_in(study, store))
+def _warning(fly: Runs) -> str:
+    with fly.store() as store:
+        return warning_for(Platforms(store), current_in(fly.study, store))
 
 
-def _held(study: Any) -> Held:
-    with Store(study.folder / "c" / STORE_NAME, create=False) as store:
-        return held_in(study, store, study.folder / "c")
-
-
-def _plan(study: Any, seeds: tuple[int, ...] = (0,)) -> Plan:
-    return plan(study.grid, seeds, [realise(study.matrix, LATE)], realise(study.matrix, CONTROL))
-
-
-def _run(study: Any, log: Any, planned: Plan | None = None, **options: Any) -> tuple[Report, str]:
-    stream, options = io.StringIO(), RunOptions(**options)
-    report = run(
-        study, planned or _plan(study), study.folder / "c", options, progress=Progress(stream=stream), flyer=log
-    )
-    return report, stream.getvalue()
-
-
-def _same(_flight: Flight, outcome: Outcome) -> Outcome:
-    return outcome
+def _run(fly: Runs, planned: Plan | None = None, **options: Any) -> tuple[Report, str]:
+    stream = io.StringIO()
+    return fly(planned, stream=stream, **options), stream.getvalue()
 
 
 def _otherwise(_flight: Flight, outcome: Outcome) -> Outcome:
@@ -87,13 +73,13 @@ def _statuses(outcomes: Sequence[Outcome]) -> Counter[str]:
 
 
 def test_after_a_change_of_platform_a_sample_is_flown_again_and_where_it_agrees_all_flights_count(
-    study: Any, log: Any, move: Move
+    log: Any, fly: Runs, move: Move
 ) -> None:
-    first, _ = _run(study, log)
+    first, _ = _run(fly)
     before = len(log.flown)
     move("2")
-    assert "numpy 2 here, 1 there" in _warning(study)
-    second, said = _run(study, log)
+    assert "numpy 2 here, 1 there" in _warning(fly)
+    second, said = _run(fly)
     again = log.flown[before:]
     assert second.flown == 0
     assert second.outcomes == first.outcomes
@@ -101,45 +87,45 @@ def test_after_a_change_of_platform_a_sample_is_flown_again_and_where_it_agrees_
     assert sum(name.startswith("baseline/") for name in again) == BASELINES
     assert "the platform has changed (numpy 2 here, 1 there); 5 stored flights are flown again" in said
     assert "the stored flights count" in said
-    assert _warning(study) == ""
+    assert _warning(fly) == ""
 
 
-def test_a_platform_that_agreed_is_not_asked_again(study: Any, log: Any, move: Move) -> None:
-    _run(study, log)
+def test_a_platform_that_agreed_is_not_asked_again(log: Any, fly: Runs, move: Move) -> None:
+    _run(fly)
     move("2")
-    _run(study, log)
+    _run(fly)
     before = len(log.flown)
     for numpy in ("1", "2"):
         move(numpy)
-        assert "platform" not in _run(study, log)[1]
+        assert "platform" not in _run(fly)[1]
     assert len(log.flown) == before
 
 
 def test_where_only_bits_differ_the_stored_flights_count_and_nothing_else_is_flown(
-    study: Any, log: Any, move: Move
+    log: Any, fly: Runs, move: Move
 ) -> None:
-    first, _ = _run(study, log)
+    first, _ = _run(fly)
     before = len(log.flown)
     move("2")
     log.change = _otherwise
-    second, said = _run(study, log)
+    second, said = _run(fly)
     assert (second.flown, second.outcomes, second.mixture) == (0, first.outcomes, "")
     assert len(log.flown) == before + BASELINES + MUTANTS
     assert "the platform has changed (numpy 2 here, 1 there)" in said
     assert "5 of 5 stored flights have other digests on this platform, and all have the same status, ending" in said
-    assert _warning(study) == ""
-    assert _run(study, log)[1].count("platform") == 0  # the answer is remembered
+    assert _warning(fly) == ""
+    assert _run(fly)[1].count("platform") == 0  # the answer is remembered
 
 
 def test_a_flight_that_is_missing_beside_flights_of_another_platform_has_its_pair_flown_again(
-    study: Any, log: Any, move: Move
+    study: Any, log: Any, fly: Runs, move: Move
 ) -> None:
-    first, _ = _run(study, log)
+    first, _ = _run(fly)
     before = len(log.flown)
     move("2")
     log.change = _otherwise
-    late, more = realise(study.matrix, LATE), realise(study.matrix, "MORE-goal@1m")
-    report, said = _run(study, log, plan(study.grid[:1], (0, 1), [late, more], None))
+    late, more = (realise(study.matrix, name) for name in (LATE, MORE))
+    report, said = _run(fly, plan(study.grid[:1], (0, 1), [late, more], None))
     again = log.flown[before + BASELINES + MUTANTS :]
     assert {name for name in again if "/D0H0/0" in name} == {
         *(outcome.name for outcome in first.outcomes if (outcome.situation, outcome.seed) == ("D0H0", 0)),
@@ -147,28 +133,30 @@ def test_a_flight_that_is_missing_beside_flights_of_another_platform_has_its_pai
     }
     assert "stored flights of another platform are flown again" in said
     by_pair: dict[tuple[str, int], set[bool]] = {}
-    current = _held(study).current
+    current = fly.held().current
     for outcome in current:
         here = outcome.digest.endswith("last bit other")
         by_pair.setdefault((outcome.situation, outcome.seed), set()).add(here)
     assert by_pair == {(key, 0): {key == "D0H0"} for key in ("D0H0", "D0H1", "D1H0", "D1H1")} | {("D0H0", 1): {True}}
     assert {outcome.name for outcome in first.outcomes} <= {outcome.name for outcome in current}
-    assert "flights of one platform and" in _warning(study)
-    assert "of another (numpy" in _warning(study)
+    assert "flights of one platform and" in _warning(fly)
+    assert "of another (numpy" in _warning(fly)
     assert _statuses(report.outcomes)["not_infected"] == 4  # PLACEBO and LATE equal the baseline of their own platform
     assert report.mixture == ""  # all flights of this request come from one platform
 
 
-def test_a_mutant_is_never_judged_beside_a_baseline_of_another_platform(study: Any, log: Any, move: Move) -> None:
+def test_a_mutant_is_never_judged_beside_a_baseline_of_another_platform(
+    study: Any, log: Any, fly: Runs, move: Move
+) -> None:
     """Two platforms take turns; each adds a mutant or a seed, and the statuses stay those of one platform."""
-    mutants = [realise(study.matrix, name) for name in (LATE, "MORE-goal@1m", CONTROL)]
+    mutants = [realise(study.matrix, name) for name in (LATE, MORE, CONTROL)]
     for number, last in enumerate((1, 2, 3, 3)):
         move(str(number % 2))
-        log.change = _otherwise if number % 2 else _same
+        log.change = _otherwise if number % 2 else same
         planned = plan(study.grid[: number + 1], range(number + 1), mutants[:last], None)
-        report, _ = _run(study, log, planned)
+        report, _ = _run(fly, planned)
         for _ in range(2):
-            again, _ = _run(study, log, planned)
+            again, _ = _run(fly, planned)
             assert (again.flown, again.outcomes) == (0, report.outcomes)
     pairs: dict[tuple[str, int], set[bool]] = {}
     for outcome in report.outcomes:
@@ -177,107 +165,103 @@ def test_a_mutant_is_never_judged_beside_a_baseline_of_another_platform(study: A
     assert len(set(map(tuple, pairs.values()))) == 2
     assert "each mutant is judged beside a baseline of its own platform" in report.mixture
     move("1")
-    log.change = _same
-    whole = run(study, planned, study.folder / "one", progress=Progress(stream=io.StringIO()), flyer=log)
+    log.change = same
+    whole = fly(planned, "one")
     assert _statuses(report.outcomes) == _statuses(whole.outcomes)
 
 
 @pytest.mark.parametrize(("change", "options"), [(_landless, {}), (_otherwise, {"same_platform": True})])
 def test_flights_with_other_facts_or_bits_by_the_strict_rule_are_outgrown_with_the_reason_and_flown_again(
-    study: Any, log: Any, move: Move, change: Any, options: dict[str, bool]
+    log: Any, fly: Runs, move: Move, change: Any, options: dict[str, bool]
 ) -> None:
-    _run(study, log)
+    _run(fly)
     before = len(log.flown)
     move("2")
     log.change = change
-    report, said = _run(study, log, **options)
+    report, said = _run(fly, **options)
     assert report.flown == FLIGHTS
     assert len(log.flown) == before + BASELINES + MUTANTS + FLIGHTS + 1  # one flight of a run is repeated
     assert f"{FLIGHTS} stored flights of the earlier platform do not count" in said
     assert ("in more than bits: " in said) == (change is _landless)
     assert all(outcome.digest.endswith("last bit other") for outcome in report.outcomes)
-    now = _held(study)
+    now = fly.held()
     assert len(now.current) == FLIGHTS
     assert now.why == {"flown on a platform with other digests: numpy 2 here, 1 there": FLIGHTS}
     assert now.owed == 0
-    assert _warning(study) == ""
+    assert _warning(fly) == ""
 
 
-def test_the_strict_rule_ends_a_campaign_of_two_platforms(study: Any, log: Any, move: Move) -> None:
-    _run(study, log)
+def test_the_strict_rule_ends_a_campaign_of_two_platforms(log: Any, fly: Runs, move: Move) -> None:
+    _run(fly)
     move("2")
     log.change = _otherwise
-    _run(study, log)
-    report, said = _run(study, log, same_platform=True)
+    _run(fly)
+    report, said = _run(fly, same_platform=True)
     assert report.flown == FLIGHTS
     assert f"{FLIGHTS} flights of another platform (numpy 2 here, 1 there) have other digests: they do not" in said
 
 
-def test_what_is_outgrown_and_not_asked_for_is_not_flown_again(study: Any, log: Any, move: Move) -> None:
-    _run(study, log)
+def test_what_is_outgrown_and_not_asked_for_is_not_flown_again(study: Any, log: Any, fly: Runs, move: Move) -> None:
+    _run(fly)
     move("2")
     log.change = _otherwise
     planned = plan(study.grid[:1], (0,), [realise(study.matrix, CONTROL)], None)
-    report, _ = _run(study, log, planned, same_platform=True)
+    report, _ = _run(fly, planned, same_platform=True)
     assert report.flown == 3
-    assert _held(study).stale == FLIGHTS
+    assert fly.held().stale == FLIGHTS
     again = {f"{subject}/D0H0/0" for subject in ("baseline", "PLACEBO", CONTROL)}
-    assert _held(study).owed == FLIGHTS - len({outcome.name for outcome in report.outcomes} & again)
+    assert fly.held().owed == FLIGHTS - len({outcome.name for outcome in report.outcomes} & again)
 
 
-def test_there_and_back_again_loses_no_flight_and_doubles_none(study: Any, log: Any, move: Move) -> None:
-    _run(study, log)
-    for numpy, change in (("2", _otherwise), ("1", _same)) * 2:
+def test_there_and_back_again_loses_no_flight_and_doubles_none(log: Any, fly: Runs, move: Move) -> None:
+    _run(fly)
+    for numpy, change in (("2", _otherwise), ("1", same)) * 2:
         move(numpy)
         log.change = change
-        report, _ = _run(study, log, same_platform=True)
+        report, _ = _run(fly, same_platform=True)
         assert report.flown == FLIGHTS
-    now = _held(study)
+    now = fly.held()
     assert len(now.current) == FLIGHTS
     assert sorted(now.why.values()) == [FLIGHTS, FLIGHTS]
 
 
-def test_flights_that_do_not_count_anyway_are_set_apart_without_a_sample(study: Any, log: Any, move: Move) -> None:
-    _run(study, log)
+def test_flights_that_do_not_count_anyway_are_set_apart_without_a_sample(
+    study: Any, log: Any, fly: Runs, move: Move
+) -> None:
+    _run(fly)
     before = len(log.flown)
     move("2")
     changed = replace(study, inputs={**study.inputs, "sim": "other"})
-    report, _ = _run(changed, log)
+    report = fly(of=changed)
     assert report.flown == FLIGHTS
     assert len(log.flown) == before + FLIGHTS + 1
-    assert _held(study).current == ()
+    assert fly.held().current == ()
 
 
-def test_a_sample_that_the_harness_cannot_fly_decides_nothing(study: Any, log: Any, move: Move) -> None:
-    _run(study, log)
+def test_a_sample_that_the_harness_cannot_fly_decides_nothing(log: Any, fly: Runs, move: Move) -> None:
+    _run(fly)
     move("2")
     log.change = lambda _flight, outcome: replace(outcome, invalid="no memory")
     with pytest.raises(GateError, match=r"no stored flight could be flown again: .*: no memory"):
-        _run(study, log)
-    log.change = lambda _flight, outcome: outcome
-    assert _run(study, log)[0].flown == 0
+        _run(fly)
+    log.change = same
+    assert _run(fly)[0].flown == 0
 
 
-def test_a_sample_that_is_interrupted_decides_nothing(study: Any, log: Any, move: Move) -> None:
-    def interrupt(_flight: Flight, outcome: Outcome) -> Outcome:
-        os.kill(os.getppid(), signal.SIGINT)
-        return replace(outcome, digest="other")
-
-    _run(study, log)
+def test_a_sample_that_is_interrupted_decides_nothing(log: Any, fly: Runs, move: Move) -> None:
+    _run(fly)
     move("2")
-    log.change = interrupt
+    log.change = interrupting(lambda _flight: True, digest="other")
     with pytest.raises(Interrupted):
-        _run(study, log)
-    log.change = lambda _flight, outcome: outcome
-    assert _run(study, log)[0].flown == 0
+        _run(fly)
+    log.change = same
+    assert _run(fly)[0].flown == 0
 
 
-def test_an_empty_store_takes_the_platform_of_its_first_flight(study: Any, log: Any, move: Move) -> None:
-    (study.folder / "c").mkdir()
-    with Store(study.folder / "c" / STORE_NAME):
-        pass
-    _run(study, log)
-    with Store(study.folder / "c" / STORE_NAME, create=False) as store:
+def test_an_empty_store_takes_the_platform_of_its_first_flight(fly: Runs, move: Move) -> None:
+    fly.store(create=True).close()
+    _run(fly)
+    with fly.store() as store:
         assert store.meta() == {"numpy": "1"}
 
 
@@ -287,3 +271,113 @@ def test_the_sample_is_drawn_by_hash_and_not_by_order() -> None:
     assert one == other
     assert {flight.seed for flight in one} != {flight.seed for flight in sample_of(stored, "numpy 3")}
     assert sample_of(stored[:1], "numpy 2") == stored[:1]
+
+
+SEEDS = tuple(range(10))
+
+
+@pytest.fixture
+def noisy(study: Any) -> Any:
+    return replace(study, stack=replace(study.stack, deterministic=False))
+
+
+def _bits(_flight: Flight, outcome: Outcome) -> Outcome:
+    """No flight repeats its bits."""
+    return replace(outcome, digest=secrets.token_hex(32))
+
+
+def _violating_placebo(flight: Flight, outcome: Outcome) -> Outcome:
+    """PLACEBO violates SR2 wherever the baseline does not."""
+    if flight.subject.id != PLACEBO_ID or outcome.violations:
+        return _bits(flight, outcome)
+    violation = Violation("SR2", Kind.SAFETY, 7.0, 0.1, 1.0, 1.6, "")
+    readings = tuple(
+        replace(reading, rho=-1.0, violated_at_s=7.0) if reading.requirement == "SR2" else reading
+        for reading in outcome.readings
+    )
+    return replace(_bits(flight, outcome), violations=(violation,), readings=readings)
+
+
+@pytest.fixture
+def fly_noisy(noisy: Any, log: Any) -> Callable[..., Report]:
+    """Runs of a stack that does not repeat its bits."""
+    log.change = _bits
+    return lambda folder="c": Runs(noisy, log)(asked(noisy, range(3)).with_pool(SEEDS), folder)
+
+
+def test_flights_of_other_bits_pass_the_gates_and_placebo_is_held_against_the_pool(fly_noisy: Any, noisy: Any) -> None:
+    report = fly_noisy()
+    assert len({outcome.digest for outcome in report.outcomes}) == len(report.outcomes)
+    assert any(outcome.mutant == PLACEBO_ID for outcome in report.outcomes)
+
+
+def test_the_same_flights_of_a_deterministic_stack_fail_them(study: Any, log: Any, fly: Runs) -> None:
+    log.change = _bits
+    with pytest.raises(GateError, match="PLACEBO differs from the baseline"):
+        fly(asked(study, range(3)).with_pool(SEEDS))
+
+
+def test_a_placebo_that_the_scores_test_detects_fails_the_gate_with_its_p(log: Any, fly_noisy: Any, noisy: Any) -> None:
+    log.change = _violating_placebo
+    with pytest.raises(GateError, match=r"PLACEBO, which does nothing, is detected by the score's test \(SR2 p = "):
+        fly_noisy()
+
+
+def test_no_flight_shares_a_baseline(log: Any, noisy: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    batches: list[Batch] = []
+
+    def noted(flights: Sequence[Flight]) -> list[Batch]:
+        batches.extend(made := [Batch((flight,)) for flight in flights])
+        return made
+
+    monkeypatch.setattr("scaloft_fi.campaign.runs.run.alone", noted)
+    monkeypatch.setattr("scaloft_fi.campaign.runs.run.together", None)  # calling it would raise
+    with opened(noisy, noisy.folder / "c", RunOptions(), progress=quiet(), flyer=log, first=()) as campaign:
+        campaign.fly(asked(noisy, range(3)).known)
+    assert len(batches) == len(asked(noisy, range(3)).known)
+    assert not any(batch.shared for batch in batches)
+
+
+def test_a_mutant_is_infected_where_taps_altered_samples_whatever_its_bits(fly_noisy: Any, noisy: Any) -> None:
+    report = fly_noisy()
+    for flight in flights_of(report.outcomes):
+        if flight.outcome.mutant == PLACEBO_ID:
+            assert flight.status is Status.NOT_INFECTED
+        elif flight.outcome.altered:
+            assert flight.status.infected
+            assert flight.status is not Status.MASKED
+
+
+def test_a_flight_that_never_came_up_is_no_kill_and_one_whose_stack_died_is_the_drones(
+    log: Any, fly_noisy: Any, noisy: Any
+) -> None:
+    def change(flight: Flight, outcome: Outcome) -> Outcome:
+        if flight.name.startswith("LATE-human@3s/D0H1/0"):
+            raise RuntimeError("the stages outside never came up: planner ended with code 1")
+        if flight.name.startswith("LATE-human@3s/D0H1/1"):
+            return replace(_bits(flight, outcome), stack_error="companion at 3.000 s: planner was ended by SIGKILL")
+        return _bits(flight, outcome)
+
+    log.change = change
+    by_name = {f.outcome.name: f for f in flights_of(fly_noisy().outcomes)}
+    assert by_name["LATE-human@3s/D0H1/0"].status is Status.INVALID
+    assert "never came up" in by_name["LATE-human@3s/D0H1/0"].outcome.invalid
+    assert by_name["LATE-human@3s/D0H1/1"].status is Status.REVEALED
+
+
+def test_merged_campaigns_may_hold_the_same_flight_with_other_bits_and_the_first_stays(
+    fly_noisy: Any, noisy: Any
+) -> None:
+    first, second = (fly_noisy(name) for name in ("first", "second"))
+    assert first.outcomes != second.outcomes
+    merged = merge(noisy, noisy.folder / "first", [noisy.folder / "second"])
+    assert merged.added == 0
+    assert merged.known > 0
+
+
+def test_after_a_change_of_platform_no_flight_is_flown_again_to_compare(log: Any, fly_noisy: Any, move: Move) -> None:
+    fly_noisy()
+    before = len(log.flown)
+    move("2")
+    assert fly_noisy().flown == 0
+    assert len(log.flown) == before

@@ -1,4 +1,4 @@
-"""The campaign on the reference study in PyBullet."""
+"""The reference study in PyBullet: a campaign, its replays, PLACEBO in every situation."""
 
 from __future__ import annotations
 
@@ -9,8 +9,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import published_flights
 import pytest
 from ranges import with_range
+
+from scaloft_fi.mutants.catalogue import expected_of
+from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.flight
@@ -74,3 +78,22 @@ def test_a_replay_of_a_drawn_number_is_bit_for_bit_the_campaigns_flight(tmp_path
     done = _call("replay", f"baseline/{fast}/0", *where)
     assert "bit for bit" in done.stdout
     assert f"{float(fast.split('=')[1]):g} m/s" in done.stdout
+
+
+@pytest.mark.release
+def test_placebo_is_the_baseline_bit_for_bit_in_every_situation(tmp_path: Path) -> None:
+    _call("run", "--quiet", "--mutant", "PLACEBO", "--campaign", tmp_path / "c")
+    rows = json.loads(_call("export", "--campaign", tmp_path / "c").stdout)
+    digests = {(row["mutant"], row["situation"]): row["digest"] for row in rows if row["seed"] == 0}
+    keys = {situation for mutant, situation in digests if mutant == "PLACEBO"}
+    assert len(keys) == 32
+    for key in keys:
+        assert digests["PLACEBO", key] == digests["baseline", key]
+
+
+def test_what_is_expected_not_to_infect_did_not_in_the_published_flights() -> None:
+    study = Study.open(ROOT)
+    names = {mutant.id for mutant in study.catalogue if expected_of(study.matrix, mutant)}
+    statuses = {row["status"] for row in published_flights.rows() if row["mutant"] in names}
+    assert statuses
+    assert statuses <= {"not_infected", "not_reached"}

@@ -1,10 +1,11 @@
-"""The search without physics: what it finds, that nothing but seed and outcomes decides it, and that it resumes."""
+"""The search without physics: what it finds, what decides it, that it resumes; families and proposals."""
 
 from __future__ import annotations
 
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -16,13 +17,14 @@ from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Budget
 from scaloft_fi.campaign.seeking import finds
 from scaloft_fi.campaign.seeking.finds import OTHER_SEEDS, SEEN_ON, Allowance, SeekReport, anew, interrupted
-from scaloft_fi.campaign.seeking.proposals import Flyable, Proposal, Proposals, opening
-from scaloft_fi.campaign.seeking.seek import seek
+from scaloft_fi.campaign.seeking.proposals import OPENING, Flyable, Proposal, Proposals, draws, opening
+from scaloft_fi.campaign.seeking.seek import EACH, GENERATION, LONGEST_REST, Quest, families, seek
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.sim.found import Find
+from scaloft_fi.sim.grids import load_grid
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 
@@ -307,3 +309,121 @@ def test_the_search_says_that_optuna_is_missing(tmp_path: Path, flyer: Ruled, mo
 def test_a_budget_that_is_none_is_refused(text: str) -> None:
     with pytest.raises(InputError, match=r"--budget=.* must be a number of flights such as 2000flights, or a time"):
         Allowance.parse(text)
+
+
+def quest(name: str) -> Quest:
+    mutant = realise(STUDY.matrix, name)
+    return Quest(mutant, Proposals(STUDY.grid, lambda _situation: True, 0, mutant.id))
+
+
+def test_the_mutants_of_one_parameter_are_a_family():
+    found = families(map(quest, ("LATE-human", "MORE-goal", "NO-human", "LESS-goal")))
+    assert [[one.mutant.parameter for one in family.quests] for family in found] == [["human"] * 2, ["goal"] * 2]
+
+
+def test_a_family_proposes_at_least_a_generation_and_something_for_each_mutant():
+    (alone,), (many,) = families([quest("LATE-human")]), families(map(quest, STUDY.roster.defaults.values()))[:1]
+    assert len(alone.ask()) == GENERATION
+    assert len(many.quests) > GENERATION / EACH
+    assert len(many.ask()) == EACH * len(many.quests)
+
+
+def test_a_mutant_with_a_find_proposes_nothing():
+    (family,) = families(map(quest, ("LATE-human", "NO-human")))
+    family.quests[0].shown_in = STUDY.grid.situations[0]
+    assert [one.mutant.id for one in family.sought] == [family.quests[1].mutant.id]
+
+
+def test_a_family_that_comes_no_nearer_rests_twice_as_long_each_time_and_progress_ends_that():
+    (family,) = families([quest("LATE-human")])
+    rests = []
+    for _ in range(5):
+        family.rest_after(family.nearest)
+        rests.append(family.pauses)
+    assert rests == [1, 2, 4, LONGEST_REST, LONGEST_REST]
+    family.rest_after([one + 0.1 for one in family.nearest])
+    assert family.pauses == 0
+
+
+GRID = load_grid(Path(__file__).parents[3] / "sim", "search")
+
+
+def distance(situation: Situation) -> float:
+    """Near with a person and at speed."""
+    return 0.5 * (situation["H"] != 1) + 1.2 - dict(situation.numbers).get("Cs", 0.5)
+
+
+def anything(_situation: Situation) -> bool:
+    return True
+
+
+def flown(seed: int, generations: int, mutant: str = "A", possible=anything) -> list[list[Situation]]:
+    """The opening, then generations of eight."""
+    proposals, first = Proposals(GRID, possible, seed, mutant), list(opening(GRID, seed, possible))
+    proposals.tell([(one, distance(one.situation)) for one in first])
+    told = [[one.situation for one in first]]
+    for _ in range(generations):
+        asked = proposals.ask(8)
+        proposals.tell([(one, distance(one.situation)) for one in asked])
+        told.append([one.situation for one in asked])
+    return told
+
+
+def test_the_first_situations_are_the_same_for_every_mutant_and_then_each_has_its_own():
+    first, second = flown(0, 1, "A"), flown(0, 1, "B")
+    assert len(first[0]) == OPENING
+    assert first[0] == second[0]
+    assert first[1] != second[1]
+
+
+def test_half_of_the_numbers_of_the_opening_are_at_an_end_of_their_range():
+    ends = {axis.id: (axis.distribution.low, axis.distribution.high) for axis in GRID.free}
+    numbers = [(axis, number) for one in flown(0, 0)[0] for axis, number in one.numbers]
+    at_end = sum(min(abs(number - end) for end in ends[axis]) < 0.01 * ends[axis][1] for axis, number in numbers)
+    assert 0.35 < at_end / len(numbers) < 0.65
+    assert 4 < len(numbers) / OPENING < 8
+
+
+def test_the_same_seed_proposes_the_same_and_another_seed_others():
+    assert flown(3, 2) == flown(3, 2)
+    assert not {*flown(3, 0)[0]} & {*flown(4, 0)[0]}
+
+
+def test_proposals_are_distinct_situations_of_the_grid_with_short_numbers():
+    asked = [one for generation in flown(0, 4) for one in generation]
+    assert len(set(asked)) == len(asked) == OPENING + 4 * 8
+    assert all(GRID.situation(one.key) == one for one in asked)
+    digits = [len(f"{abs(number):g}".replace(".", "").strip("0")) for one in asked for _, number in one.numbers]
+    assert sum(count > 2 for count in digits) < len(digits) / 10
+
+
+def test_what_is_impossible_is_not_proposed():
+    asked = [one for generation in flown(0, 3, possible=lambda one: one["T"] == 0) for one in generation]
+    assert len(asked) > OPENING
+    assert all(one["T"] == 0 for one in asked)
+
+
+def test_later_proposals_are_nearer_to_what_was_good():
+    told = flown(0, 5)
+    before, after = ([distance(one) for generation in part for one in generation] for part in (told[:1], told[4:]))
+    assert sum(after) / len(after) < sum(before) / len(before) - 0.1
+
+
+def test_what_another_proposed_is_known_and_learned_from():
+    """A search that is told of good situations only by others goes where they are, and proposes none of them."""
+    told, lone = Proposals(GRID, anything, 0, "A"), Proposals(GRID, anything, 0, "A")
+    first = list(opening(GRID, 0, anything))
+    theirs = [one for seed in range(1, 4) for one in opening(GRID, seed, anything)]
+    for proposals, more in ((told, theirs), (lone, [])):
+        proposals.tell([(one, distance(one.situation)) for one in (*first, *more)])
+    own, alone = ([one.situation for one in proposals.ask(8)] for proposals in (told, lone))
+    assert sum(map(distance, own)) < sum(map(distance, alone))
+    assert told.nearest == min(distance(one.situation) for one in (*first, *theirs))
+    assert not {*own} & {one.situation for one in (*first, *theirs)}
+
+
+def test_draws_go_on_after_the_opening_and_end_where_no_more_are_found():
+    drawn = [one.situation for one in islice(draws(GRID, 0, anything), OPENING + 8)]
+    assert len({*drawn}) == OPENING + 8
+    assert drawn[:OPENING] == [one.situation for one in opening(GRID, 0, anything)]
+    assert list(draws(GRID, 0, lambda one: one in drawn[:3])) == list(islice(draws(GRID, 0, anything), 3))

@@ -1,3 +1,5 @@
+"""The grid of a campaign, and its folder: a name, or a path that the system accepts."""
+
 from __future__ import annotations
 
 import json
@@ -6,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.store.archive import STORE_NAME
+from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder
 from scaloft_fi.campaign.store.flown_grid import remember_grid, study_of, study_of_all, with_grid
 from scaloft_fi.campaign.store.held import Keys
 from scaloft_fi.campaign.store.store import Store
@@ -71,3 +73,14 @@ def test_a_record_of_a_grid_that_the_study_lacks_is_one_sentence(tmp_path: Path,
         store.set_notes({"grid flown": json.dumps(name)})
         with pytest.raises(InputError, match=r"was flown over grid '.*', which the study lacks"):
             with_grid(Study.open(ROOT), store)
+
+
+@pytest.mark.parametrize("name", ["~nosuchuser/a", "/" + "a" * 300, "a/b\0", "a" * 256, "é" * 128, "..", " ", "a\0"])
+def test_a_name_that_the_system_refuses_is_refused_in_a_sentence(tmp_path, name):
+    with pytest.raises(InputError, match=r"^--campaign: name=.* must be the (path|name) of a folder"):
+        campaign_folder(Study(tmp_path), name)
+
+
+def test_a_name_stands_for_a_folder_of_the_results_and_a_path_for_itself(tmp_path):
+    assert campaign_folder(Study(tmp_path), "a" * 255).parent == tmp_path / "results" / "campaigns"
+    assert campaign_folder(Study(tmp_path), f"{tmp_path}/new") == tmp_path / "new"

@@ -17,12 +17,14 @@ from scaloft_fi.campaign.progress import Silence
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.campaign.store.held import Held, Keys, current_in, held_in
+from scaloft_fi.campaign.store.held import Held, Keys, current_in, flight_named, held_in, with_tracks
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.study import Study
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 
 CONTROL, LATE, MORE = "REVERSE-velcmd", "LATE-human@3s", "MORE-goal@1m"
@@ -191,3 +193,25 @@ def test_what_a_run_writes_meanwhile_is_read_the_next_time(
         assert reader() == there
         there += added
     assert len(_read(study, CURRENT)) == there
+
+
+STUDY = Path(__file__).parents[3]
+HERE = "T0O0W0D0H1"
+FLOWN = (("baseline", 0), ("baseline", 1), ("LATE-human@3s", 0), ("NO-human@100%", 0))
+
+
+def test_only_the_trajectories_asked_for_are_read(tmp_path: Path) -> None:
+    study, keys = Study.open(STUDY), Keys(Study.open(STUDY))
+    track = pack_track({name: [1.0, 2.0] for name in TRACK_COLUMNS})
+    with Store(tmp_path / STORE_NAME) as store:
+        for mutant, seed in FLOWN:
+            planned = keys.planned(flight := flight_named(study, mutant, HERE, seed))
+            store.plan([planned])
+            store.put(planned.key, Outcome(flight.subject, HERE, seed, ending="landed", track=track))
+        known = current_in(study, store)
+        found = with_tracks(study, store, known, ["baseline", "LATE-human@3s"])
+        first = with_tracks(study, store, known, ["baseline"], [1])
+    assert not any(outcome.track for outcome in known)
+    assert {o.name for o in found if o.track} == {f"baseline/{HERE}/0", f"baseline/{HERE}/1", f"LATE-human@3s/{HERE}/0"}
+    assert {outcome.name for outcome in first if outcome.track} == {f"baseline/{HERE}/1"}
+    assert [outcome.name for outcome in first] == [outcome.name for outcome in known]

@@ -1,24 +1,37 @@
+"""The store: rows, selections, what survives a kill, and what is said of a file that is lost."""
+
 from __future__ import annotations
 
+import math
 import multiprocessing
 import os
+import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
+import tempfile
 import textwrap
+import threading
+from collections.abc import Callable
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
-from builders import campaigns, outcome
+from builders import campaigns, outcome, seeded
+from effort import usually
 from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from scaloft_fi.campaign.store import store
 from scaloft_fi.campaign.store.origin import Origin
-from scaloft_fi.campaign.store.record import Planned
-from scaloft_fi.campaign.store.store import SCHEMA, Store
+from scaloft_fi.campaign.store.record import COLUMNS, Planned, Reader, Record, to_row
+from scaloft_fi.campaign.store.store import SCHEMA, FlownFlight, Store, told_when_slow
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind
 
 M = "LATE-human@3s"
 
@@ -269,3 +282,233 @@ def test_a_plan_above_the_limit_is_refused_before_anything_is_flown(
         with pytest.raises(InputError, match=r"more rows than the limit for 2 flights; .* SCALOFT_MOST"):
             store.plan([Planned("c", M, "T0O0W0D0H0", 0)])
         assert [flight.key for flight in store.planned()] == ["a", "b"]
+
+
+def _stored(row: Record) -> Record:
+    """What SQLite makes of a row."""
+    with closing(sqlite3.connect(":memory:")) as connection:
+        connection.execute(f"CREATE TABLE t ({', '.join(f'{name} {cell.sql}' for name, cell in COLUMNS.items())})")
+        connection.execute(f"INSERT INTO t VALUES ({', '.join('?' * len(row))})", row)
+        stored: Record = connection.execute("SELECT * FROM t").fetchone()
+        return stored
+
+
+@given(campaigns(), st.binary(max_size=40))
+def test_outcomes_survive_their_rows(flown: list[Outcome], track: bytes) -> None:
+    read = Reader()
+    for kept in flown:
+        kept = replace(kept, track=track, stack_error="it's \u26a0")
+        (again,) = read([_stored(to_row(kept))], [track])
+        assert again == kept
+        assert hash(again) == hash(kept)
+        assert all(isinstance(reading.kind, Kind) for reading in again.readings)
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_numbers_survive_to_the_bit(number: float) -> None:
+    kept = outcome("LATE-human@3s", violated={"SR1": number})
+    kept = replace(kept, duration_s=number, infected_at_s=number)
+    assert Reader()([_stored(to_row(kept))]) == [kept]
+
+
+@given(campaigns())
+def test_many_rows_are_read_as_each_of_them(flown: list[Outcome]) -> None:
+    rows = [to_row(kept) for kept in flown]
+    assert Reader()(rows) == [outcome for row in rows for outcome in Reader()([row])] == flown
+
+
+def test_a_number_that_is_none_is_refused() -> None:
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        to_row(outcome(violated={"SR1": math.nan}))
+
+
+def test_what_two_flights_have_in_common_is_kept_once() -> None:
+    read = Reader()
+    one, other = read([to_row(outcome("LATE-human@3s", seed=seed, violated={"SR2": 3.0})) for seed in (0, 1)])
+    assert one.subject is other.subject
+    assert all(r is s for r, s in zip(one.readings + one.violations, other.readings + other.violations, strict=True))
+
+
+HERE = "T0O0W0D0H0"
+
+
+@settings(deadline=None, max_examples=usually(25, release=60))
+@given(st.one_of(campaigns(), seeded()), st.data())
+def test_the_flights_that_stand_are_read_and_no_others(flown: list[Outcome], data: st.DataObject) -> None:
+    stale = {str(number) for number in data.draw(st.sets(st.integers(0, len(flown))))}
+    rows = [(str(number), one) for number, one in enumerate(flown)]
+    with tempfile.TemporaryDirectory() as folder, Store(Path(folder) / "s.sqlite") as store:
+        store.put_all(rows)
+        standing = store.standing(lambda flight: flight.key not in stale)
+    assert {one.name for one in standing} == {one.name for key, one in rows if key not in stale}
+
+
+def test_whether_flights_stand_is_asked_once_of_what_they_were_made_from(tmp_path: Path) -> None:
+    one, other = (Origin("s", "r", "c", "m", situation) for situation in ("t", "u"))
+    with Store(tmp_path / "s.sqlite") as store:
+        store.plan(Planned(o.key(s), M, HERE, s, origin=o) for o in (one, other) for s in (0, 1))
+        for made_from in (one, other):
+            for seed in (1, 0):
+                store.put(made_from.key(seed), outcome(M, seed=seed, digest=made_from.situation))
+        store.put("k", outcome(M, seed=7))
+        numbers = {origin: number for number, origin in store.origins().items()}
+        asked: list[FlownFlight] = []
+
+        def stands(flight: FlownFlight) -> bool:
+            asked.append(flight)
+            return flight.origin != numbers[one]
+
+        assert [(o.digest, o.seed) for o in store.standing(stands)] == [("u", 0), ("u", 1), (M, 7)]
+        assert [flight.origin for flight in asked] == [numbers[one], numbers[other], None]
+        assert store.flights()[-1] == FlownFlight("k", M, HERE, 7, None)
+
+
+def test_a_store_with_a_row_that_cannot_be_read_is_closed_while_the_error_is_still_looked_at(tmp_path: Path) -> None:
+    path = tmp_path / "s.sqlite"
+    with Store(path) as store:
+        store.put_all((str(seed), outcome(M, seed=seed)) for seed in range(3))
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("UPDATE outcomes SET digest = CAST(X'FFFE' AS TEXT) WHERE seed = 1")
+        connection.commit()
+    with pytest.raises(InputError, match=r"id 2: digest="), Store(path, create=False) as store:
+        store.keyed()
+    assert [one.name for one in tmp_path.iterdir()] == [path.name]
+
+
+NAME = "outcomes.sqlite"
+
+
+def _replaced(path: Path) -> None:
+    other = path.with_name("other.sqlite")
+    shutil.copy(path, other)
+    other.replace(path)
+
+
+def _cut(path: Path) -> None:
+    with path.open("r+b") as file:
+        file.truncate(4096)
+
+
+LOSSES: dict[str, tuple[Callable[[Path], object], str]] = {
+    "file removed": (lambda path: path.unlink(), "outcomes.sqlite was removed or renamed"),
+    "file replaced": (_replaced, "outcomes.sqlite was replaced by another file"),
+    "folder removed": (lambda path: shutil.rmtree(path.parent), "outcomes.sqlite was removed or renamed"),
+    "folder renamed": (lambda path: path.parent.rename(path.parents[1] / "moved"), "was removed or renamed"),
+    "all results removed": (lambda path: shutil.rmtree(path.parents[1]), "was removed or renamed"),
+    "log removed": (lambda path: path.with_name(f"{NAME}-wal").unlink(), "outcomes.sqlite-wal was removed or renamed"),
+}
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_a_store_that_is_lost_is_noticed_at_the_next_save_and_its_flights_are_copied(tmp_path: Path, loss: str) -> None:
+    path = tmp_path / "campaigns" / "mine" / NAME
+    flown = [replace(outcome(M, seed=seed), track=os.urandom(3000)) for seed in range(5)]
+    lose, reason = LOSSES[loss]
+    with Store(path) as store:
+        for one in flown[:4]:
+            store.put(str(one.seed), one)
+        lose(path)
+        with pytest.raises(InputError) as raised:
+            store.put("4", flown[4])
+    rescued = tmp_path / "campaigns" / "mine-rescued"
+    said = str(raised.value)
+    assert said.startswith(f"{path}: the campaign's store is lost: ")
+    assert reason in said
+    assert said.endswith(f"; a copy with its 5 flights is in {rescued}, which --campaign takes")
+    with Store(rescued / NAME) as again:
+        assert [again.get(str(one.seed)) for one in flown] == flown
+        assert again.put("5", outcome(M, seed=5))
+
+
+def test_a_second_loss_gets_a_folder_of_its_own(tmp_path: Path) -> None:
+    for number in ("", "-2", "-3"):
+        with Store(tmp_path / "mine" / NAME) as store:
+            (tmp_path / "mine" / NAME).unlink()
+            with pytest.raises(InputError, match=rf"1 flight is in {tmp_path}/mine-rescued{number}, which"):
+                store.put("k", outcome(M))
+
+
+def test_where_no_copy_fits_beside_it_is_made_in_the_temporary_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    temporary = tmp_path / "tmp"
+    temporary.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(temporary))
+    path = tmp_path / "results" / "mine" / NAME
+    with Store(path) as store:
+        shutil.rmtree(tmp_path / "results")
+        (tmp_path / "results").write_text("a file where the folder was")
+        with pytest.raises(InputError, match=rf"1 flight is in {temporary}/scaloft-fi-rescued-"):
+            store.put("k", outcome(M))
+    (copy,) = temporary.rglob(NAME)
+    with Store(copy, create=False) as again:
+        assert again.known(["k"]) == {"k"}
+
+
+def test_a_file_that_was_cut_cannot_be_copied_and_the_message_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "mine" / NAME
+    with Store(path) as store:
+        for seed in range(20):
+            store.put(str(seed), replace(outcome(M, seed=seed), track=os.urandom(20_000)))
+        store._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        store.put("20", outcome(M, seed=20))
+        _cut(path)
+        with pytest.raises(InputError, match=r"was cut; (no copy of its flights could be made|a copy with its)"):
+            store.put("21", outcome(M, seed=21))
+
+
+def test_a_folder_that_becomes_read_only_is_noticed_and_everything_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "mine" / NAME
+    with Store(path) as store:
+        store.put("0", outcome(M))
+        monkeypatch.setattr("os.access", lambda _path, _mode: False)
+        with pytest.raises(InputError, match=r"can no longer be written; 2 flights of this command and all earlier"):
+            store.put("1", outcome(M, seed=1))
+    with Store(path, create=False) as store:
+        assert store.known("01") == {"0", "1"}
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        ("SQLITE_IOERR_WRITE", "the disk does not answer"),
+        ("SQLITE_BUSY", "another process has kept it locked for 30 s"),
+        ("SQLITE_FULL", "the disk is full"),
+        ("SQLITE_CORRUPT", "odd"),
+    ],
+)
+def test_an_error_of_the_disk_is_one_sentence_that_says_what_is_kept(tmp_path: Path, code: str, words: str) -> None:
+    with Store(tmp_path / NAME) as store:
+        store.put("0", outcome(M))
+
+        def failing() -> None:
+            with store.transaction():
+                error = sqlite3.OperationalError("odd")
+                error.sqlite_errorname = code
+                raise error
+
+        with pytest.raises(InputError) as raised:
+            failing()
+    kept = "1 flight of this command and all earlier ones are kept, and the same command resumes"
+    assert str(raised.value) == f"{tmp_path / NAME}: the campaign's store cannot be used: {words}; {kept}"
+
+
+def test_a_save_that_takes_long_is_said_while_it_takes_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    said, told = list[str](), threading.Event()
+    monkeypatch.setattr(store, "SLOW_S", 0.01)
+
+    def say(text: str) -> None:
+        said.append(text)
+        told.set()
+
+    with told_when_slow(Path("mine"), say):
+        assert told.wait(10)
+    (line,) = said
+    assert line.startswith("warning: mine: a save has taken 0.01 s so far")
+    monkeypatch.setattr(store, "SLOW_S", 60.0)
+    before = threading.active_count()
+    with told_when_slow(Path("mine"), say):
+        pass
+    assert (len(said), threading.active_count()) == (1, before)

@@ -153,9 +153,8 @@ def test_a_worker_with_other_code_flies_nothing_while_others_do(
 
 
 def test_a_flight_over_which_every_worker_dies_is_invalid_with_the_reason(
-    dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
+    dask: Any, reference: Study, flyer: Any
 ) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.processes.ATTEMPTS", 1)  # a worker takes seconds to come back
     address = dask.scheduler(DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES="0")
     dask.worker(address, "--nanny")
     flights = _flights(reference, LATE, MORE)
