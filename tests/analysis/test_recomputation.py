@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
-import json
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -12,26 +9,15 @@ import recomputation
 from builders import AXES, GRID, KINDS, ROSTER, campaigns, seeded
 from hypothesis import given, settings
 
+from experiments.flights import read
 from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.pool import findings
 from scaloft_fi.analysis.score import score
-from scaloft_fi.judge.outcome import Outcome, Subject, Violation
-from scaloft_fi.judge.requirement import Kind, Reading
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.verbs.export.rows import columns, export_rows, to_csv
 from scaloft_fi.verbs.score_record import score_json
 
 FLOWN = Path(__file__).parents[1] / "support" / "three_situations_ten_seeds.jsonl.gz"
-
-
-def from_json(values: dict[str, Any]) -> Outcome:
-    """An outcome as the file of flown flights has it."""
-    known = {field.name: values[field.name] for field in fields(Outcome) if field.name in values}
-    known["subject"] = Subject(**values["subject"])
-    known["readings"] = tuple(Reading(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["readings"])
-    known["violations"] = tuple(Violation(**{**entry, "kind": Kind(entry["kind"])}) for entry in values["violations"])
-    known["realised"] = tuple((str(axis), bool(came_true)) for axis, came_true in values["realised"])
-    known["track"] = b""
-    return Outcome(**known)
 
 
 def same(found: Any, expected: Any, place: str = "score") -> None:
@@ -82,8 +68,7 @@ def test_every_verdict_follows_from_the_export(outcomes: list[Outcome]) -> None:
 
 def test_every_figure_of_flights_in_the_simulator_follows_from_their_export() -> None:
     """The baseline, PLACEBO and three mutants of the reference study, 3 situations, 10 seeds, without trajectories."""
-    lines = gzip.decompress(FLOWN.read_bytes()).splitlines()
-    found = compare([from_json(json.loads(line)) for line in lines])
+    found = compare(list(read(FLOWN)["flown"].values()))
     assert [(mutant["id"], mutant["verdict"], mutant["kill_rate"]) for mutant in found["mutants"]] == [
         ("LATE-human@3s", "detected", {"part": 2, "whole": 2}),
         ("AFTER-clock@5frames", "undecided", {"part": 0, "whole": 2}),
