@@ -99,9 +99,7 @@ def _chain(error: BaseException | None) -> Iterator[BaseException]:
 
 
 GROUPS: dict[str, dict[str, str]] = {
-    "Begin": {
-        "new": "write a small study to edit, or a plugin package",
-    },
+    "Begin": {"new": "write a small study to edit, or a plugin package"},
     "Look at the study": {
         "matrix": "show the deviation matrix, every cell with its reason",
         "mutants": "list the catalogue of mutants, derive it, check it",
@@ -276,10 +274,7 @@ def _unforeseen(error: Exception) -> int:
 
 
 @click.group(
-    "scaloft-fi",
-    cls=Pipeline,
-    invoke_without_command=True,
-    context_settings={"help_option_names": ["-h", "--help"]},
+    "scaloft-fi", cls=Pipeline, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]}
 )
 @click.version_option(__version__, prog_name="scaloft-fi", message="%(prog)s %(version)s")
 @click.pass_context

@@ -70,10 +70,7 @@ def test_an_alias_stands_for_a_copy_that_knows_its_own_name_and_place(read):
         ("!x a: 1\n", "a key of a.yaml must be a single word"),
         ("a: 1\n---\nb: 1\n", "a.yaml:2: a second document must stand in a file of its own"),
         ("a:\n  b: " + "1" * 101, "a.yaml:2: b='1"),
-        (
-            "a: &a [1]\nb: [*a,\n *a]\nc: " + "[" * 50 + "*a" + "]" * 50,
-            "a.yaml:4: the file must be nested at most 50",
-        ),
+        ("a: &a [1]\nb: [*a,\n *a]\nc: " + "[" * 50 + "*a" + "]" * 50, "a.yaml:4: the file must be nested at most 50"),
     ],
 )
 def test_what_exceeds_a_limit_is_refused_with_its_line(read, text, sentence):

@@ -176,7 +176,7 @@ def test_the_code_that_enters_keys_flies_and_judges_and_shows_nothing(study: Stu
     """A change of a table, a view, a score or the command line makes no flight stale."""
     folders = {source.path.parent.relative_to(PACKAGE).as_posix() for source in closure(study.flying_modules).values()}
     assert {folder for folder in folders if not folder.startswith(("sim", "stack", "mutants", "judge"))} == {
-        *(".", "hazop", "campaign", "campaign/flights"),
+        *(".", "hazop", "campaign", "campaign/flights")
     }
 
 

@@ -403,11 +403,7 @@ def score(
 
 
 def score_of(
-    rulings: Rulings,
-    roster: Roster,
-    space: Space,
-    spending: Spending | None = None,
-    others: Iterable[Outcome] = (),
+    rulings: Rulings, roster: Roster, space: Space, spending: Spending | None = None, others: Iterable[Outcome] = ()
 ) -> Score:
     """The same of flights that are ruled already."""
     spending = spending or Spending()

@@ -22,14 +22,7 @@ from scaloft_fi.sim.mine import Mine, flaws_of, read_mine
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import read_sensors
 from scaloft_fi.sim.vehicle import Vehicle
-from scaloft_fi.sim.world import (
-    GROUND,
-    WALL,
-    Point,
-    World,
-    assembled,
-    misplaced,
-)
+from scaloft_fi.sim.world import GROUND, WALL, Point, World, assembled, misplaced
 
 MOST_TIMES, LEAST_WAY_M = 10.0, 10.0
 """A mesh more than this many times as large, in every direction, as the way is long, or as this [m], is told of."""

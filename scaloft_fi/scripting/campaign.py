@@ -34,16 +34,7 @@ from scaloft_fi.verbs.export.dossier import FORMATS
 from scaloft_fi.verbs.export.rows import flight_columns
 from scaloft_fi.verbs.margin import MarginMutants, MarginSeeds, Tolerance
 from scaloft_fi.verbs.merge import MergedCampaigns, MergedPlatform
-from scaloft_fi.verbs.options import (
-    AsOf,
-    BaselineFrom,
-    Jobs,
-    Operability,
-    SamePlatform,
-    Situations,
-    Today,
-    several,
-)
+from scaloft_fi.verbs.options import AsOf, BaselineFrom, Jobs, Operability, SamePlatform, Situations, Today, several
 from scaloft_fi.verbs.replay import compared, fly_with_log, ready_to_fly
 from scaloft_fi.verbs.report.analyses import gather
 from scaloft_fi.verbs.report.page import page

@@ -7,15 +7,7 @@ import pytest
 
 from experiments import PUBLISHED, ROOT
 from experiments.bug_stacks import BUGS, WITHOUT, Parts, StackStudy, declare
-from experiments.bugs import (
-    FLIGHTS,
-    REFERENCE,
-    SEEDS,
-    Published,
-    campaign_of,
-    flown,
-    names_of,
-)
+from experiments.bugs import FLIGHTS, REFERENCE, SEEDS, Published, campaign_of, flown, names_of
 from experiments.flights import Flights, outcomes, published, read
 from experiments.pages import registered
 from scaloft_fi.campaign.flight import Flight

@@ -32,17 +32,7 @@ from experiments.search_arms import (
     text_of,
     write_searches,
 )
-from experiments.search_or_chance import (
-    BUDGET,
-    UNFINISHED,
-    Answer,
-    Evidence,
-    answer,
-    flown,
-    seed_of,
-    share,
-    totals,
-)
+from experiments.search_or_chance import BUDGET, UNFINISHED, Answer, Evidence, answer, flown, seed_of, share, totals
 from scaloft_fi.campaign.seeking.proposals import OPENING
 from scaloft_fi.campaign.seeking.seek import CHUNK, GENERATION
 from scaloft_fi.judge.outcome import Outcome

@@ -248,12 +248,7 @@ def covered(rows: list[Row], axes: dict[str, dict[str, str]], kinds: dict[str, s
 
 
 def score(
-    text: str,
-    *,
-    kinds: dict[str, str],
-    axes: dict[str, dict[str, str]],
-    defaults: set[str],
-    controls: set[str],
+    text: str, *, kinds: dict[str, str], axes: dict[str, dict[str, str]], defaults: set[str], controls: set[str]
 ) -> Row:
     """What `score --format json` must say about the CSV `text` of `export`.
 
