@@ -14,7 +14,7 @@ from itertools import product
 from typing import Any
 
 from scaloft_fi.analysis.detection import Firmness, Verdict
-from scaloft_fi.analysis.roster import Ratio, Roster, by_field, plain
+from scaloft_fi.analysis.roster import Ratio, Roster, by_field
 from scaloft_fi.analysis.score import MutantScore, Result, Score
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Subject, unpack_track
 from scaloft_fi.judge.requirement import Compliance, Reading
@@ -296,20 +296,6 @@ class KillMatrix:
         flown = {entry.situation for row in self.rows for entry in row.entries if entry.flown}
         return tuple(key for key, _ in self.space.situations if key in flown)
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values: axes, situations in both orders, per mutant its entries in the grid's order."""
-        space = self.space
-        return {
-            "axes": [
-                {"id": axis, "values": [{"id": v, "word": w} for v, w in zip(values, words, strict=True)]}
-                for axis, values, words in zip(space.axes, space.values, space.words, strict=True)
-            ],
-            "situations": [{"key": key, "point": list(point)} for key, point in space.situations],
-            "gray": list(gray_order(space)),
-            "states": [*(status.value for status in Status), NOT_FLOWN],
-            "mutants": [_row_json(row) for row in self.rows],
-        }
-
 
 def kill_matrix(scored: Score, roster: Roster, space: Space) -> KillMatrix:
     """The kill matrix of a campaign's score; the roster says which mutants the ratios count."""
@@ -347,30 +333,3 @@ def _entry(key: str, result: Result | None) -> KillEntry:
         infected=result.infected,
         violated=result.violated,
     )
-
-
-def _row_json(row: KillRow) -> dict[str, Any]:
-    return {
-        "id": row.id,
-        "guideword": row.subject.guideword,
-        "parameter": row.subject.parameter,
-        "magnitude": row.subject.magnitude,
-        "kind": row.kind,
-        "counted": row.counted,
-        "status": row.status.value,
-        "verdict": row.verdict.value,
-        "firm": row.firmness.value if row.firmness else None,
-        "kill_rate": plain(row.kill_rate),
-        "entries": [
-            {
-                "state": entry.state,
-                "kills": list(entry.kills),
-                "seen": list(entry.seen),
-                "tested": entry.tested,
-                "flown": entry.flown,
-                "infected": entry.infected,
-                "violated": dict(entry.violated),
-            }
-            for entry in row.entries
-        ],
-    }

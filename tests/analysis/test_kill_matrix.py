@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from itertools import pairwise, product
 from math import prod
 
-from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
+from builders import GRID, ROSTER, outcome, pool, seeded, thrice
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -93,18 +92,6 @@ def test_the_matrix_says_what_the_score_says(outcomes: list[Outcome]) -> None:
     if scored.pooled:
         counted = [row for row in found.mutants if row.counted]
         assert sum(row.verdict is Verdict.DETECTED for row in counted) == scored.mutation_score.part
-
-
-@given(campaigns())
-def test_its_json_is_plain_and_every_row_has_every_situation(outcomes: list[Outcome]) -> None:
-    plain = json.loads(json.dumps(matrix_of(outcomes).to_json(), allow_nan=False))
-    assert all(len(row["entries"]) == len(plain["situations"]) == 32 for row in plain["mutants"])
-    assert sorted(plain["gray"]) == sorted(situation["key"] for situation in plain["situations"])
-    points = {situation["key"]: situation["point"] for situation in plain["situations"]}
-    for key, following in pairwise(plain["gray"]):
-        assert sum(a != b for a, b in zip(points[key], points[following], strict=True)) == 1
-    states = {entry["state"] for row in plain["mutants"] for entry in row["entries"]}
-    assert states <= set(plain["states"])
 
 
 radices = st.lists(st.integers(1, 4), min_size=1, max_size=4)
