@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from itertools import zip_longest
@@ -12,7 +12,7 @@ from pathlib import Path
 
 from scaloft_fi.document import CATALOGUE_BYTES, UnreadableError, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
-from scaloft_fi.hazop.matrix import Cell, CellStatus, Expected, Fault, Matrix, Rung
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix, Rung
 from scaloft_fi.hazop.name import Name, parse, split_magnitude
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operator import OperatorError
@@ -26,7 +26,13 @@ def derive(matrix: Matrix) -> tuple[Mutant, ...]:
     Raises:
         InputError: naming file and line of an operator, seam or argument that does not exist or is not allowed.
     """
-    return tuple(mutant for cell in matrix for fault in cell.faults for mutant in _all_of(cell, fault))
+    return tuple(
+        _patched(cell, fault, rung, *strikes)
+        for cell in matrix
+        for fault in cell.faults
+        for rung in fault.rungs
+        for strikes in fault.strikes(rung)
+    )
 
 
 def defaults(matrix: Matrix) -> tuple[Mutant, ...]:
@@ -69,12 +75,6 @@ def source_of(matrix: Matrix, mutant: Mutant) -> tuple[Fault, Rung | None]:
     return _chosen(cell, mutant.name, mutant.id)
 
 
-def expected_of(matrix: Matrix, mutant: Mutant) -> Expected | None:
-    """The outcome that the matrix expects of a mutant, with the reason; None when it expects none."""
-    fault, rung = source_of(matrix, mutant)
-    return fault.expects(rung)
-
-
 def _refuse_blank(cell: Cell) -> None:
     if cell.status is CellStatus.NOT_MEANINGFUL:
         raise InputError(f"mutant {cell.name!r} does not exist; the cell is not meaningful: {cell.reason}")
@@ -94,12 +94,6 @@ def _chosen(cell: Cell, name: Name, text: str) -> tuple[Fault, Rung | None]:
             return fault, rung
     ladder = [f"{cell.name}@{magnitude.text(rung)}" for _, magnitude in laddered for rung in magnitude.ladder]
     raise InputError(f"mutant {text!r}: {name.magnitude!r} is no magnitude of {cell.name}{did_you_mean(text, ladder)}")
-
-
-def _all_of(cell: Cell, fault: Fault) -> Iterator[Mutant]:
-    for rung in fault.magnitude.ladder if fault.magnitude else (None,):
-        yield from (_patched(cell, fault, rung, phase_s) for phase_s in fault.phases_s(rung))
-        yield from (_patched(cell, fault, rung, event=event) for event in fault.events_of(rung))
 
 
 def _patched(
@@ -228,15 +222,6 @@ def write_catalogue(folder: Path, catalogue: Iterable[Mutant]) -> Path:
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from error
     return path
-
-
-def read_catalogue(folder: Path) -> tuple[Mutant, ...]:
-    """Read the catalogue of a study's `mutants/` folder.
-
-    Raises:
-        InputError: there is none, or a line is not a mutant.
-    """
-    return tuple(_mutant(folder / CATALOGUE, number, line) for number, line in enumerate(_text(folder), 1))
 
 
 def check_catalogue(folder: Path, matrix: Matrix) -> tuple[Mutant, ...]:

@@ -35,8 +35,8 @@ class OperatorCheck:
 def operators_of(package: str) -> tuple[str, ...]:
     """The names of the operators that a package or module declares, in the order of declaration; plugins are loaded.
 
-    >>> operators_of("scaloft_fi.mutants.operators.clock")
-    ('clock_rate', 'epoch', 'disorder', 'stale_pulse')
+    >>> operators_of("scaloft_fi.mutants.operators.persons")[:3]
+    ('scale_range', 'min_score', 'narrow')
     """
     load_plugins()
     return tuple(name for name, one in OPERATORS.items() if f"{one.make.__module__}.".startswith(f"{package}."))

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Annotated, Any, Literal, Protocol, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -170,10 +170,10 @@ class Argument:
         Raises:
             InputError: wrong type, out of range, or not one of the allowed texts.
         """
-        if self.kind is object:
-            return value if isinstance(value, str | bool) else self._number(value)
-        if self.kind in (float, int):
+        if self.kind in (float, int) or (self.kind is object and not isinstance(value, str | bool)):
             return self._number(value)
+        if self.kind is object:
+            return cast(Value, value)
         if self.kind is bool:
             if not isinstance(value, bool):
                 raise InputError(f"{self.name}={value!r} must be true or false")
@@ -196,11 +196,9 @@ class Argument:
             raise InputError(f"{self.name}={value!r} must be a number")
         if value not in self.allowed:
             raise InputError(f"{self.name}={value:g} must be {self.allowed}")
-        if self.kind is int:
-            if value != int(value):
-                raise InputError(f"{self.name}={value:g} must be a whole number")
-            return int(value)
-        return float(value)
+        if self.kind is int and value % 1:
+            raise InputError(f"{self.name}={value:g} must be a whole number")
+        return int(value) if self.kind is int else float(value)
 
 
 def arguments_of(factory: Callable[..., Any]) -> Mapping[str, Argument]:
@@ -212,17 +210,11 @@ def arguments_of(factory: Callable[..., Any]) -> Mapping[str, Argument]:
 
 
 def _argument(name: str, hint: Any, default: Any) -> Argument:
-    marks: tuple[Any, ...] = ()
-    if get_origin(hint) is Annotated:
-        hint, *rest = get_args(hint)
-        marks = tuple(rest)
-    choices: tuple[str, ...] = ()
-    if get_origin(hint) is Literal:
-        choices, hint = get_args(hint), str
-    allowed = next((mark for mark in marks if isinstance(mark, Range)), Range())
-    field = next((mark for mark in marks if isinstance(mark, FieldName)), None)
-    of_field = any(isinstance(mark, FieldValue) for mark in marks)
-    return Argument(name, hint if isinstance(hint, type) else object, allowed, choices, field, of_field, default)
+    hint, *rest = get_args(hint) if get_origin(hint) is Annotated else (hint,)
+    marks = {type(mark): mark for mark in rest}
+    choices = get_args(hint) if get_origin(hint) is Literal else ()
+    kind = str if choices else hint if isinstance(hint, type) else object
+    return Argument(name, kind, marks.get(Range, Range()), choices, marks.get(FieldName), FieldValue in marks, default)
 
 
 def check_against_field(message: type, field: str, value: Value) -> Value:
@@ -235,30 +227,20 @@ def check_against_field(message: type, field: str, value: Value) -> Value:
         if not isinstance(value, str | bool):
             return value
         raise InputError(f"value={value!r} must be a number")
-    hint = field_type(message, field)
+    hint: Any = field_type(message, field)
     fits = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}
     if hint not in fits:
         raise InputError(f"field={field!r} of {message.__name__} holds no single value")
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if hint in (float, int):
-        if not number or (hint is int and value != int(value)):
-            raise InputError(f"value={value!r} must be {fits[hint]}, as {message.__name__}.{field} is")
-        return int(value) if hint is int else float(value)
-    if not (isinstance(value, str) if hint is str else isinstance(value, bool)):
+    kinds = int | float if hint in (float, int) else hint
+    whole = hint is not int or isinstance(value, str) or value % 1 == 0
+    if not isinstance(value, kinds) or isinstance(value, bool) != (hint is bool) or not whole:
         raise InputError(f"value={value!r} must be {fits[hint]}, as {message.__name__}.{field} is")
-    return value
+    made: Value = hint(value)
+    return made
 
 
 TOLERANCE_S = 1e-6
 """Poll times are k/20 or k/240 in floating point; with this tolerance windows open and close at the intended poll."""
-
-
-class Openings(Protocol):
-    """What opens windows."""
-
-    def latest(self, t_s: float) -> tuple[int, float] | None:
-        """Number of the latest opening at `t_s` [s], counted from 0, and the time since then [s]; None before any."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -269,7 +251,7 @@ class Times:
     period_s: float = math.inf
 
     def latest(self, t_s: float) -> tuple[int, float] | None:
-        """Return number and age of the latest opening."""
+        """Number of the latest opening at `t_s` [s], counted from 0, and the time since then [s]; None before any."""
         since_s = t_s - self.first_s + TOLERANCE_S
         if since_s < 0:
             return None
@@ -291,6 +273,10 @@ class _Occurred:
 
     def latest(self, t_s: float) -> tuple[int, float] | None:
         return None if self.number < 0 else (self.number, t_s - self.at_s + TOLERANCE_S)
+
+
+Openings = Times | _Occurred
+"""What opens windows."""
 
 
 class Occurrences:
@@ -470,37 +456,30 @@ class Operator:
             OperatorError: the message does not meet the operator's need; an argument is unknown, missing, of another
                 type or out of range.
         """
+        about, own = "seam", f"operator {self.name!r}"
         if not self.need.met_by(message):
-            sentence = f"operator {self.name!r} needs {self.need.words}, but seam {seam!r} carries {message.__name__}"
-            raise OperatorError("seam", sentence)
+            raise OperatorError(about, f"{own} needs {self.need.words}, but seam {seam!r} carries {message.__name__}")
         checked: dict[str, Value] = {}
-        for name, value in arguments.items():
-            if name not in self.arguments:
-                known = did_you_mean(name, self.arguments)
-                raise OperatorError(name, f"operator {self.name!r} has no argument {name!r}{known}")
-            try:
-                checked[name] = self.arguments[name].check(value, message)
-            except InputError as error:
-                raise self._error(name, error) from None
-        missing = [name for name, argument in self.arguments.items() if argument.required and name not in checked]
-        if missing:
-            raise OperatorError("operator", f"operator {self.name!r} lacks the argument {missing[0]!r}")
-        self._check_field(message, checked)
+        try:
+            for about, value in arguments.items():
+                if about not in self.arguments:
+                    raise OperatorError(about, f"{own} has no argument {about!r}{did_you_mean(about, self.arguments)}")
+                checked[about] = self.arguments[about].check(value, message)
+            missing = [name for name, argument in self.arguments.items() if argument.required and name not in checked]
+            if missing:
+                raise OperatorError("operator", f"{own} lacks the argument {missing[0]!r}")
+            field = str(checked.get("field", ALL))
+            about = "component"
+            if checked.get(about) and "field" in self.arguments and field not in vector_fields(message):
+                raise InputError(f"field={field!r} has no components x, y, z")
+            for about, argument in self.arguments.items():
+                if argument.of_field:
+                    checked[about] = check_against_field(message, field, checked[about])
+        except OperatorError:
+            raise
+        except InputError as error:
+            raise OperatorError(about, f"{own}: {error}") from None
         return checked
-
-    def _check_field(self, message: type, checked: dict[str, Value]) -> None:
-        field = str(checked.get("field", ALL))
-        if checked.get("component") and "field" in self.arguments and field not in vector_fields(message):
-            raise OperatorError("component", f"operator {self.name!r}: field={field!r} has no components x, y, z")
-        for name, argument in self.arguments.items():
-            if argument.of_field:
-                try:
-                    checked[name] = check_against_field(message, field, checked[name])
-                except InputError as error:
-                    raise self._error(name, error) from None
-
-    def _error(self, argument: str, error: InputError) -> OperatorError:
-        return OperatorError(argument, f"operator {self.name!r}: {error}")
 
     def tap(self, context: TapContext, arguments: Mapping[str, Value]) -> Tap:
         """A fresh tap with checked `arguments`."""
@@ -526,3 +505,17 @@ def operator(
         return make
 
     return declare
+
+
+def on(
+    message: type,
+    name: str,
+    arguments: Mapping[str, Value],
+    before: Samples,
+    after: Samples | Callable[[Samples, Samples], bool],
+    *,
+    need: Need | None = None,
+    **context: Any,
+) -> Callable[[Callable[..., Tap]], Callable[..., Tap]]:
+    """Declare the decorated factory as operator `name` with its `Example`; it needs that message, or less by `need`."""
+    return operator(name, need=need or the(message), example=Example(message, arguments, before, after, **context))

@@ -48,6 +48,21 @@ def within(windows: Windows, change: Callable[[Any], Any]) -> Tap:
 
 
 @dataclass
+class Drawn:
+    """A tap that applies `change`, with random numbers of its own, to every sample, or to those inside the windows."""
+
+    rng: np.random.Generator
+    change: Callable[[np.random.Generator, Any], Any]
+    windows: Windows | None = None
+
+    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
+        """Return `sample`, changed where it is to be."""
+        if sample is None or not (self.windows is None or self.windows.open(t_s)):
+            return sample
+        return self.change(self.rng, sample)
+
+
+@dataclass
 class AtEach:
     """A tap that applies `change` to the first sample after each window opens, and to no other."""
 

@@ -1,17 +1,23 @@
-"""The wire of a mutated stack."""
+"""The wires of a flight."""
 
 from __future__ import annotations
 
 import copy
+import math
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.mutants.catalogue import defaults, expected_of, realise
+from scaloft_fi.mutants.catalogue import defaults, realise, source_of
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.mutants.operator import Facts
+from scaloft_fi.mutants.operator import Facts, Occurrences, Tap, TapContext, Windows
+from scaloft_fi.mutants.sample import within
+from scaloft_fi.mutants.watch import WatchingWire
 from scaloft_fi.mutants.wire import SeamCount, TapError, TappedWire, contexts, wire_for
 from scaloft_fi.stack.declaration import PlainWire
 from scaloft_fi.stack.reference.declaration import REFERENCE
@@ -102,6 +108,227 @@ def test_every_default_alters_what_its_seam_carries_unless_the_matrix_says_other
             sent = k % 3 == 0 and not 4.4 < k / rate_hz < 8.0
             sample = sample_of(mutant.seam, k % 16) if sent else None
             wire.cross(mutant.seam, k / rate_hz, sample)
-        if not wire.counts[mutant.seam].altered and expected_of(matrix, mutant) is None:
+        fault, rung = source_of(matrix, mutant)
+        if not wire.counts[mutant.seam].altered and fault.expects(rung) is None:
             silent.append(mutant.id)
     assert silent == []
+
+
+def tapped(taps: Mapping[str, Tap]) -> TappedWire:
+    return TappedWire((REFERENCE.by_name[seam], tap) for seam, tap in taps.items())
+
+
+Delivery = tuple[str, float, Any]
+
+
+def _from(at_s: float) -> Callable[[float, Any], Any]:
+    """A tap that sends the drone home from `at_s` on."""
+    return lambda t_s, sample: sample._replace(point=(0.0, 0.0, 1.65)) if sample and t_s >= at_s else sample
+
+
+def _broken(_t_s: float, _sample: Any) -> Any:
+    raise ZeroDivisionError("tap")
+
+
+def _taps() -> dict[str, dict[str, Callable[[float, Any], Any]]]:
+    return {"early": {"target": _from(0.1)}, "late": {"target": _from(0.3)}, "never": {"target": _from(9.0)}}
+
+
+POLLS = [("target", k / 20, Target(0, (1.0, float(k), 1.65))) for k in range(10)]
+
+
+def _fly(wire: Any, polls: Iterable[Delivery] = tuple(POLLS)) -> list[Any]:
+    return [wire.cross(seam, t_s, sample) for seam, t_s, sample in polls]
+
+
+class Fork:
+    """Splits nothing off: it is told in which branch to go on."""
+
+    def __init__(self, taken: str = "") -> None:
+        self.taken, self.asked = taken, list[str]()
+
+    def __call__(self, name: str, t_s: float) -> bool:
+        self.asked.append(name)
+        return name == self.taken
+
+
+def _watching(
+    fork: Callable[[str, float], bool], taps: dict[str, Any], failures: list[str] | None = None
+) -> WatchingWire:
+    wires = {name: tapped(seams) for name, seams in taps.items()}
+    told: list[str] = [] if failures is None else failures
+    return WatchingWire(wires, fork, lambda name, error: told.append(f"{name}: {error}"))
+
+
+def test_each_mutant_leaves_once_where_it_first_differs() -> None:
+    seen = []
+    _fly(_watching(lambda name, t_s: bool(seen.append((name, t_s))), _taps()))
+    assert seen == [("early", 0.1), ("late", 0.3)]
+
+
+def test_in_a_branch_nobody_else_leaves() -> None:
+    fork = Fork("early")
+    _fly(_watching(fork, _taps()))
+    assert fork.asked == ["early"]
+
+
+def test_two_that_differ_at_once_leave_one_after_the_other_in_order() -> None:
+    fork = Fork()
+    _fly(_watching(fork, {"b": {"target": _from(0.0)}, "a": {"target": _from(0.0)}}))
+    assert fork.asked == ["b", "a"]
+
+
+def test_a_tap_that_fails_while_watched_is_that_mutants_failure_alone() -> None:
+    failures: list[str] = []
+    fork = Fork()
+    wire = _watching(fork, {"bad": {"target": _broken}, **_taps()}, failures)
+    assert _fly(wire) == [sample for *_, sample in POLLS]
+    assert failures == ["bad: tap on target at 0.000 s: ZeroDivisionError: tap"]
+    assert fork.asked == ["early", "late"]
+
+
+def test_a_flight_that_cannot_branch_is_a_matter_of_the_harness() -> None:
+    def refuse(_name: str, _t_s: float) -> bool:
+        raise OSError("no more processes")
+
+    with pytest.raises(TapError, match="branch of early: OSError: no more processes"):
+        _fly(_watching(refuse, _taps()))
+
+
+@given(
+    polls=st.lists(st.tuples(st.sampled_from(("target", "depth")), st.sampled_from((None, 1.0, 2.0))), max_size=30),
+    starts=st.lists(st.tuples(st.sampled_from(("target", "depth")), st.integers(0, 30)), min_size=1, max_size=5),
+)
+def test_whatever_is_sent_each_branch_is_the_flight_from_take_off(
+    polls: list[tuple[str, float | None]], starts: list[tuple[str, int]]
+) -> None:
+    sent: list[Delivery] = [
+        (seam, k / 20, None if value is None else Target(0, (value, 0.0, 0.0))) for k, (seam, value) in enumerate(polls)
+    ]
+    taps = {str(i): {seam: _from(k / 20)} for i, (seam, k) in enumerate(starts)}
+    trunk = Fork()
+    watching = _watching(trunk, taps)
+    baseline = _fly(watching, sent)
+    assert all(delivered is sample for delivered, (*_, sample) in zip(baseline, sent, strict=True))
+    assert watching.counts == {}
+    for name, seams in taps.items():
+        whole, branch = tapped(seams), _watching(Fork(name), taps)
+        assert _fly(branch, sent) == _fly(whole, sent)
+        assert (name in trunk.asked) == whole.altered
+        assert (branch.counts if whole.altered else watching.silent[name]) == whole.counts
+
+
+def test_it_listens_where_a_watched_wire_does_and_in_a_branch_where_that_one_does() -> None:
+    taps = {**_taps(), "shaky": {"imu": lambda _t_s, sample: sample}}
+    trunk, branch = _watching(Fork(), taps), _watching(Fork("early"), taps)
+    for wire in (trunk, branch):
+        assert wire.listens("imu")
+        assert wire.listens("target")
+        assert not wire.listens("thrust")
+        _fly(wire)
+    assert trunk.listens("imu")
+    assert branch.listens("target")
+    assert not branch.listens("imu")
+
+
+def test_nobody_listens_where_all_have_left() -> None:
+    wire = _watching(Fork(), {"early": {"imu": lambda _t_s, _sample: None}})
+    assert wire.listens("imu")
+    wire.cross("imu", 0.0, (0.0,))
+    assert not wire.listens("imu")
+
+
+def _at_events() -> dict[str, TappedWire]:
+    """Two wires whose taps change the first sample after the events `sight` and `mode`."""
+
+    def wire(event: str) -> TappedWire:
+        occurrences = Occurrences()
+        windows = Windows(occurrences.openings(0.0), 0.05)
+        tap = within(windows, lambda target: target._replace(point=(0.0, 0.0, 1.65)))
+        return TappedWire([(REFERENCE.by_name["target"], tap)], {event: occurrences})
+
+    return {event: wire(event) for event in ("sight", "mode")}
+
+
+def _fly_events(wire: Any, occurs: Mapping[int, str]) -> list[Any]:
+    sent = []
+    for k, (seam, t_s, sample) in enumerate(POLLS):
+        if k in occurs:
+            wire.occur(occurs[k], t_s)
+        sent.append(wire.cross(seam, t_s, sample))
+    return sent
+
+
+@given(
+    st.dictionaries(st.integers(0, 9), st.sampled_from(["sight", "mode", "light"])), st.sampled_from(["sight", "mode"])
+)
+def test_every_watched_wire_learns_of_its_event_and_a_branch_of_those_to_come(
+    occurs: dict[int, str], taken: str
+) -> None:
+    fork = Fork(taken)
+    wire, whole = WatchingWire(_at_events(), fork, lambda _name, _error: None), _at_events()[taken]
+    assert wire.awaited == {"sight", "mode"}
+    assert _fly_events(wire, occurs) == _fly_events(whole, occurs)
+    assert wire.counts == (whole.counts if whole.altered else {})
+
+
+def test_wires_of_faults_that_strike_at_times_await_no_event() -> None:
+    assert _watching(Fork(), _taps()).awaited == frozenset()
+
+
+OCCURS = st.sets(st.integers(0, 400), max_size=30).map(sorted)
+RATES = st.sampled_from([20, 240])
+
+
+def opened(windows: Windows, event: Occurrences, occurs: list[int], rate_hz: int) -> dict[int, int]:
+    """By poll at which a window is open its number; the event occurs at ticks (20 Hz), before the tick's polls."""
+    found, per_tick = {}, rate_hz // 20
+    for tick in range(450):
+        if tick in occurs:
+            event.occur(tick / 20)
+        for poll in range(tick * per_tick, (tick + 1) * per_tick):
+            number = windows.number(poll / rate_hz)
+            if number is not None:
+                found[poll] = number
+    return found
+
+
+@given(OCCURS, st.integers(1, 60), st.integers(1, 100), RATES)
+def test_windows_open_at_occurrences_keep_their_length_and_do_not_overlap(
+    occurs: list[int], length: int, apart: int, rate_hz: int
+) -> None:
+    event, per_tick, length = Occurrences(), rate_hz // 20, min(length, apart)
+    windows = Windows(event.openings(apart / 20), length / 20)
+    starts: list[int] = []
+    for tick in occurs:
+        if not starts or tick - starts[-1] >= apart:
+            starts.append(tick)
+    expected = {
+        poll: number for number, s in enumerate(starts) for poll in range(s * per_tick, (s + length) * per_tick)
+    }
+    assert opened(windows, event, occurs, rate_hz) == {
+        poll: number for poll, number in expected.items() if poll < 450 * per_tick
+    }
+
+
+@given(OCCURS, st.integers(1, 60))
+def test_a_fault_that_happens_once_strikes_at_the_first_occurrence_only(occurs: list[int], length: int) -> None:
+    event = Occurrences()
+    windows = TapContext(0.05, np.random.default_rng(0), event=event).window(at_s=3.0, length_s=length / 20)
+    polls = range(occurs[0], min(occurs[0] + length, 450)) if occurs else ()
+    assert opened(windows, event, occurs, 20) == dict.fromkeys(polls, 0)
+
+
+def test_without_an_event_a_context_opens_windows_at_times() -> None:
+    context = TapContext(0.05, np.random.default_rng(0))
+    assert context.windows(20.0, 5.0, 2.0) == Windows.periodic(20.0, 5.0, 2.0)
+    assert [context.window(3.0, math.inf).number(t_s) for t_s in (2.95, 3.0, 1000.0)] == [None, 0, 0]
+
+
+def test_a_copy_of_windows_learns_of_nothing_that_happens_to_the_original() -> None:
+    event = Occurrences()
+    windows = Windows(event.openings(0.0), 1.0)
+    branch = copy.deepcopy(windows)
+    event.occur(2.0)
+    assert windows.open(2.0)
+    assert not branch.open(2.0)

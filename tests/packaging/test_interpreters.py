@@ -58,7 +58,7 @@ def test_the_matrix_and_the_operators_load_on_the_other_python_with_the_newest_l
         pytest.skip(f"there is no Python {OTHER} on this machine")
     needed = [name for name in _needed() if not name.startswith(BUILT)]
     own = _venv(python, tmp_path / "venv", *needed, "hypothesis", "pytest")
-    tests = ("tests/hazop/test_reference_matrix.py", "tests/mutants/test_derive.py", "tests/mutants/test_catalogue.py")
+    tests = ("tests/hazop/test_reference_study.py", "tests/mutants/test_mutants.py")
     options = ("-q", "-m", "not flight", "-p", "no:cacheprovider", "-W", "ignore::DeprecationWarning")
     assert " passed" in _call(own, "-m", "pytest", *options, *tests)
 

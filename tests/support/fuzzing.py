@@ -149,7 +149,7 @@ def probe(folder: Path) -> None:
         _ = study.inputs
     _ = study.alpha, study.dispositions, study.roster, study.sim.numbers
     study.check(study.grid.situations[:: 1 + len(study.grid) // 3])
-    catalogue.read_catalogue(folder / "mutants")
+    catalogue.check_catalogue(folder / "mutants", study.matrix)
 
 
 def wrong_sentence(text: str) -> str:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from scaloft_fi.mutants.operator import (
     TOLERANCE_S,
-    Example,
     Factor,
     Facts,
     Hold,
@@ -20,11 +20,12 @@ from scaloft_fi.mutants.operator import (
     Share,
     Tap,
     TapContext,
-    operator,
-    the,
+    on,
 )
-from scaloft_fi.mutants.sample import on_each
+from scaloft_fi.mutants.sample import Drawn, on_each
 from scaloft_fi.stack.messages import Detections, Person
+
+on_boxes = partial(on, Detections)
 
 _SILENCE_S = 0.5  # a detector that was silent for this time reports nobody
 _NEAR = Person("person", 0.9, 0.1, 3.0)
@@ -40,15 +41,11 @@ def _phantom(range_m: float) -> Person:
     return Person("person", 0.9, 0.0, range_m)
 
 
-@operator(
+@on_boxes(
     "scale_range",
-    need=the(Detections),
-    example=Example(
-        Detections,
-        {"factor": 2.0},
-        (_boxes(_NEAR, _FAR),),
-        (_boxes(_NEAR._replace(range_m=6.0), _FAR._replace(range_m=12.0)),),
-    ),
+    {"factor": 2.0},
+    (_boxes(_NEAR, _FAR),),
+    (_boxes(_NEAR._replace(range_m=6.0), _FAR._replace(range_m=12.0)),),
 )
 def scale_range(_context: TapContext, *, factor: Factor) -> Tap:
     """Multiply every person's range by `factor`: a wrong focal length or a wrong assumed body height."""
@@ -62,21 +59,13 @@ def _keep(boxes: Detections, keep: Any) -> Detections | None:
     return boxes._replace(persons=persons) if persons else None
 
 
-@operator(
-    "min_score",
-    need=the(Detections),
-    example=Example(Detections, {"score": 0.8}, (_boxes(_NEAR, _FAR), _boxes(_FAR), None), (_boxes(_NEAR), None, None)),
-)
+@on_boxes("min_score", {"score": 0.8}, (_boxes(_NEAR, _FAR), _boxes(_FAR), None), (_boxes(_NEAR), None, None))
 def min_score(_context: TapContext, *, score: Share) -> Tap:
     """Lose every box with a confidence below `score` (0..1): a threshold tuned against false alarms."""
     return on_each(lambda boxes: _keep(boxes, lambda p: p.score >= score))
 
 
-@operator(
-    "narrow",
-    need=the(Detections),
-    example=Example(Detections, {"share": 0.5}, (_boxes(_NEAR, _FAR), _boxes(_FAR)), (_boxes(_NEAR), None)),
-)
+@on_boxes("narrow", {"share": 0.5}, (_boxes(_NEAR, _FAR), _boxes(_FAR)), (_boxes(_NEAR), None))
 def narrow(context: TapContext, *, share: Share) -> Tap:
     """Lose every box outside the middle `share` (0..1) of the camera's view.
 
@@ -86,13 +75,7 @@ def narrow(context: TapContext, *, share: Share) -> Tap:
     return on_each(lambda boxes: _keep(boxes, lambda p: abs(p.bearing_rad) <= half_rad))
 
 
-@operator(
-    "ghost",
-    need=the(Detections),
-    example=Example(
-        Detections, {"distance_m": 2.0}, (_boxes(_NEAR), None), (_boxes(_NEAR, _NEAR._replace(range_m=5.0)), None)
-    ),
-)
+@on_boxes("ghost", {"distance_m": 2.0}, (_boxes(_NEAR), None), (_boxes(_NEAR, _NEAR._replace(range_m=5.0)), None))
 def ghost(_context: TapContext, *, distance_m: Metres) -> Tap:
     """Report a second person `distance_m` [m] behind the nearest real one: a shadow, a reflection, a double box."""
 
@@ -117,11 +100,7 @@ class _Invert:
         return _boxes(_phantom(self.range_m), t_s=t_s)
 
 
-@operator(
-    "invert_presence",
-    need=the(Detections),
-    example=Example(Detections, {"range_m": 2.0}, (None, _boxes(_NEAR), None), (_boxes(_phantom(2.0)), None, None)),
-)
+@on_boxes("invert_presence", {"range_m": 2.0}, (None, _boxes(_NEAR), None), (_boxes(_phantom(2.0)), None, None))
 def invert_presence(_context: TapContext, *, range_m: Metres = 3.0) -> Tap:
     """Report a person `range_m` [m] ahead while the detector reports none, and nobody while it reports one.
 
@@ -130,45 +109,28 @@ def invert_presence(_context: TapContext, *, range_m: Metres = 3.0) -> Tap:
     return _Invert(range_m)
 
 
-@dataclass
-class _Relabel:
-    share: float
-    label: str
-    rng: np.random.Generator
-
-    def __call__(self, _t_s: float, sample: Any | None) -> Any | None:
-        if sample is None:
-            return None
-        wrong = self.rng.random(len(sample.persons)) < self.share
-        persons = zip(sample.persons, wrong, strict=True)
-        return sample._replace(persons=tuple(p._replace(label=self.label) if w else p for p, w in persons))
-
-
-@operator(
-    "relabel",
-    need=the(Detections),
-    example=Example(
-        Detections, {"share": 1.0, "label": "cart"}, (_boxes(_NEAR), None), (_boxes(_NEAR._replace(label="cart")), None)
-    ),
+@on_boxes(
+    "relabel", {"share": 1.0, "label": "cart"}, (_boxes(_NEAR), None), (_boxes(_NEAR._replace(label="cart")), None)
 )
 def relabel(context: TapContext, *, share: Share = 1.0, label: str = "cart") -> Tap:
     """Give each box the class `label` with probability `share` (0..1).
 
     A classifier that takes people for something else.
     """
-    return _Relabel(share, label, context.rng)
+
+    def relabelled(rng: np.random.Generator, boxes: Detections) -> Detections:
+        persons = zip(boxes.persons, rng.random(len(boxes.persons)) < share, strict=True)
+        return boxes._replace(persons=tuple(p._replace(label=label) if wrong else p for p, wrong in persons))
+
+    return Drawn(context.rng, relabelled)
 
 
-@operator(
+@on_boxes(
     "early_report",
-    need=the(Detections),
-    example=Example(
-        Detections,
-        {"lead_s": 0.05},
-        (None, None, _boxes(_NEAR, t_s=0.1), None),
-        (None, _boxes(_phantom(3.0), t_s=0.05), _boxes(_NEAR, t_s=0.1), None),
-        facts=Facts(sighting_s=0.1),
-    ),
+    {"lead_s": 0.05},
+    (None, None, _boxes(_NEAR, t_s=0.1), None),
+    (None, _boxes(_phantom(3.0), t_s=0.05), _boxes(_NEAR, t_s=0.1), None),
+    facts=Facts(sighting_s=0.1),
 )
 def early_report(context: TapContext, *, lead_s: Seconds, range_m: Metres = 3.0) -> Tap:
     """Report a person `range_m` [m] ahead from `lead_s` [s] before the nominal flight first sees one until then.
@@ -186,23 +148,14 @@ def early_report(context: TapContext, *, lead_s: Seconds, range_m: Metres = 3.0)
     return tap
 
 
-@operator(
+@on_boxes(
     "phantom_person",
-    need=the(Detections),
-    example=Example(
-        Detections,
-        {"hold_s": 0.05, "period_s": 0.05, "phase_s": 0.05, "range_m": 4.0},
-        (None, None, None, _boxes(_NEAR, t_s=0.15)),
-        (None, None, _boxes(_phantom(4.0), t_s=0.1), _boxes(_NEAR, _phantom(4.0), t_s=0.15)),
-    ),
+    {"hold_s": 0.05, "period_s": 0.05, "phase_s": 0.05, "range_m": 4.0},
+    (None, None, None, _boxes(_NEAR, t_s=0.15)),
+    (None, None, _boxes(_phantom(4.0), t_s=0.1), _boxes(_NEAR, _phantom(4.0), t_s=0.15)),
 )
 def phantom_person(
-    context: TapContext,
-    *,
-    hold_s: Hold = 2.0,
-    period_s: Period = 20.0,
-    phase_s: Seconds = 0.0,
-    range_m: Metres = 3.0,
+    context: TapContext, *, hold_s: Hold = 2.0, period_s: Period = 20.0, phase_s: Seconds = 0.0, range_m: Metres = 3.0
 ) -> Tap:
     """Report a person `range_m` [m] ahead who is not there, for `hold_s` [s] each `period_s` [s].
 

@@ -1,0 +1,279 @@
+"""Operators on images, inertial samples, time stamps and the battery.  Where a sensor saw nothing, a pixel is 0."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+from scaloft_fi.mutants.operator import (
+    IMAGE,
+    STAMP,
+    Facts,
+    Hold,
+    Metres,
+    Number,
+    Period,
+    Range,
+    Samples,
+    Seconds,
+    Share,
+    Tap,
+    TapContext,
+    Windows,
+    on,
+)
+from scaloft_fi.mutants.sample import Drawn, on_each, reclocked, redrawn, within
+from scaloft_fi.stack.declaration import STEP_HZ
+from scaloft_fi.stack.messages import Array, Battery, DepthFrame, Imu, Stamps, Thrust
+
+on_image = partial(on, need=IMAGE)
+on_stamped = partial(on, need=STAMP)
+on_inertial = partial(on, Imu)
+on_battery = partial(on, Battery)
+
+_ROW = DepthFrame(0.0, np.array([[1.0, 2.0, 3.0, 0.0]] * 4))
+
+
+def _rows(*rows: tuple[float, ...]) -> DepthFrame:
+    return DepthFrame(0.0, np.array(rows))
+
+
+def _seen_pixels_differ(before: Samples, after: Samples) -> bool:
+    return all(np.array_equal(a.depth != b.depth, b.depth > 0.0) for b, a in zip(before, after, strict=True))
+
+
+@on_image(DepthFrame, "range_noise", {"share": 0.05}, (_ROW, _ROW), _seen_pixels_differ)
+def range_noise(context: TapContext, *, share: Share) -> Tap:
+    """Add Gaussian noise of standard deviation `share` (0..1) of the range to every pixel that sees something.
+
+    Dust, flying pixels.
+    """
+
+    def noisy(rng: np.random.Generator, frame: Any) -> Any:
+        return redrawn(frame, lambda seen: seen * np.maximum(1.0 + share * rng.standard_normal(seen.shape), 0.0))
+
+    return Drawn(context.rng, noisy)
+
+
+@on_image(DepthFrame, "lose_columns", {"share": 0.5}, (_ROW, None), (_rows(*[(1.0, 0.0, 0.0, 0.0)] * 4), None))
+def lose_columns(_context: TapContext, *, share: Share, side: Literal["left", "centre", "right"] = "centre") -> Tap:
+    """Let a block of `share` (0..1) of the image's columns, at `side`, see nothing: dirt on the lens, a lost stripe."""
+
+    def blinded(image: Array) -> Array:
+        width = image.shape[1]
+        lost = round(share * width)
+        first = {"left": 0, "centre": (width - lost) // 2, "right": width - lost}[side]
+        seen = image.copy()
+        seen[:, first : first + lost] = 0.0
+        return seen
+
+    return on_each(lambda sample: redrawn(sample, blinded))
+
+
+@on_image(DepthFrame, "mirror", {}, (_ROW, None), (_rows(*[(0.0, 3.0, 2.0, 1.0)] * 4), None))
+def mirror(_context: TapContext) -> Tap:
+    """Swap left and right of the image: columns published in reverse order (seen in PX4 pull request 22418)."""
+    return on_each(lambda sample: redrawn(sample, lambda image: np.ascontiguousarray(image[:, ::-1])))
+
+
+@on_image(
+    DepthFrame,
+    "phantom_blob",
+    {"range_m": 1.5, "hold_s": 0.05, "period_s": 0.05, "share": 0.5},
+    (_ROW, _ROW, None),
+    (_ROW, _rows((1.0, 2.0, 3.0, 0.0), (1.0, 1.5, 1.5, 0.0), (1.0, 1.5, 1.5, 0.0), (1.0, 2.0, 3.0, 0.0)), None),
+)
+def phantom_blob(
+    context: TapContext,
+    *,
+    range_m: Metres = 1.0,
+    hold_s: Hold = 1.0,
+    period_s: Period = 20.0,
+    phase_s: Seconds = 0.0,
+    share: Share = 0.3,
+) -> Tap:
+    """Show an object `range_m` [m] ahead over `share` (0..1) of width and height, for `hold_s` [s] each `period_s` [s].
+
+    Dust, a drop.
+    """
+    windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
+
+    def blotted(image: Array) -> Array:
+        seen = image.copy()
+        (top, high), (left, wide) = (((n - round(share * n)) // 2, round(share * n)) for n in seen.shape)
+        blot = seen[top : top + high, left : left + wide]
+        blot[(blot == 0.0) | (blot > range_m)] = range_m
+        return seen
+
+    return within(windows, lambda sample: redrawn(sample, blotted))
+
+
+Positive = Annotated[float, Range(above=0.0, most=1e6)]
+_REST = Imu(0.0, np.array([0.1, -0.2, 0.3]), np.array([0.5, 0.0, 9.81]))
+
+
+def _all_axes_shake(before: Samples, after: Samples) -> bool:
+    return all(np.all(a.rate != b.rate) and np.all(a.force != b.force) for b, a in zip(before, after, strict=True))
+
+
+@on_inertial("vibration", {"factor": 10.0}, (_REST, _REST), _all_axes_shake)
+def vibration(context: TapContext, *, factor: Annotated[float, Range(least=1.0, most=1e6)]) -> Tap:
+    """Raise the white noise of both sensors to `factor` times the nominal sigma per sample.
+
+    An unbalanced propeller, a loose mount.
+    """
+    extra = math.sqrt(factor**2 - 1.0)  # variances add up
+    rate_radps, force_mps2 = extra * context.facts.gyro_sigma_radps, extra * context.facts.accel_sigma_mps2
+
+    def shaken(rng: np.random.Generator, imu: Imu) -> Imu:
+        rate, force = rng.standard_normal((2, 3))
+        return imu._replace(rate=imu.rate + rate_radps * rate, force=imu.force + force_mps2 * force)
+
+    return Drawn(context.rng, shaken)
+
+
+@on_inertial("remount", {}, (_REST, None), (Imu(0.0, np.array([-0.1, 0.2, 0.3]), np.array([-0.5, 0.0, 9.81])), None))
+def remount(_context: TapContext) -> Tap:
+    """Turn the sensor by 180 deg about the body's z axis: mounted the wrong way round, or a wrong rotation setting."""
+    signs = np.array([-1.0, -1.0, 1.0])
+    return on_each(lambda imu: imu._replace(rate=imu.rate * signs, force=imu.force * signs))
+
+
+def _second_is_garbage(before: Samples, after: Samples) -> bool:
+    return after[0] is before[0] and bool(np.all(after[1].rate != before[1].rate)) and after[2] is None
+
+
+@on_inertial(
+    "garbage", {"hold_s": 1 / 240, "period_s": 1 / 240}, (_REST, _REST, None), _second_is_garbage, rate_hz=STEP_HZ
+)
+def garbage(
+    context: TapContext,
+    *,
+    hold_s: Hold,
+    period_s: Period = 20.0,
+    phase_s: Seconds = 0.0,
+    rate_span_radps: Positive = 34.9,
+    force_span_mps2: Positive = 157.0,
+) -> Tap:
+    """Replace both readings by uniform random ones for `hold_s` [s], each `period_s` [s].
+
+    A broken bus (PX4's failure type `garbage`).  The spans are the ranges of a common sensor, 2000 deg/s and 16 g.
+    """
+    windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
+
+    def replaced(rng: np.random.Generator, imu: Imu) -> Imu:
+        rate, force = rng.uniform(-1.0, 1.0, (2, 3))
+        return imu._replace(rate=rate_span_radps * rate, force=force_span_mps2 * force)
+
+    return Drawn(context.rng, replaced, windows)
+
+
+def _stamps(t_s: float) -> Stamps:
+    return Stamps(t_s, t_s, t_s)
+
+
+@on_stamped(Stamps, "clock_rate", {"share": 0.1}, (_stamps(0.0), _stamps(10.0)), (_stamps(0.0), _stamps(11.0)))
+def clock_rate(_context: TapContext, *, share: Annotated[float, Range(above=-1.0, most=10.0)]) -> Tap:
+    """Let the sender's clock run fast (slow where negative) by `share` of the time since take-off.
+
+    A wrong oscillator setting.
+    """
+    return on_each(lambda stamps: reclocked(stamps, lambda t_s: t_s * (1.0 + share)))
+
+
+@on_stamped(Stamps, "epoch", {"offset_s": 1000.0}, (_stamps(1.0), None), (_stamps(1001.0), None))
+def epoch(_context: TapContext, *, offset_s: Number = 1.7e9) -> Tap:
+    """Count the sender's clock from another epoch, `offset_s` [s] earlier.
+
+    Wall-clock time (1.7e9 s since 1970) for time since take-off.
+    """
+    return on_each(lambda stamps: reclocked(stamps, lambda t_s: t_s + offset_s))
+
+
+@dataclass
+class _Disorder:
+    count: int
+    poll_s: float
+    place: int = 0
+
+    def __call__(self, _t_s: float, sample: Any | None) -> Any | None:
+        if sample is None:
+            return None
+        back_s = 2 * self.place * self.poll_s
+        self.place = (self.place + 1) % self.count
+        return reclocked(sample, lambda t_s: t_s - back_s)
+
+
+@on_stamped(
+    Stamps,
+    "disorder",
+    {"count": 2},
+    tuple(_stamps(i / 20) for i in range(4)),
+    tuple(_stamps(i / 20) for i in (0, -1, 2, 1)),
+)
+def disorder(context: TapContext, *, count: Annotated[int, Range(least=2, most=1000)]) -> Tap:
+    """Give every `count` stamps in reverse order: the messages arrive in time, each with the stamp of another."""
+    return _Disorder(count, context.period_s)
+
+
+@on_stamped(
+    Stamps,
+    "stale_pulse",
+    {"hold_s": 0.05, "period_s": 0.05, "age_s": 0.05, "phase_s": 0.05},
+    (_stamps(0.0), _stamps(0.05), _stamps(0.1)),
+    (_stamps(0.0), _stamps(0.05), _stamps(0.05)),
+)
+def stale_pulse(
+    context: TapContext, *, age_s: Seconds = 1.0, hold_s: Hold = 1.0, period_s: Period = 20.0, phase_s: Seconds = 0.0
+) -> Tap:
+    """Let every stamp be `age_s` [s] old for `hold_s` [s], each `period_s` [s]: a spurious time-out."""
+    windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
+    return within(windows, lambda stamps: reclocked(stamps, lambda t_s: t_s - age_s))
+
+
+_FULL = Battery(0.0, 0.9, 16.0, 4)
+
+
+def _depleted(battery: Battery, charge: float) -> Battery:
+    """Change the charge only: the voltage is measured by another sensor."""
+    return battery._replace(charge=charge)
+
+
+@on(Thrust, "sag", {"share": 0.5}, (Thrust(np.full(4, 4.0)), None), (Thrust(np.full(4, 1.0)), None))
+def sag(_context: TapContext, *, share: Share) -> Tap:
+    """Multiply the thrust of every rotor by (1 - `share`)^2.
+
+    The voltage under load sags by `share`, thrust goes with its square.
+    """
+    factor = (1.0 - share) ** 2
+    return on_each(lambda thrust: thrust._replace(rotors=thrust.rotors * factor))
+
+
+@on_battery(
+    "early_depletion",
+    {"share": 0.5},
+    (_FULL, _FULL, _FULL, None),
+    (_FULL, _FULL._replace(charge=0.0), _FULL._replace(charge=0.0), None),
+    facts=Facts(duration_s=0.1),
+)
+def early_depletion(context: TapContext, *, share: Share, charge: Share = 0.0) -> Tap:
+    """Report a state of charge of `charge` (0..1) from `share` (0..1) of the nominal mission time on.
+
+    A gauge that drops too early.
+    """
+    return within(Windows.since(share * context.facts.duration_s), lambda battery: _depleted(battery, charge))
+
+
+@on_battery(
+    "depleted_pulse", {"hold_s": 0.05, "at_s": 0.1}, (_FULL,) * 4, (_FULL, _FULL, _FULL._replace(charge=0.0), _FULL)
+)
+def depleted_pulse(
+    context: TapContext, *, hold_s: Hold = 2.0, at_s: Seconds = 20.0, phase_s: Seconds = 0.0, charge: Share = 0.0
+) -> Tap:
+    """Report a state of charge of `charge` (0..1) for `hold_s` [s] from `at_s` + `phase_s` [s] on: a glitch."""
+    windows = context.window(at_s + phase_s, max(hold_s, context.period_s))
+    return within(windows, lambda battery: _depleted(battery, charge))
