@@ -25,8 +25,7 @@ import numpy as np
 
 import scaloft_fi
 from scaloft_fi.judge.requirement import TRIGGER, judge_signals
-from scaloft_fi.judge.stl import Formula, inside_always
-from scaloft_fi.judge.stl.parse import parse
+from scaloft_fi.judge.stl import Formula, inside_always, parse
 
 Texts = list[tuple[str, str]]
 """Formulas of a requirement in the order of their evaluation, each with the name under which later ones read it."""

@@ -86,9 +86,9 @@ def check_requirements(path: Path, known: KnownSignals, findings: Findings) -> i
             ranges.setdefault(name, ANY)  # its name is known, whatever it says
             texts.setdefault(name, str(item.value))
         entries = document.need("requirements").mapping(most=MOST)
-        for name, item in entries.items():
+        for item in entries.values():
             with findings.collecting():
-                read.append(read_requirement(name, item, texts, set(ranges), known.check))
+                read.append(read_requirement(item, texts, set(ranges), known.check))
                 _check_bounds(read[-1], item, ranges, findings)
         for key, item in document.mapping().items():
             if key not in KEYS:

@@ -12,25 +12,24 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 from types import MappingProxyType
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING
 
 from scaloft_fi.judge.requirement import Check
-from scaloft_fi.judge.stl import Formula, FormulaError, tokenize
-from scaloft_fi.judge.stl.parse import parse
-from scaloft_fi.judge.stl.tree import (
-    Arithmetic,
-    Comparison,
-    Extreme,
-    Function,
-    Hold,
-    Logic,
+from scaloft_fi.judge.stl import (
+    COMPARATORS,
+    EXTREMES,
+    Formula,
+    FormulaError,
+    Infix,
     Node,
     Number,
+    Prefix,
     Signal,
-    Window,
+    parse,
     parts,
+    tokenize,
+    written,
 )
-from scaloft_fi.judge.stl.write import written
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, truth_signals
 from scaloft_fi.stack.declaration import TICK_S
 
@@ -127,54 +126,34 @@ def comparisons(tree: Node) -> Iterator[tuple[str, str, float]]:
     >>> list(comparisons(parse(tokenize("always(a / 3 <= 1 and 2 > b - 0.5)"))))
     [('a / 3 <= 1', 'a', 3.0), ('2 > b - 0.5', 'b', 2.5)]
     """
-    if isinstance(tree, Comparison):
-        whole = _difference(_line(tree.left), _line(tree.right))
-        factors = [(name, factor) for name, factor in whole[0].items() if factor] if whole else []
-        if whole and len(factors) == 1:
+    if isinstance(tree, Infix) and tree.operator in COMPARATORS:
+        line = _line(Infix("-", tree.left, tree.right)) or {}
+        factors = [(name, factor) for name, factor in line.items() if name and factor]
+        if len(factors) == 1:
             ((name, factor),) = factors
-            yield written(tree), name, round(-whole[1] / factor, 9)
+            yield written(tree), name, round(-line.get("", 0.0) / factor, 9)
     for part in parts(tree):
         yield from comparisons(part)
 
 
-_Line = tuple[Mapping[str, float], float]
-"""A linear expression: factor of each signal, and a constant."""
-
-
-def _line(node: Node) -> _Line | None:
-    """A part as a linear expression; None for any other."""
-    match node:
-        case Signal(name):
-            return {name: 1.0}, 0.0
-        case Number(value):
-            return {}, value
-        case Arithmetic(sign, left, right):
-            return _joined(sign, _line(left), _line(right))
-        case _:
-            return None
-
-
-def _joined(mark: str, left: _Line | None, right: _Line | None) -> _Line | None:
-    if left is None or right is None:
+def _line(node: Node) -> Mapping[str, float] | None:
+    """A part as a linear expression, factor by signal, with its constant under ""; None for any other part."""
+    if isinstance(node, Signal):
+        return {node.name: 1.0}
+    if isinstance(node, Number):
+        return {"": node.value}
+    left, right = (_line(node.left), _line(node.right)) if isinstance(node, Infix) else (None, None)
+    if not isinstance(node, Infix) or left is None or right is None:
         return None
-    if mark in "+-":
-        return _difference(left, right if mark == "-" else _scaled(right, -1.0))
-    if mark == "/":
-        return _scaled(left, 1.0 / right[1]) if not right[0] and right[1] else None
-    if not left[0]:
-        return _scaled(right, left[1])
-    return _scaled(left, right[1]) if not right[0] else None
-
-
-def _difference(left: _Line | None, right: _Line | None) -> _Line | None:
-    if left is None or right is None:
+    if node.operator in ("+", "-"):
+        sign = 1.0 if node.operator == "+" else -1.0
+        return {name: left.get(name, 0.0) + sign * right.get(name, 0.0) for name in {**left, **right}}
+    if node.operator == "*" and left.keys() == {""}:
+        left, right = right, left
+    if node.operator not in ("*", "/") or right.keys() != {""} or (node.operator == "/" and not right[""]):
         return None
-    names = left[0].keys() | right[0].keys()
-    return {name: left[0].get(name, 0.0) - right[0].get(name, 0.0) for name in names}, left[1] - right[1]
-
-
-def _scaled(line: _Line, factor: float) -> _Line:
-    return {name: factor * own for name, own in line[0].items()}, factor * line[1]
+    scale = right[""] if node.operator == "*" else 1.0 / right[""]
+    return {name: scale * factor for name, factor in left.items()}
 
 
 Span = tuple[float, float]
@@ -185,15 +164,11 @@ Ranges = Mapping[str, tuple[Span, ...]]
 ANY: tuple[Span, ...] = ((-math.inf, math.inf),)
 NEVER_BELOW_0: tuple[Span, ...] = ((0.0, math.inf),)
 SHARE: tuple[Span, ...] = ((0.0, 1.0),)
-_SIGNED: tuple[Span, ...] = ((-1.0, 1.0),)
 CLEARANCE: tuple[Span, ...] = ((-math.inf, CLEARANCE_CAP_M),)
 TRUTH: Ranges = {
     "elapsed_s": NEVER_BELOW_0,
     "remaining_s": ((-TICK_S, math.inf),),
-    "qx": _SIGNED,
-    "qy": _SIGNED,
-    "qz": _SIGNED,
-    "qw": _SIGNED,
+    **dict.fromkeys(("qx", "qy", "qz", "qw"), ((-1.0, 1.0),)),
     "yaw_rad": ((-math.pi, math.pi),),
     "speed_mps": NEVER_BELOW_0,
     "clearance_m": CLEARANCE,
@@ -278,7 +253,7 @@ def constants(formula: Formula, ranges: Ranges) -> Iterator[tuple[str, bool]]:
     waiting = [formula.tree]
     while waiting:
         node = waiting.pop()
-        if isinstance(node, Comparison):
+        if isinstance(node, Infix) and node.operator in COMPARATORS:
             always = verdict(_bounds(node, ranges))
             if always is not None:
                 yield written(node), always
@@ -287,28 +262,22 @@ def constants(formula: Formula, ranges: Ranges) -> Iterator[tuple[str, bool]]:
 
 
 def _bounds(node: Node, ranges: Ranges) -> Spans:
-    match node:
-        case Signal(name):
-            return ranges.get(name, ANY)
-        case Number(value):
-            return ((value, value),)
-        case Function(word, of):
-            return _few([_FUNCTION[word](span) for span in _bounds(of, ranges)])
-        case Window(word, of, interval):
-            return _window(word, _bounds(of, ranges), late=interval is not None and interval.first > 0)
-        case Hold(right=right):
-            return ((-math.inf, max(high for _, high in _bounds(right, ranges))),)
-        case Comparison("<" | "<=", left, right):
-            return _pairs(_minus, _bounds(right, ranges), _bounds(left, ranges))
-        case Comparison(left=left, right=right):
-            return _pairs(_minus, _bounds(left, ranges), _bounds(right, ranges))
-        case Arithmetic(operator, left, right) | Logic(operator, left, right):
-            return _pairs(_JOIN[operator], _bounds(left, ranges), _bounds(right, ranges))
-        case _:
-            assert_never(node)
+    if isinstance(node, Signal):
+        return ranges.get(node.name, ANY)
+    if isinstance(node, Number):
+        return ((node.value, node.value),)
+    if isinstance(node, Prefix):
+        of = _bounds(node.of, ranges)
+        if node.word in EXTREMES:
+            return _window(node.word, of, late=node.interval is not None and node.interval.first > 0)
+        return _few([_FUNCTION[node.word](span) for span in of])
+    right = _bounds(node.right, ranges)
+    if node.operator in ("since", "until"):
+        return ((-math.inf, max(high for _, high in right)),)
+    return _few([_JOIN[node.operator](one, other) for one, other in product(_bounds(node.left, ranges), right)])
 
 
-def _window(word: Extreme, spans: Spans, *, late: bool) -> Spans:
+def _window(word: str, spans: Spans, *, late: bool) -> Spans:
     """An extreme of what stands inside; a window that begins later may be empty."""
     low, high = min(low for low, _ in spans), max(high for _, high in spans)
     if word in ("historically", "always"):
@@ -319,10 +288,6 @@ def _window(word: Extreme, spans: Spans, *, late: bool) -> Spans:
 def _few(spans: list[Span]) -> Spans:
     ordered = sorted(spans)
     return tuple(ordered) if len(ordered) <= MOST_SPANS else ((ordered[0][0], max(high for _, high in ordered)),)
-
-
-def _pairs(join: Callable[[Span, Span], Span], left: Spans, right: Spans) -> Spans:
-    return _few([join(one, other) for one, other in product(left, right)])
 
 
 def _minus(one: Span, other: Span) -> Span:
@@ -370,6 +335,10 @@ _FUNCTION: Mapping[str, Callable[[Span], Span]] = {
 _JOIN: Mapping[str, Callable[[Span, Span], Span]] = {
     "+": lambda one, other: _span(one[0] + other[0], one[1] + other[1]),
     "-": _minus,
+    ">": _minus,
+    ">=": _minus,
+    "<": lambda one, other: _minus(other, one),
+    "<=": lambda one, other: _minus(other, one),
     "*": _times,
     "/": _over,
     "and": lambda one, other: (min(one[0], other[0]), min(one[1], other[1])),

@@ -19,10 +19,7 @@ if TYPE_CHECKING:
 
 
 TRACK: Mapping[str, Callable[[Sequence[float]], float]] = {
-    "elapsed_s": lambda values: values[-1],
-    "x_m": lambda values: values[-1],
-    "y_m": lambda values: values[-1],
-    "z_m": lambda values: values[-1],
+    **dict.fromkeys(("elapsed_s", "x_m", "y_m", "z_m"), lambda values: values[-1]),
     "speed_mps": max,
     "clearance_m": min,
     "person_sight_m": min,
@@ -46,12 +43,9 @@ def pack_track(signals: Signals) -> bytes:
     length = len(columns[0])
     kept = sorted({*range(0, length, TRACK_EVERY), length - 1})
     spans = list(zip([-1, *kept], kept, strict=False))
-    rows = (stands(column[last + 1 : now + 1]) for last, now in spans for column, stands in _pairs(columns))
+    pairs = list(zip(columns, TRACK.values(), strict=True))
+    rows = (stands(column[last + 1 : now + 1]) for last, now in spans for column, stands in pairs)
     return zlib.compress(array("f", rows).tobytes(), 6)
-
-
-def _pairs(columns: list[list[float]]) -> list[tuple[list[float], Callable[[Sequence[float]], float]]]:
-    return list(zip(columns, TRACK.values(), strict=True))
 
 
 def unpack_track(track: bytes) -> list[tuple[float, ...]]:
@@ -211,8 +205,10 @@ def outcome_of(
     for requirement in requirements:
         judgement = judge_signals(requirement, signals, cut_short=log.ending.cut_short)
         readings.append(judgement.reading)
-        if judgement.sample is not None:
-            violations.append(_violation(requirement, signals, judgement.sample, log.struck))
+        if (at := judgement.sample) is not None:
+            t_s, x, y, z = (float(signals[name][at]) for name in ("elapsed_s", "x_m", "y_m", "z_m"))
+            struck = log.struck if float(signals["clearance_m"][at]) <= 0 else ""
+            violations.append(Violation(requirement.name, requirement.kind, t_s, x, y, z, struck))
     counts = list(log.counts.values())
     first = [count.first_altered_s for count in counts if count.first_altered_s is not None]
     return Outcome(
@@ -233,9 +229,3 @@ def outcome_of(
         realised=realisation.of(situation, signals) if realisation else (),
         track=pack_track(signals),
     )
-
-
-def _violation(requirement: Requirement, signals: Signals, sample: int, struck: str) -> Violation:
-    t_s, x, y, z = (float(signals[name][sample]) for name in ("elapsed_s", "x_m", "y_m", "z_m"))
-    in_contact = float(signals["clearance_m"][sample]) <= 0
-    return Violation(requirement.name, requirement.kind, t_s, x, y, z, struck if in_contact else "")

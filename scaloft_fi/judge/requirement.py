@@ -7,7 +7,7 @@ formula may refer to the future: an obligation that is pending when a flight is 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import Faults, InputError
 from scaloft_fi.judge.stl import FUTURE, LONGEST, WORDS, Formula, FormulaError, Signals, inside_always, tokenize
-from scaloft_fi.marks import Choices, Examples, Reads, Size
+from scaloft_fi.marks import Called, Choices, Examples, Given, Key, Reads, Size
 from scaloft_fi.model import Schema, read, schema
 
 if TYPE_CHECKING:
@@ -73,25 +73,27 @@ class Compliance(StrEnum):
 
 @dataclass(frozen=True)
 class Requirement:
-    """A requirement of the study.
+    """A requirement, judged from the log of every flight.
 
     Attributes:
         name: such as `SR1`.
-        kind: meaning of a violation.
-        text: the formula, `always( ... )`.
-        trigger: condition under which the requirement applies; empty = always.
+        kind: what a violation means.
+        text: always( ... ), inside it a formula over the present and the past: historically, once, since, not, and,
+            or, implies, iff, comparisons, + - * /; `scaloft-fi signals` lists the signals.
+        trigger: condition under which it applies; a flight without it is vacuous.
         definitions: name and formula of each definition that the formula or the trigger uses, in order.
         unit: unit of the robustness.
-        title, source: title and source for the reader.
+        title: the requirement in a sentence.
+        source: where the requirement comes from.
     """
 
-    name: str
-    kind: Kind
-    text: str
-    trigger: str = ""
-    definitions: tuple[tuple[str, str], ...] = ()
-    unit: str = ""
-    title: str = ""
+    name: Key
+    kind: Annotated[Kind, Choices(KINDS)]
+    text: Annotated[str, Called("formula"), Examples("always(clearance_m > 0)")]
+    trigger: Annotated[str, Examples("elapsed_s / 2 >= 1 and historically[0:2](near)")] = ""
+    definitions: Annotated[tuple[tuple[str, str], ...], Given(lambda _item: ())] = ()
+    unit: Annotated[str, Examples("m")] = ""
+    title: Annotated[str, Examples("The drone touches nothing.")] = ""
     source: str = ""
 
 
@@ -185,26 +187,7 @@ Check = Callable[[str, Collection[str]], Formula]
 """`Formula.parse`, or an extension of it."""
 
 
-@dataclass(frozen=True)
-class RequirementModel:
-    """A requirement, judged from the log of every flight.
-
-    Attributes:
-        formula: always( ... ), inside it a formula over the present and the past: historically, once, since, not, and,
-            or, implies, iff, comparisons, + - * /; `scaloft-fi signals` lists the signals.
-        kind: what a violation means.
-        trigger: condition under which it applies; a flight without it is vacuous.
-        unit: unit of the robustness.
-        title: the requirement in a sentence.
-        source: where the requirement comes from.
-    """
-
-    formula: Annotated[str, Examples("always(clearance_m > 0)")]
-    kind: Annotated[Kind, Choices(KINDS)]
-    trigger: Annotated[str, Examples("elapsed_s / 2 >= 1 and historically[0:2](near)")] = ""
-    unit: Annotated[str, Examples("m")] = ""
-    title: Annotated[str, Examples("The drone touches nothing.")] = ""
-    source: str = ""
+_DEFINITION = {"type": "string", "minLength": 1, "maxLength": LONGEST, "examples": ["person_sight_m / 3 <= 1"]}
 
 
 @dataclass(frozen=True)
@@ -218,7 +201,7 @@ class RequirementsModel:
 
     requirements: Annotated[Mapping[str, Annotated[Item, Reads(lambda item: item, _requirement_schema)]], Size(0, MOST)]
     definitions: Annotated[
-        Mapping[str, Annotated[Item, Reads(lambda item: item, _definition_schema)]], Size(0, MOST)
+        Mapping[str, Annotated[Item, Reads(lambda item: item, lambda _: _DEFINITION)]], Size(0, MOST)
     ] = field(default_factory=dict)
 
 
@@ -241,9 +224,9 @@ def load_requirements(path: Path, signals: Collection[str], check: Check = Formu
         with faults.collecting():
             texts[key] = read_definition(key, item, names, check)
         names.add(key)
-    for name, item in model.requirements.items():
+    for item in model.requirements.values():
         with faults.collecting():
-            requirements.append(read_requirement(name, item, texts, names, check))
+            requirements.append(read_requirement(item, texts, names, check))
     faults.end()
     if not any(requirement.kind is Kind.SAFETY for requirement in requirements):
         raise InputError(f"{document.need('requirements').place}: requirements must have at least one of kind safety")
@@ -251,13 +234,9 @@ def load_requirements(path: Path, signals: Collection[str], check: Check = Formu
 
 
 def _requirement_schema(_names: object) -> Schema:
-    made = schema(RequirementModel)
+    made = schema(Requirement)
     made["properties"]["formula"]["pattern"] = r"^\s*always\s*\("
     return made
-
-
-def _definition_schema(_names: object) -> Schema:
-    return {"type": "string", "minLength": 1, "maxLength": LONGEST, "examples": ["person_sight_m / 3 <= 1"]}
 
 
 def read_definition(name: str, item: Item, names: Collection[str], check: Check) -> str:
@@ -278,13 +257,10 @@ def read_definition(name: str, item: Item, names: Collection[str], check: Check)
     return item.text()
 
 
-def read_requirement(
-    name: str, item: Item, definitions: Mapping[str, str], names: Collection[str], check: Check
-) -> Requirement:
+def read_requirement(item: Item, definitions: Mapping[str, str], names: Collection[str], check: Check) -> Requirement:
     """Read one requirement.
 
     Args:
-        name: its name.
         item: its entry.
         definitions: formula of each definition.
         names: names of the signals and of the definitions.
@@ -295,7 +271,7 @@ def read_requirement(
     """
     faults, model = Faults(), None
     with faults.collecting():
-        model = read(RequirementModel, item)
+        model = read(Requirement, item)
     formula, trigger = item.get("formula"), item.get("trigger")
     body = None
     if trigger:
@@ -309,16 +285,7 @@ def read_requirement(
     faults.end()
     assert model is not None
     assert body is not None
-    return Requirement(
-        name=name,
-        kind=model.kind,
-        text=model.formula,
-        trigger=model.trigger,
-        definitions=_needed(definitions, [body, model.trigger]),
-        unit=model.unit,
-        title=model.title,
-        source=model.source,
-    )
+    return replace(model, definitions=_needed(definitions, [body, model.trigger]))
 
 
 def _inside(item: Item) -> str:

@@ -78,6 +78,9 @@ _PLAIN = {status: _ruling(status) for status in Status}
 """Rulings of flights without a violation, by status."""
 
 
+_NEVER = -math.inf, None
+
+
 class Baseline:
     """A valid baseline, prepared for the comparison with many flights.
 
@@ -114,38 +117,20 @@ class Baseline:
         An earlier violation of a requirement that the baseline violates too, on the same body, is not new: any change
         of the flight moves its time.  After the end of a baseline that was cut short no violation is new.
         """
-        limits = self._limits
-        new = [
-            violation
-            for violation in violations
-            if (limit := limits.get(violation.requirement))
-            and violation.t_s <= limit.last_s
-            and violation.struck != limit.struck
-        ]
-        if len(new) > 1:
-            new.sort(key=_time)
-        return new
+        new = []
+        for violation in violations:
+            last_s, struck = self._limits.get(violation.requirement, _NEVER)
+            if violation.t_s <= last_s and violation.struck != struck:
+                new.append(violation)
+        return sorted(new, key=attrgetter("t_s"))
 
 
-class _Limit(NamedTuple):
-    """Condition for a new violation of a requirement.
-
-    last_s: its time is at most this [s]; struck: it is not on this body; None = it may be on any body.
-    """
-
-    last_s: float
-    struck: str | None
-
-
-def _limit(reading: Reading, baseline: Outcome) -> _Limit:
-    """The condition that follows from the baseline's reading of a requirement."""
+def _limit(reading: Reading, baseline: Outcome) -> tuple[float, str | None]:
+    """Latest time of a new violation of a requirement [s], and the body it is not on (None = it may be on any)."""
     if reading.violated_at_s is not None:
         struck = next((v.struck for v in baseline.violations if v.requirement == reading.requirement), "")
-        return _Limit(math.nextafter(reading.violated_at_s, -math.inf), struck)
-    return _Limit(baseline.duration_s if reading.open else math.inf, None)
-
-
-_time = attrgetter("t_s")
+        return math.nextafter(reading.violated_at_s, -math.inf), struck
+    return baseline.duration_s if reading.open else math.inf, None
 
 
 def _requirements(violations: Sequence[Violation], kind: Kind) -> tuple[str, ...]:
@@ -156,6 +141,10 @@ def _requirements(violations: Sequence[Violation], kind: Kind) -> tuple[str, ...
 def counting(baseline: Outcome | None) -> Baseline | None:
     """The prepared baseline; None without a valid one."""
     return None if baseline is None or baseline.invalid else Baseline(baseline)
+
+
+def _counting(baselines: Iterable[Outcome]) -> Mapping[tuple[str, int], Baseline | None]:
+    return {(baseline.situation, baseline.seed): counting(baseline) for baseline in baselines}
 
 
 def rule(outcome: Outcome, baseline: Baseline | None) -> Ruling:
@@ -224,7 +213,7 @@ class Rulings:
 def rulings_of(outcomes: Iterable[Outcome]) -> Rulings:
     """The rulings of outcomes, which may be in any order."""
     baselines, flown = apart(outcomes)
-    counted = {(baseline.situation, baseline.seed): counting(baseline) for baseline in baselines}
+    counted = _counting(baselines)
     subjects = {outcome.subject.id: outcome.subject for outcome in flown}
     flights = defaultdict[tuple[str, str], list[Ruled]](list)
     digests = defaultdict[str, list[str]](list)
@@ -283,7 +272,7 @@ def flight_of(outcome: Outcome, baseline: Outcome | None) -> JudgedFlight:
 def flights_of(outcomes: Iterable[Outcome]) -> list[JudgedFlight]:
     """Compare every flight of a mutant (PLACEBO included) with its baseline, in the given order."""
     baselines, flown = apart(outcomes)
-    known = {(baseline.situation, baseline.seed): counting(baseline) for baseline in baselines}
+    known = _counting(baselines)
     return [_beside(outcome, known.get((outcome.situation, outcome.seed))) for outcome in flown]
 
 
@@ -299,11 +288,9 @@ def baselines_of(outcomes: Iterable[Outcome]) -> dict[tuple[str, int], Outcome]:
 
 def apart(outcomes: Iterable[Outcome]) -> tuple[list[Outcome], list[Outcome]]:
     """Split outcomes into baselines and flights of mutants (PLACEBO included), each in the given order."""
-    clean: list[Outcome] = []
-    flown: list[Outcome] = []
-    for outcome in outcomes:
-        (clean if outcome.subject.id == BASELINE else flown).append(outcome)
-    return clean, flown
+    listed = list(outcomes)
+    clean = [outcome for outcome in listed if outcome.subject.id == BASELINE]
+    return clean, [outcome for outcome in listed if outcome.subject.id != BASELINE]
 
 
 APART_M = 0.001

@@ -10,18 +10,7 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.judge.stl.tree import (
-    Arithmetic,
-    Comparison,
-    Function,
-    Hold,
-    Interval,
-    Logic,
-    Node,
-    Number,
-    Signal,
-    Window,
-)
+from scaloft_fi.judge.stl import EXTREMES, Infix, Interval, Node, Number, Prefix, Signal
 
 if sys.version_info >= (3, 13):
     pytest.importorskip("rtamt", reason="RTAMT does not install on Python 3.13")
@@ -80,15 +69,10 @@ def _ours(node: Any) -> Node:
     if kind == "Constant":
         return Number(node.val)
     if kind in ("Neg", "Abs", "Sqrt"):
-        return Function(_WORDS[kind], _ours(node.children[0]))  # type: ignore[arg-type]
-    word: Any = kind.removeprefix("Timed").lower()
+        return Prefix(_WORDS[kind], _ours(node.children[0]))
+    word = kind.removeprefix("Timed").lower()
     interval = Interval(int(node.begin * 20), int(node.end * 20)) if kind.startswith("Timed") else None
-    if word in ("historically", "once", "always", "eventually"):
-        return Window(word, _ours(node.children[0]), interval)
-    left, right = map(_ours, node.children[:2])
-    if word in ("since", "until"):
-        return Hold(word, left, right, interval)
-    if kind == "Predicate":
-        return Comparison(str(node.operator), left, right)  # type: ignore[arg-type]
-    joined: Any = _WORDS[kind]
-    return (Arithmetic if joined in "+-*/" else Logic)(joined, left, right)
+    if word in EXTREMES:
+        return Prefix(word, _ours(node.children[0]), interval)
+    operator = word if word in ("since", "until") else str(node.operator) if kind == "Predicate" else _WORDS[kind]
+    return Infix(operator, *map(_ours, node.children[:2]), interval)

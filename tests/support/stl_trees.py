@@ -5,25 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
-from typing import get_args
 
 from hypothesis import strategies as st
 
-from scaloft_fi.judge.stl.tree import (
-    Arithmetic,
-    Comparator,
-    Comparison,
-    Extreme,
-    Function,
-    Hold,
-    Interval,
-    Logic,
-    Node,
-    Number,
-    Sign,
-    Signal,
-    Window,
-)
+from scaloft_fi.judge.stl import COMPARATORS, EXTREMES, Infix, Interval, Node, Number, Prefix, Signal
 
 NAMES = ("a", "b", "c")
 Column = list[float]
@@ -36,12 +21,13 @@ leaves = st.one_of(st.sampled_from(NAMES).map(Signal), st.sampled_from(NAMES).ma
 def _grown(inner: st.SearchStrategy[Node]) -> st.SearchStrategy[Node]:
     optional = st.one_of(st.none(), intervals)
     return st.one_of(
-        st.builds(Function, st.sampled_from(["abs", "sqrt", "not", "not", "not"]), inner),
-        st.builds(Arithmetic, st.sampled_from(get_args(Sign)), inner, inner),
-        st.builds(Comparison, st.sampled_from(get_args(Comparator)), inner, inner),
-        st.builds(Logic, st.sampled_from(["and", "or", "implies", "iff"]), inner, inner),
-        st.builds(Window, st.sampled_from(get_args(Extreme)), inner, optional),
-        st.builds(Hold, st.sampled_from(["since", "until"]), inner, inner, optional),
+        st.builds(Prefix, st.sampled_from(["abs", "sqrt", "not", "not", "not"]), inner),
+        st.builds(Prefix, st.sampled_from(EXTREMES), inner, optional),
+        *(
+            st.builds(Infix, st.sampled_from(words), inner, inner)
+            for words in (tuple("+-*/"), COMPARATORS, ("and", "or", "implies", "iff"))
+        ),
+        st.builds(Infix, st.sampled_from(["since", "until"]), inner, inner, optional),
     )
 
 
@@ -57,36 +43,36 @@ _values = st.one_of(
 
 ZEROS = {"a": [0.0, -0.0, 1.0, 0.0], "b": [-0.0, 0.0, -0.0, 0.0], "c": [-0.0, -0.0, 0.0, 2.0]}
 _A, _B, _C = map(Signal, NAMES)
-_NONE = Arithmetic("-", Window("once", _A, Interval(1, 2)), Window("once", _B, Interval(1, 2)))
+_NONE = Infix("-", Prefix("once", _A, Interval(1, 2)), Prefix("once", _B, Interval(1, 2)))
 """No number at the first sample, nor the next at the last: infinity less infinity."""
-_NONE_LAST = Arithmetic(
+_NONE_LAST = Infix(
     "-",
-    Window("eventually", Logic("and", _A, _B), Interval(1, 2)),
-    Window("eventually", Logic("and", _A, _B), Interval(1, 2)),
+    Prefix("eventually", Infix("and", _A, _B), Interval(1, 2)),
+    Prefix("eventually", Infix("and", _A, _B), Interval(1, 2)),
 )
 EDGES: Mapping[str, Node] = {
-    "equal zeros in a window of the past": Window("once", Logic("and", _A, _B), Interval(0, 2)),
-    "equal zeros in a window of the future": Window("always", Logic("or", _B, _A), Interval(0, 2)),
-    "equal zeros in all the past": Window("historically", _B),
-    "equal zeros in all the future": Window("eventually", _C),
-    "equal zeros since": Hold("since", _A, _B, Interval(0, 3)),
-    "equal zeros held": Hold("since", Logic("and", _B, _C), Number(3.0), Interval(0, 3)),
-    "equal zeros until": Hold("until", _B, _C, Interval(1, 2)),
-    "equal zeros implied": Logic("implies", _A, _B),
-    "no number in a window": Window("historically", _NONE, Interval(0, 2)),
-    "no number in all the past": Window("once", _NONE),
-    "no number in all the future": Window("always", _NONE),
-    "no number held": Hold("since", _NONE, _B, Interval(0, 2)),
-    "no number held to the last": Hold("since", _NONE_LAST, _C, Interval(0, 2)),
-    "no number until": Hold("until", _A, _NONE),
-    "no number since": Hold("since", _A, _NONE, Interval(0, 2)),
-    "a window before the flight": Window("historically", _A, Interval(4, 9)),
-    "a window after the flight": Window("eventually", Logic("and", _A, _B), Interval(4, 9)),
-    "a window longer than the flight": Window("once", _A, Interval(1, 9)),
-    "since longer than the flight": Hold("since", _A, _B, Interval(1, 9)),
-    "division by zero": Arithmetic("/", _A, _B),
-    "root of a negative number": Function("sqrt", Arithmetic("-", _B, Number(1.0))),
-    "overflow": Arithmetic("*", Number(1e300), Arithmetic("*", Number(1e300), _A)),
+    "equal zeros in a window of the past": Prefix("once", Infix("and", _A, _B), Interval(0, 2)),
+    "equal zeros in a window of the future": Prefix("always", Infix("or", _B, _A), Interval(0, 2)),
+    "equal zeros in all the past": Prefix("historically", _B),
+    "equal zeros in all the future": Prefix("eventually", _C),
+    "equal zeros since": Infix("since", _A, _B, Interval(0, 3)),
+    "equal zeros held": Infix("since", Infix("and", _B, _C), Number(3.0), Interval(0, 3)),
+    "equal zeros until": Infix("until", _B, _C, Interval(1, 2)),
+    "equal zeros implied": Infix("implies", _A, _B),
+    "no number in a window": Prefix("historically", _NONE, Interval(0, 2)),
+    "no number in all the past": Prefix("once", _NONE),
+    "no number in all the future": Prefix("always", _NONE),
+    "no number held": Infix("since", _NONE, _B, Interval(0, 2)),
+    "no number held to the last": Infix("since", _NONE_LAST, _C, Interval(0, 2)),
+    "no number until": Infix("until", _A, _NONE),
+    "no number since": Infix("since", _A, _NONE, Interval(0, 2)),
+    "a window before the flight": Prefix("historically", _A, Interval(4, 9)),
+    "a window after the flight": Prefix("eventually", Infix("and", _A, _B), Interval(4, 9)),
+    "a window longer than the flight": Prefix("once", _A, Interval(1, 9)),
+    "since longer than the flight": Infix("since", _A, _B, Interval(1, 9)),
+    "division by zero": Infix("/", _A, _B),
+    "root of a negative number": Prefix("sqrt", Infix("-", _B, Number(1.0))),
+    "overflow": Infix("*", Number(1e300), Infix("*", Number(1e300), _A)),
 }
 """Trees whose robustness over `ZEROS` asks which of two equal numbers, or of none, stands."""
 
@@ -100,21 +86,17 @@ def traces(least: int) -> st.SearchStrategy[dict[str, Column]]:
     )
 
 
-def written(node: Node) -> str:
+def bracketed(node: Node) -> str:
     """The text of a tree, every part in brackets."""
     match node:
         case Signal(name):
             return name
         case Number(value):
             return repr(value)
-        case Function(word, of):
-            return f"{word} ({written(of)})"
-        case Window(word, of, interval):
-            return f"{word}{_interval(interval)} ({written(of)})"
-        case Hold(hold, left, right, interval):
-            return f"({written(left)}) {hold}{_interval(interval)} ({written(right)})"
-        case Arithmetic(sign, left, right) | Comparison(sign, left, right) | Logic(sign, left, right):
-            return f"({written(left)}) {sign} ({written(right)})"
+        case Prefix(word, of, interval):
+            return f"{word}{_interval(interval)} ({bracketed(of)})"
+        case Infix(operator, left, right, interval):
+            return f"({bracketed(left)}) {operator}{_interval(interval)} ({bracketed(right)})"
 
 
 def _interval(interval: Interval | None) -> str:
@@ -134,19 +116,14 @@ def defined(node: Node, signals: Mapping[str, Column]) -> Column:
             return signals[name]
         case Number(value):
             return [value] * length
-        case Function(word, of):
-            return [_ONE[word](value) for value in defined(of, signals)]
-        case Window(word, of, interval):
-            return _extremes(word, defined(of, signals), interval)
+        case Prefix(word, of, interval):
+            values = defined(of, signals)
+            return _extremes(word, values, interval) if word in EXTREMES else [_ONE[word](value) for value in values]
     left, right = defined(node.left, signals), defined(node.right, signals)
-    match node:
-        case Hold("since", interval=interval):
-            return _since(left, right, interval)
-        case Hold("until", interval=interval):
-            return _since(left[::-1], right[::-1], interval)[::-1]
-        case Arithmetic(sign) | Comparison(sign) | Logic(sign):
-            return [_TWO[sign](one, other) for one, other in zip(left, right, strict=True)]
-    raise AssertionError(node)
+    if node.operator in ("since", "until"):
+        way = 1 if node.operator == "since" else -1
+        return _since(left[::way], right[::way], node.interval)[::way]
+    return [_TWO[node.operator](one, other) for one, other in zip(left, right, strict=True)]
 
 
 _ONE: Mapping[str, Callable[[float], float]] = {"abs": abs, "sqrt": math.sqrt, "not": lambda value: -value}

@@ -1,15 +1,26 @@
+"""Formulas mean what RTAMT, the field's library, makes of them."""
+
 from __future__ import annotations
 
+import pytest
 from effort import usually
-from hypothesis import event, example, given, settings
+from hypothesis import assume, event, example, given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.judge.stl import FormulaError, tokenize
-from scaloft_fi.judge.stl.binding import BINDING
-from scaloft_fi.judge.stl.parse import parse
-from scaloft_fi.judge.stl.tree import Node
-from tests.support.rtamt_oracle import rtamt_tree
-from tests.support.stl_trees import NAMES, trees, written
+from scaloft_fi.judge.stl import (
+    BINDING,
+    LARGEST,
+    FormulaError,
+    Node,
+    Prefix,
+    Signal,
+    parse,
+    parts,
+    robustness,
+    tokenize,
+)
+from tests.support.rtamt_oracle import rtamt_robustness, rtamt_tree
+from tests.support.stl_trees import EDGES, NAMES, ZEROS, Column, bracketed, traces, trees
 
 INTERVALS = ["", "", "[0:0.1]", "[.05:2.]"]
 joins = st.builds(
@@ -87,5 +98,36 @@ def test_any_words_have_the_tree_of_rtamt_or_are_refused_by_both(text: str) -> N
 @settings(deadline=None, max_examples=usually(25, release=150))
 @given(trees)
 def test_a_text_in_brackets_has_the_tree_it_was_written_from(tree: Node) -> None:
-    text = written(tree)
+    text = bracketed(tree)
     assert repr(ours(text)) == repr(tree) == repr(theirs(text))
+
+
+def overwrites(node: Node) -> bool:
+    """Whether RTAMT appends to the samples of a signal, which it then reads elsewhere in the formula."""
+    if isinstance(node, Prefix) and isinstance(node.of, Signal):
+        return node.word in ("always", "eventually") and node.interval is not None
+    return any(map(overwrites, parts(node)))
+
+
+def agrees(tree: Node, signals: dict[str, Column]) -> None:
+    text = bracketed(tree)
+    try:
+        expected = rtamt_robustness(text, {name: list(column) for name, column in signals.items()})
+    except (ZeroDivisionError, ValueError) as error:
+        with pytest.raises(type(error)):
+            robustness(tree, signals, LARGEST)
+    else:
+        bounded = [min(LARGEST, max(-LARGEST, value)) for value in expected]
+        assert list(map(repr, robustness(tree, signals, LARGEST))) == list(map(repr, bounded))
+
+
+@settings(deadline=None, max_examples=usually(25, release=200))
+@given(trees, traces(2))
+def test_robustness_is_to_the_bit_that_of_rtamt(tree: Node, signals: dict[str, Column]) -> None:
+    assume(not overwrites(tree))
+    agrees(tree, signals)
+
+
+@pytest.mark.parametrize("edge", EDGES)
+def test_an_edge_is_to_the_bit_that_of_rtamt(edge: str) -> None:
+    agrees(EDGES[edge], ZEROS)

@@ -1,0 +1,303 @@
+"""Formulas: their text, their tree, their robustness."""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+
+import numpy as np
+import pytest
+from effort import usually
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scaloft_fi.judge.stl import (
+    LARGEST,
+    SAMPLE_MS,
+    Formula,
+    FormulaError,
+    Infix,
+    Interval,
+    Node,
+    Number,
+    Prefix,
+    Signal,
+    inside_always,
+    parse,
+    robustness,
+    tokenize,
+    written,
+)
+from tests.support.stl_trees import EDGES, ZEROS, Column, bracketed, defined, traces, trees
+
+SIGNALS = ("a", "b", "speed_mps", "person_sight_m")
+
+
+def rho(text: str, **signals: list[float]) -> list[float]:
+    return Formula.parse(text, signals).robustness(signals)
+
+
+@pytest.mark.parametrize(
+    ("text", "signals", "robustness"),
+    [
+        ("a > 2", {"a": [5, 2, 1.5]}, [3, 0, -0.5]),
+        ("a <= 2", {"a": [5, 2, 1.5]}, [-3, 0, 0.5]),
+        # 0.1 s are two sample periods: the window holds three samples
+        ("historically[0:0.1](a > 0)", {"a": [3, 1, 2, 5, 4, 6]}, [3, 1, 1, 1, 2, 4]),
+        ("once[0:0.05](a > 0)", {"a": [3, 1, 2, 5, 4]}, [3, 3, 2, 5, 5]),
+        ("a > 0 implies b > 0", {"a": [2, -1, 3], "b": [-1, -5, 4]}, [-1, 1, 4]),
+        ("always(a > 0)", {"a": [3, -1, 2, 1]}, [-1, -1, 1, 1]),
+        ("eventually(a < -1)", {"a": [0, -3, 2, 1]}, [2, 2, -2, -2]),
+        # a window before the flight is a number that JSON can hold
+        ("historically[1:2](a > 0)", {"a": [1, 2, 3]}, [LARGEST] * 3),
+        ("once[1:2](a > 0)", {"a": [1, 2, 3]}, [-LARGEST] * 3),
+        ("always(a > 0)", {"a": [7]}, [7]),
+        ("a/2<=1", {"a": [4, 1]}, [-1, 0.5]),
+    ],
+)
+def test_a_formula_has_the_robustness_of_its_definition(
+    text: str, signals: dict[str, list[float]], robustness: list[float]
+) -> None:
+    assert rho(text, **signals) == robustness
+
+
+def test_arrays_and_lists_say_the_same() -> None:
+    formula = Formula.parse("a / 3 <= 1 and b > 0", SIGNALS)
+    assert formula.robustness({"a": np.array([3.0, 1.5]), "b": np.array([1.0, 2.0])}) == [0, 0.5]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("sped_mps > 0", "unknown signal 'sped_mps'; did you mean 'speed_mps'"),
+        ("a == 1", "has '== 1'"),
+        ("a > 0 & b > 0", "has '& b > 0'"),
+        ("historically[a:1](a > 0)", "must be of two times"),
+        ("historically[0,1](a > 0)", "has ',1](a > 0)'"),
+        ("alwys(a > 0)", "did you mean 'always'"),
+        ("1 > 0", "reads no signal"),
+        ("", "reads no signal"),
+        ("__import__ > 0", "unknown signal"),
+    ],
+)
+def test_a_text_that_is_no_formula_is_refused_with_the_reason(text: str, said: str) -> None:
+    with pytest.raises(FormulaError) as caught:
+        Formula.parse(text, SIGNALS)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_a_sample_that_is_no_number_is_no_evidence(value: float) -> None:
+    with pytest.raises(ValueError, match=r"signal a is (nan|inf) at sample 1"):
+        rho("a > 0", a=[1, value])
+
+
+def test_signals_of_different_length_are_refused() -> None:
+    with pytest.raises(ValueError, match="differ in length"):
+        rho("a > b", a=[1, 2], b=[1])
+
+
+def test_parsing_and_evaluating_say_nothing(
+    capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    with caplog.at_level(logging.DEBUG):
+        rho("historically[0:1](a + b > 3) implies b > 1.25", a=[1, 2], b=[1, 2])
+        with pytest.raises(FormulaError):
+            Formula.parse("a > > 3", SIGNALS)
+    assert capfd.readouterr() == ("", "")
+    assert caplog.records == []
+    logging.getLogger("someone.else").warning("still heard")
+    assert [record.message for record in caplog.records] == ["still heard"]
+
+
+def test_only_brackets_around_everything_are_the_inside_of_always() -> None:
+    assert inside_always("always((a > 0) or (b > 0))") == "( a > 0 ) or ( b > 0 )"
+    assert inside_always("always(a > 0) or always(b > 0)") is None
+    assert inside_always("a > 0") is None
+    assert inside_always("always[0:2](a > 0)") is None
+
+
+@given(
+    st.lists(st.sampled_from(["a", "speed_mps", "2", "0.25", "<=", "->", "(", ")", "historically", "/"]), max_size=12)
+)
+def test_tokens_joined_by_spaces_are_the_same_tokens(tokens: list[str]) -> None:
+    assert tokenize(" ".join(tokens)) == tokens
+
+
+def test_the_sampling_period_is_that_of_the_flight_log() -> None:
+    assert SAMPLE_MS == 1000 / 20
+
+
+A, B, C = map(Signal, "abc")
+
+
+def test_a_formula_is_a_tree() -> None:
+    assert parse(tokenize("historically[0:2](a > -1) implies not b <= c")) == Infix(
+        "implies",
+        Prefix("historically", Infix(">", A, Number(-1.0)), Interval(0, 40)),
+        Prefix("not", Infix("<=", B, C)),
+    )
+
+
+@settings(deadline=None)
+@given(trees)
+def test_a_text_in_brackets_has_the_tree_it_was_written_from(tree: Node) -> None:
+    assert repr(parse(tokenize(bracketed(tree)))) == repr(tree)
+
+
+@pytest.mark.parametrize(
+    ("loose", "brackets"),
+    [
+        ("a + b * c > 1", "(a + (b * c)) > 1"),
+        ("a * b / c > 1", "((a * b) / c) > 1"),
+        ("a + b - c > 1", "((a + b) - c) > 1"),
+        ("a - b - c > 1", "((a - b) - c) > 1"),
+        ("not a > 1 and b or c", "((not (a > 1)) and b) or c"),
+        ("not a until b", "(not a) until b"),
+        ("once a > 1 since b", "(once (a > 1)) since b"),
+        ("a since b until c", "a since (b until c)"),
+        ("a and b since c", "a and (b since c)"),
+        ("a or b and c implies a iff b", "((a or (b and c)) implies a) iff b"),
+        ("a -> b", "a implies b"),
+        ("a iff b iff c", "(a iff b) iff c"),
+        ("a + not b > c", "a + (not (b > c))"),
+    ],
+)
+def test_operators_bind_in_their_order(loose: str, brackets: str) -> None:
+    assert parse(tokenize(loose)) == parse(tokenize(brackets))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("a - b + c > 1", "needs brackets at '+' after 'a - b': a - b + c is read as a - (b + c)"),
+        ("a - b * c + a > 1", "needs brackets at '+' after '... - b * c'"),
+        ("a / b * c > 1", "needs brackets at '*' after 'a / b': a / b * c is read as a / (b * c)"),
+        ("0 < a <= 1", "needs brackets at '<=' after '0 < a': a < b < c compares the robustness of a < b with c; for"),
+        ("a implies b -> c", "needs brackets at '->' after 'a implies b'"),
+        ("a >", "is not a formula: it ends after 'a >', where is allowed: a signal, a number, '(', abs, sqrt, not,"),
+        ("a > > 3", "is not a formula: it has '>' after 'a >', where is allowed: a signal"),
+        ("a > 0 b > 1", "is not a formula: it has 'b' after 'a > 0', where is allowed: *, /, +, -, <, <="),
+        ("(a > 0 b)", "is not a formula: it has 'b' after '( a > 0', where"),
+        ("a b", "it has 'b' after 'a'"),
+        ("and a", "it has 'and' at the beginning"),
+        ("abs a > 1", "it has 'a' after 'abs', where is allowed: '('"),
+        ("-a > 1", "it has 'a' after '-', where is allowed: a number; the negative of a signal is 0 - signal"),
+        ("a > --1", "it has '-' after 'a > -'"),
+        ("(a > 0", "has brackets that do not match: '(' at the beginning is not closed"),
+        ("a > 0) and (b > 0", "has brackets that do not match: ')' after 'a > 0' closes none"),
+        ("a[0:1] > 0", "has an interval after 'a'; an interval must be of two times in seconds, after historically,"),
+        ("a and[0:1] b", "it has '[' after 'a and'"),
+        ("once[0:1][0:1] a", "it has '[' after '... 0 : 1 ]'"),
+        ("once[0 a", "has an interval after 'once' that must be of two times in seconds"),
+        ("once[0:1e1] a", "has an interval after 'once' that must be of two times in seconds"),
+        ("once[0:0.0500000000000000000001] a", "must be of two times that are multiples of 0.05 s"),
+        ("once[0:600.05] a", "has once[0:600.05], which must end within 600 s; without times it has no end"),
+        ("a since[2:1] b", "has since[2:1], which must not end before it begins"),
+        ("a > 1e999", "has the number 1e999 after 'a >', which must be at most 1e308"),
+    ],
+)
+def test_what_is_no_formula_is_told_with_its_place_and_what_is_allowed(text: str, said: str) -> None:
+    with pytest.raises(FormulaError) as caught:
+        parse(tokenize(text))
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "not " * 499 + "a",
+        "a" + "+a" * 900,
+        "a" + " and a" * 333,
+        "once[0:1]" * 220 + "a",
+        "a" + "-(a" * 19 + "+a" * 400 + ")" * 19,
+    ],
+)
+def test_operators_too_deep_inside_one_another_are_refused_at_once(text: str) -> None:
+    start = time.process_time()
+    with pytest.raises(FormulaError, match="more than 200 operators inside one another"):
+        parse(tokenize(text))
+    assert time.process_time() - start < 1
+
+
+@pytest.mark.parametrize("text", ["not " * 199 + "a", "a" + "+a" * 200, "(" * 20 + "not " * 170 + "a" + ")" * 20])
+def test_what_is_nested_as_deep_as_allowed_is_evaluated(text: str) -> None:
+    assert len(Formula.parse(text, "a").robustness({"a": [1.0, 2.0]})) == 2
+
+
+@settings(deadline=None)
+@given(trees)
+def test_the_text_of_a_tree_is_read_as_the_same_tree(tree: Node) -> None:
+    assert repr(parse(tokenize(written(tree)))) == repr(tree)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a / 2 < 30",
+        "a - (b + c) > 0.123456789",
+        "(a - b) + c > -3",
+        "(a / b) * c > 1",
+        "(a < b) < c",
+        "(a implies b) implies c",
+        "a implies (b implies c)",
+        "not (a > 0) and once[0:2](b > 0) since[0.05:600] c",
+        "a + (not (b > 0))",
+        "abs(a) * sqrt(b) > 1",
+    ],
+)
+def test_it_has_the_brackets_that_it_needs(text: str) -> None:
+    assert written(parse(tokenize(text))) == text
+
+
+def agrees(tree: Node, signals: dict[str, Column]) -> None:
+    try:
+        expected = [min(LARGEST, max(-LARGEST, value)) for value in defined(tree, signals)]
+    except (ZeroDivisionError, ValueError) as error:
+        with pytest.raises(type(error)):
+            robustness(tree, signals, LARGEST)
+    else:
+        assert list(map(repr, robustness(tree, signals, LARGEST))) == list(map(repr, expected))
+
+
+@settings(deadline=None, max_examples=usually(25, release=300))
+@given(trees, traces(1))
+def test_robustness_is_to_the_bit_that_of_the_definition(tree: Node, signals: dict[str, Column]) -> None:
+    agrees(tree, signals)
+
+
+@pytest.mark.parametrize("edge", EDGES)
+def test_an_edge_is_to_the_bit_that_of_the_definition(edge: str) -> None:
+    agrees(EDGES[edge], ZEROS)
+
+
+@pytest.mark.parametrize(
+    ("text", "error", "said"),
+    [
+        ("1 / a > 0", ZeroDivisionError, "division by 0 at sample 1"),
+        ("sqrt(a - 1) > 0", ValueError, "sqrt of -1 at sample 1"),
+    ],
+)
+def test_what_arithmetic_does_not_know_is_told_with_its_sample(text: str, error: type[Exception], said: str) -> None:
+    with pytest.raises(error, match=said):
+        Formula.parse(text, "a").robustness({"a": [1, 0, -1]})
+
+
+def test_no_sample_is_no_evidence() -> None:
+    with pytest.raises(ValueError, match="have no sample"):
+        Formula.parse("a > 0", "a").robustness({"a": []})
+
+
+def test_the_samples_of_a_signal_stay_as_they_are() -> None:
+    signals = {"a": [1.0, -1.0, 2.0]}
+    Formula.parse("always[0:1] a and eventually[0:1] a and (a since[0:1] a)", "a").robustness(signals)
+    assert signals == {"a": [1.0, -1.0, 2.0]}
+
+
+@pytest.mark.parametrize("formula", ["historically[0:600](a > 0)", "eventually[1:600](a > 0)", "a since[0:600] a"])
+def test_the_longest_interval_over_a_long_flight_is_evaluated_at_once(formula: str) -> None:
+    samples = [float(place % 7) for place in range(6_000)]
+    start = time.process_time()
+    Formula.parse(formula, "a").robustness({"a": samples})
+    assert time.process_time() - start < 5
