@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -182,10 +183,6 @@ class Inbox:
     refused: str = ""
     fresh: bool = False
 
-    def begin_tick(self) -> None:
-        """What comes from now on answers this tick."""
-        self.fresh = False
-
     def refuse(self, reason: str) -> None:
         """Note why a message was refused, if it is the first one."""
         self.refused = self.refused or f"{self.topic.name}: {inert(reason)[:SAID]}"
@@ -195,6 +192,52 @@ class Inbox:
         arrival = Arrival(self.sample, self.count, self.refused)
         self.sample, self.count, self.refused = None, 0, ""
         return arrival
+
+
+@dataclass(eq=False)
+class TopicsBorder:
+    """What borders share that hear messages when they are asked to: a box for each inward topic.
+
+    Attributes:
+        topics: the topics.
+        folder: empty, private to the flight.
+        clock_s: the time that was told last [s].
+    """
+
+    topics: Sequence[Topic]
+    folder: Path
+    clock_s: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
+        self._outward = {topic.seam: topic for topic in self.topics if topic.outward}
+        self._inbox = {topic.seam: Inbox(topic) for topic in self.topics if not topic.outward}
+
+    def _hear(self, within_s: float) -> bool:
+        """Take what has come into the boxes; wait for it at most so long [s, wall].  Whether more can come."""
+        raise NotImplementedError
+
+    def _begin_tick(self, t_s: float) -> None:
+        """What comes from now on answers the tick of this time [s]."""
+        self.clock_s = t_s
+        for box in self._inbox.values():
+            box.fresh = False
+
+    def _check_stamp(self, name: str, stamp_s: float) -> None:
+        if stamp_s > self.clock_s + AHEAD_S:
+            raise MisfitError(f"{name} is later than the clock, {self.clock_s:g}")
+
+    def wait(self, seam: str, within_s: float) -> bool:
+        """Wait for a message; a refused one is none."""
+        box, due_s = self._inbox[seam], time.monotonic() + within_s
+        more = self._hear(0.0)
+        while more and not box.fresh and (left_s := due_s - time.monotonic()) > 0.0:
+            more = self._hear(left_s)
+        return box.fresh
+
+    def take(self, seam: str) -> Arrival:
+        """What came, the newest sample last."""
+        self._hear(0.0)
+        return self._inbox[seam].take()
 
 
 AXES = {"x": 0, "y": 1, "z": 2}
@@ -237,12 +280,15 @@ def given(plain: Any, fields: Mapping[str, str]) -> Any:
         value = plain
         for key in way:
             value = value[AXES[key]] if isinstance(value, list) else value[key]
-        *parents, last = theirs.split(".")
-        place = message
-        for parent in parents:
-            place = place.setdefault(parent, {})
-        place[last] = value if factor == 1.0 else value * factor
+        _put(message, theirs, value if factor == 1.0 else value * factor)
     return message
+
+
+def _put(message: dict[str, Any], path: str, value: Any) -> None:
+    *parents, last = path.split(".")
+    for parent in parents:
+        message = message.setdefault(parent, {})
+    message[last] = value
 
 
 def taken(message: Any, fields: Mapping[str, str]) -> Any:
@@ -267,19 +313,15 @@ def taken(message: Any, fields: Mapping[str, str]) -> Any:
         if factor != 1.0:
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise MisfitError(f"{theirs} must be a number")
-            value = _divided(theirs, value, factor)
+            try:
+                value = value / factor
+            except OverflowError:
+                raise MisfitError(f"{theirs} is too large") from None
         if way[-1] in AXES and len(way) == 2:
             plain.setdefault(way[0], [0.0, 0.0, 0.0])[AXES[way[-1]]] = value
         else:
             plain[way[0]] = value
     return plain
-
-
-def _divided(path: str, value: float, factor: float) -> float:
-    try:
-        return value / factor
-    except OverflowError:
-        raise MisfitError(f"{path} is too large") from None
 
 
 def picked(message: object, paths: Iterable[str]) -> Any:
@@ -294,13 +336,8 @@ def picked(message: object, paths: Iterable[str]) -> Any:
         value: Any = message
         for key in path.split("."):
             value = getattr(value, key, None)
-        if value is None:
-            continue
-        *parents, last = path.split(".")
-        place = plain
-        for parent in parents:
-            place = place.setdefault(parent, {})
-        place[last] = value
+        if value is not None:
+            _put(plain, path, value)
     return plain
 
 
@@ -363,20 +400,21 @@ def from_plain(message: type, value: Any, name: str = "data") -> Any:
     return message(**made)
 
 
+_PLAIN: Mapping[type, tuple[str, Callable[[Any], bool]]] = {
+    int: ("a whole number", lambda value: abs(value) <= 1 << 53),
+    bool: ("true or false", lambda _: True),
+    str: (f"a text of at most {LONGEST} characters", lambda value: len(value) <= LONGEST),
+}
+"""What plain values of a type must be, in words, and whether one is so."""
+
+
 def _value(hint: Any, value: Any, path: str) -> Any:
     if hint is float:
         return _number(value, path)
-    if hint is int:
-        if isinstance(value, bool) or not isinstance(value, int) or abs(value) > 1 << 53:
-            raise MisfitError(f"{path} must be a whole number")
-        return value
-    if hint is bool:
-        if not isinstance(value, bool):
-            raise MisfitError(f"{path} must be true or false")
-        return value
-    if hint is str:
-        if not isinstance(value, str) or len(value) > LONGEST:
-            raise MisfitError(f"{path} must be a text of at most {LONGEST} characters")
+    if hint in _PLAIN:
+        must, sound = _PLAIN[hint]
+        if type(value) is not hint or not sound(value):
+            raise MisfitError(f"{path} must be {must}")
         return value
     if hint == Point:
         return tuple(_numbers(value, path, 3))

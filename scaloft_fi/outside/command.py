@@ -206,12 +206,7 @@ class FlightCommand:
                 said = f"{name!r} is no seam of the stack {stack.name!r}, and has no message: PORT"
                 raise InputError(f"{self.place}: {said}{hint}")
         canaries = tuple(name for name in stack.canaries if name in seams)
-        return replace(
-            stack,
-            seams=tuple(seams.values()),
-            canaries=canaries,
-            deterministic=self.deterministic,
-        )
+        return replace(stack, seams=tuple(seams.values()), canaries=canaries, deterministic=self.deterministic)
 
     @property
     def relays(self) -> Mapping[str, Relay]:
@@ -292,9 +287,12 @@ class Relays:
         for name in dict.fromkeys([*(relay.border for relay in self.relays.values()), *clocks]):
             folder = self.folder / name
             folder.mkdir()
-            topics = [
-                topic for seam, relay in self.relays.items() if relay.border == name for topic in self._pair(seam)
-            ]
+            topics = []
+            for seam, relay in self.relays.items():
+                if relay.border == name:
+                    message, more = self.stack.by_name[seam].message, (relay.type, relay.frame, relay.qos, relay.fields)
+                    topics.append(Topic(seam + _RAW, relay.source, message, False, *more))
+                    topics.append(Topic(seam, relay.to, message, True, *more))
             if self.clock and self.clock.border == name:
                 topics.append(Topic(_CLOCK, self.clock.name, Tick, outward=False, type=self.clock.type))
             border = BORDERS[name](topics, folder)
@@ -303,20 +301,6 @@ class Relays:
             environment |= border.environment
         self._lines = {name: _Line(self.stack.by_name[name]) for name in self.relays}
         return environment
-
-    def _pair(self, seam: str) -> tuple[Topic, Topic]:
-        relay = self.relays[seam]
-        written = Topic(
-            seam=seam,
-            name=relay.to,
-            message=self.stack.by_name[seam].message,
-            outward=True,
-            type=relay.type,
-            frame=relay.frame,
-            qos=relay.qos,
-            fields=relay.fields,
-        )
-        return replace(written, seam=seam + _RAW, name=relay.source, outward=False), written
 
     def attend(self) -> None:
         """Carry what has come since the last call.
@@ -355,9 +339,13 @@ class Relays:
         if arrival.refused:
             raise BorderError(f"the relays cannot read the clock {name}: {arrival.refused}")
         if arrival.sample is not None:
-            if self._first_stamp_s is None:
-                self._first_stamp_s = float(arrival.sample.stamp_s)
-            self._clock_s = float(arrival.sample.stamp_s) - self._first_stamp_s
+            self._clock_s = self._since_first(arrival.sample.stamp_s)
+
+    def _since_first(self, stamp_s: float) -> float:
+        """The time of a stamp since the first one [s]."""
+        if self._first_stamp_s is None:
+            self._first_stamp_s = float(stamp_s)
+        return float(stamp_s) - self._first_stamp_s
 
     def _time(self, line: _Line, sample: object, now_s: float) -> float:
         """The time of a poll since the first message, or since the borders were opened [s]."""
@@ -365,11 +353,8 @@ class Relays:
             return self._clock_s
         stamp_s = getattr(sample, "stamp_s", None)
         if isinstance(stamp_s, int | float):
-            if self._first_stamp_s is None:
-                self._first_stamp_s = float(stamp_s)
-            return float(stamp_s) - self._first_stamp_s
-        since_s = line.polled_s or self._began_s
-        return line.t_s + now_s - since_s
+            return self._since_first(stamp_s)
+        return line.t_s + now_s - (line.polled_s or self._began_s)
 
     def close(self) -> None:
         """Close the borders; may be called twice."""

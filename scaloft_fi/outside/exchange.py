@@ -96,7 +96,16 @@ class Processes:
         """
         guard.prctl(guard.PR_SET_CHILD_SUBREAPER, 1)
         self._spared = frozenset(guard.descendants(os.getpid()))
-        order = {"commands": [self._order(command) for command in self._commands], "output": str(self._output)}
+        words = {"python": sys.executable, "study": str(self._study)}
+        commands = [
+            {
+                "run": filled.run,
+                "env": {**os.environ, **self._environment, **filled.env},
+                "folder": str(self._study / filled.folder),
+            }
+            for filled in (command.filled(words) for command in self._commands)
+        ]
+        order = {"commands": commands, "output": str(self._output)}
         self._guard = subprocess.Popen(
             [sys.executable, "-I", "-S", guard.__file__],
             stdin=subprocess.PIPE,
@@ -112,14 +121,6 @@ class Processes:
             self._listen(0.05)
         if self._ended or b"started" not in self._news:
             raise BorderError(self._ended or f"the guard of the processes did not start within {START_S:g} s")
-
-    def _order(self, command: Command) -> Mapping[str, object]:
-        filled = command.filled({"python": sys.executable, "study": str(self._study)})
-        return {
-            "run": filled.run,
-            "env": {**os.environ, **self._environment, **filled.env},
-            "folder": str(self._study / command.folder),
-        }
 
     def ended(self, within_s: float = 0.0) -> str:
         """A sentence on the first of them that has ended; "" while all run.
@@ -151,15 +152,8 @@ class Processes:
             what, number, detail = line.decode(errors="replace").split(" ", 2)
             if what in ("failed", "ended") and not self._ended:
                 self.how = _how(what, detail)
-                self._ended = f"{self._name(int(number))} {self.how}"
+                self._ended = f"{_program(self._commands[int(number)])} {self.how}"
         self._news = b"\n".join([line for line in whole if line.startswith(b"started")] + [rest])
-
-    def _name(self, number: int) -> str:
-        """The program: that of an interpreter is its first argument."""
-        program, *arguments = self._commands[number].run
-        if program == "{python}" or Path(program).name.startswith("python"):
-            program = next((one for one in arguments if not one.startswith("-")), program)
-        return inert(Path(program).name)[:LINE]
 
     def last_lines(self, count: int = 5) -> str:
         """The last lines that they wrote, made inert and joined by " / "; "" for none."""
@@ -178,16 +172,23 @@ class Processes:
         if self._guard is None:
             return
         ending, self._guard = self._guard, None
-        for pipe in (ending.stdin, ending.stdout):
-            if pipe is not None:
-                with suppress(OSError):
-                    pipe.close()
+        for pipe in filter(None, (ending.stdin, ending.stdout)):
+            with suppress(OSError):
+                pipe.close()
         try:
             ending.wait(STOP_S)
         except subprocess.TimeoutExpired:
             ending.kill()
             ending.wait()
         guard.kill_below(os.getpid(), self._spared)
+
+
+def _program(command: Command) -> str:
+    """The program of a command: that of an interpreter is its first argument."""
+    program, *arguments = command.run
+    if program == "{python}" or Path(program).name.startswith("python"):
+        program = next((one for one in arguments if not one.startswith("-")), program)
+    return inert(Path(program).name)[:LINE]
 
 
 def _how(what: str, detail: str) -> str:
@@ -342,13 +343,11 @@ class Exchange:
     complaint: str = ""
     _silent: int = 0
     _began_s: float | None = None
-    _out: tuple[tuple[str, str], ...] = field(init=False)
-    _in: tuple[tuple[str, str], ...] = field(init=False)
 
     def __post_init__(self) -> None:
         seams = [(name, seam.carries) for name, seam in self.config.seams.items()]
-        self._out = tuple((name, port) for name, port in seams if PORTS[port].outward and port != "inertial")
-        self._in = tuple((name, port) for name, port in seams if not PORTS[port].outward)
+        self._out = [(name, port) for name, port in seams if PORTS[port].outward and port != "inertial"]
+        self._in = [(name, port) for name, port in seams if not PORTS[port].outward]
 
     @classmethod
     def begin(cls, config: OutsideConfig, wire: Wire, study: Path, words: Mapping[str, str]) -> Exchange:
@@ -375,18 +374,15 @@ class Exchange:
             undo.callback(processes.stop)
             processes.start()
             exchange = cls(config, wire, border, processes, folder)
-            exchange._await_others()
+            due_s = time.monotonic() + config.ready_s
+            while lacking := border.lacking():
+                ended = processes.ended()
+                if ended or time.monotonic() > due_s:
+                    reason = ended or f"not within {config.ready_s:g} s: {lacking}"
+                    raise BorderError(f"the stages outside never came up: {reason}{exchange._said()}")
+                time.sleep(CHECK_S)
             undo.pop_all()
         return exchange
-
-    def _await_others(self) -> None:
-        due_s = time.monotonic() + self.config.ready_s
-        while lacking := self.border.lacking():
-            ended = self.processes.ended()
-            if ended or time.monotonic() > due_s:
-                reason = ended or f"not within {self.config.ready_s:g} s: {lacking}"
-                raise BorderError(f"the stages outside never came up: {reason}{self._said()}")
-            time.sleep(CHECK_S)
 
     def tick(self, now_s: float, offered: Mapping[str, Any]) -> Mapping[str, Any]:
         """One round: send what is offered, tell the time, wait for the answer, take what came.
@@ -407,12 +403,12 @@ class Exchange:
             self.send(name, now_s, offered.get(port))
         self.border.clock(now_s)
         self._keep_pace(now_s)
-        self._await_answer(now_s)
+        self._await_answer()
         taken = {}
         for name, port in self._in:
             arrival = self.border.take(name)
-            if arrival.refused:
-                self._complain(f"{now_s:.3f} s: {arrival.refused}")
+            if arrival.refused and not self.complaint:
+                self.complaint = f"outside at {now_s:.3f} s: {arrival.refused}{self._said()}"
             taken[port] = self.wire.cross(name, now_s, arrival.sample)
         if ended := self.processes.ended():
             raise (BorderError if self.processes.how == KILLED else OutsideError)(f"{ended}{self._said()}")
@@ -434,21 +430,15 @@ class Exchange:
         if left_s > 0.0:
             time.sleep(left_s)
 
-    def _await_answer(self, now_s: float) -> None:
+    def _await_answer(self) -> None:
         if not self.config.answer:
             return
-        if self.border.wait(self.config.answer, self.config.answer_s):
-            self._silent = 0
-            return
-        self._silent += 1
+        self._silent = 0 if self.border.wait(self.config.answer, self.config.answer_s) else self._silent + 1
         if self._silent >= self.config.silent_ticks and not self.processes.ended(within_s=ENDS_S):
             topic = self.config.seams[self.config.answer].topic
             waited = f"{self._silent} ticks in a row, for {self.config.answer_s:g} s each"
             before = f"; before that, {self.complaint}" if self.complaint else self._said()
             raise OutsideError(f"no answer on {topic} for {waited}{before}")
-
-    def _complain(self, sentence: str) -> None:
-        self.complaint = self.complaint or f"outside at {sentence}{self._said()}"
 
     def _said(self) -> str:
         lines = self.processes.last_lines()

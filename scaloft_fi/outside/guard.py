@@ -81,10 +81,6 @@ class Output:
         self.size += len(text)
 
 
-def _prepare() -> None:
-    prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-
-
 class Guard:
     """Starts the processes of an order, watches them, and ends them."""
 
@@ -102,7 +98,7 @@ class Guard:
                     stdout=sink,
                     stderr=sink,
                     start_new_session=True,
-                    preexec_fn=_prepare,
+                    preexec_fn=lambda: prctl(PR_SET_PDEATHSIG, signal.SIGKILL),
                 )
             except OSError as error:
                 self.tell("failed", number, error.strerror or str(error))
@@ -148,22 +144,17 @@ class Guard:
                     send(process.pid, number)
             due = time.monotonic() + given_s
             while self.alive() and time.monotonic() < due:
-                self.drain_some()
+                if select.select([self.source], [], [], 0.0)[0]:  # what writes while it ends waits for a reader
+                    self.output.write(os.read(self.source, CHUNK))
                 time.sleep(0.005)
         for process in self.started.values():
             if process.poll() is None or not LINUX:  # the number of a process that was reaped may be another's
                 send(process.pid, signal.SIGKILL)
         kill_below(os.getpid())
 
-    def drain_some(self) -> None:
-        """Let processes that write while they end not wait for a reader."""
-        if select.select([self.source], [], [], 0.0)[0]:
-            self.output.write(os.read(self.source, CHUNK))
-
     def alive(self) -> bool:
         """Whether a process is left."""
-        running = [process for process in self.started.values() if process.poll() is None]
-        return bool(running) or bool(descendants(os.getpid()))
+        return any(one.poll() is None for one in self.started.values()) or bool(descendants(os.getpid()))
 
 
 def send(group: int, number: int) -> None:

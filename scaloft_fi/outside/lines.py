@@ -11,7 +11,7 @@ From a process, first the topics that it will send, then its messages:
     {"topic": "/cmd_vel", "data": {"velocity": [0.5, 0.0, 0.0], "turn_radps": 0.0}}
     {"topic": "/cmd_vel", "stamp_s": 1.25, "data": ...}     a stamp later than the clock is refused
 
-The fields are those of `border.py` (`plain.py` says how each is written), or those of the topic's own mapping.
+The fields are those of `border.py`, which says how each is written, or those of the topic's own mapping.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ from __future__ import annotations
 import json
 import select
 import socket
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -28,12 +27,11 @@ from typing import Any
 
 from scaloft_fi.console import line as inert
 from scaloft_fi.outside.border import (
-    AHEAD_S,
     Arrival,
     BorderError,
-    Inbox,
     MisfitError,
     Topic,
+    TopicsBorder,
     from_plain,
     given,
     taken,
@@ -56,11 +54,7 @@ def plain_of(topic: Topic, sample: Any) -> Any:
 
 
 def sample_of(topic: Topic, data: Any, _clock_s: float) -> Any:
-    """The sample that a line has.
-
-    Raises:
-        MisfitError: it does not fit.
-    """
+    """The sample that a line has; raises MisfitError."""
     return from_plain(topic.message, taken(data, topic.fields))
 
 
@@ -88,19 +82,15 @@ class _Peer:
 
 
 @dataclass(eq=False)
-class LinesBorder:
+class LinesBorder(TopicsBorder):
     """A border over a Unix socket."""
 
-    topics: Sequence[Topic]
-    folder: Path
     codec: Codec = field(default_factory=Codec)
     _peers: list[_Peer] = field(default_factory=list)
-    _clock_s: float = 0.0
     _listener: socket.socket | None = None
 
     def __post_init__(self) -> None:
-        self._outward = {topic.seam: topic for topic in self.topics if topic.outward}
-        self._inbox = {topic.seam: Inbox(topic) for topic in self.topics if not topic.outward}
+        super().__post_init__()
         self._by_name = {topic.name: self._inbox[topic.seam] for topic in self.topics if not topic.outward}
         self._strange = ""
 
@@ -149,7 +139,7 @@ class LinesBorder:
 
     def named(self) -> frozenset[str]:
         """The topics that connected processes have named."""
-        self._receive(0.0)
+        self._hear(0.0)
         return frozenset(topic for peer in self._peers for topic in peer.publishes)
 
     @property
@@ -164,26 +154,14 @@ class LinesBorder:
 
     def clock(self, t_s: float) -> None:
         """Tell the time to every process."""
-        self._clock_s = t_s
+        self._begin_tick(t_s)
         for peer in self._peers:
             peer.read = 0
-        for box in self._inbox.values():
-            box.begin_tick()
         self._write({"clock": t_s})
 
-    def wait(self, seam: str, within_s: float) -> bool:
-        """Wait for a message; a refused one is none."""
-        box, due_s = self._inbox[seam], time.monotonic() + within_s
-        self._receive(0.0)
-        while not box.fresh and self._peers and (left_s := due_s - time.monotonic()) > 0.0:
-            self._receive(left_s)
-        return box.fresh
-
     def take(self, seam: str) -> Arrival:
-        """What came, the newest sample last."""
-        self._receive(0.0)
-        arrival, strange = self._inbox[seam].take(), self._strange
-        self._strange = ""
+        """What came, the newest sample last; where none was refused, a strange line is."""
+        arrival, strange, self._strange = super().take(seam), self._strange, ""
         return replace(arrival, refused=arrival.refused or strange)
 
     def close(self) -> None:
@@ -207,10 +185,10 @@ class LinesBorder:
         peer.socket.close()
         self._peers.remove(peer)
 
-    def _receive(self, within_s: float) -> None:
-        """Read what has come; wait for it at most `within_s` [s, wall]."""
+    def _hear(self, within_s: float) -> bool:
+        """Read what has come; whether a process is connected."""
         if self._listener is None:
-            return
+            return False
         readable = [peer for peer in self._peers if peer.read < MOST_READ]
         ready = select.select([self._listener, *(peer.socket for peer in readable)], [], [], within_s)[0]
         if self._listener in ready:
@@ -219,6 +197,7 @@ class LinesBorder:
             if peer.socket in ready:
                 for line in self._lines(peer):
                     self._deliver(peer, line)
+        return bool(self._peers)
 
     def _accept(self) -> None:
         assert self._listener is not None
@@ -261,9 +240,9 @@ class LinesBorder:
         box = self._by_name[name]
         box.count += 1
         try:
-            if (stamp_s := message.get("stamp_s", 0.0)) > self._clock_s + AHEAD_S:
-                raise MisfitError(f"stamp_s={stamp_s!r} is later than the clock, {self._clock_s:g}")
-            box.sample = self.codec.read(box.topic, message.get("data"), self._clock_s)
+            stamp_s = message.get("stamp_s", 0.0)
+            self._check_stamp(f"stamp_s={stamp_s!r}", stamp_s)
+            box.sample = self.codec.read(box.topic, message.get("data"), self.clock_s)
         except (MisfitError, TypeError) as error:
             box.refuse(str(error))
             return

@@ -10,25 +10,15 @@ import importlib
 import importlib.util
 import os
 import socket
-import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from scaloft_fi.console import line as inert
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.output import write_whole
-from scaloft_fi.outside.border import (
-    AHEAD_S,
-    Arrival,
-    BorderError,
-    Inbox,
-    MisfitError,
-    Topic,
-    picked,
-)
+from scaloft_fi.outside.border import BorderError, Inbox, MisfitError, Topic, TopicsBorder, picked
 from scaloft_fi.outside.ros_messages import LAYOUTS, Ends, Layout, layout_of, sample_in
 
 FIRST_PORT, PORTS_OF_DOMAIN = 7400, 250
@@ -39,8 +29,7 @@ DOMAINS = range(1, 101)
 """Their ports lie below those that Linux hands out.  0 is everybody's default."""
 
 
-@dataclass(frozen=True)
-class Domain:
+class Domain(NamedTuple):
     """A domain that is held until `close`, or the end of this process."""
 
     number: int
@@ -52,11 +41,14 @@ class Domain:
 
 
 def take_domain() -> Domain | None:
-    """A domain that no other flight holds, and in which nobody listens; None without a free one."""
-    for number in _tried():
+    """A domain that no other flight holds, and in which nobody listens; None without a free one.
+
+    The user's own is left out, and processes begin at different ones.
+    """
+    begin = os.getpid() % len(DOMAINS)
+    for number in (*DOMAINS[begin:], *DOMAINS[:begin]):
         first = FIRST_PORT + PORTS_OF_DOMAIN * number
-        held = _bound(first + FREE)
-        if held is None:
+        if str(number) == os.environ.get("ROS_DOMAIN_ID") or (held := _bound(first + FREE)) is None:
             continue
         used = _bound(first + FIRST_PARTICIPANT)
         if used is not None:
@@ -64,13 +56,6 @@ def take_domain() -> Domain | None:
             return Domain(number, held)
         held.close()
     return None
-
-
-def _tried() -> Iterator[int]:
-    """All domains but the user's own; processes begin at different ones."""
-    own = os.environ.get("ROS_DOMAIN_ID", "")
-    begin = os.getpid() % len(DOMAINS)
-    yield from (number for number in (*DOMAINS[begin:], *DOMAINS[:begin]) if str(number) != own)
 
 
 def _bound(port: int) -> socket.socket | None:
@@ -117,12 +102,9 @@ OLDER = ("humble", "iron", "jazzy")
 
 
 @dataclass(eq=False)
-class Ros2Border:
+class Ros2Border(TopicsBorder):
     """A border over topics of ROS 2."""
 
-    topics: Sequence[Topic]
-    folder: Path
-    _clock_s: float = 0.0
     _ends: Ends = field(default_factory=Ends)
     _domain: Domain | None = None
     _context: Any = None
@@ -133,9 +115,8 @@ class Ros2Border:
     _subscriptions: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self._layouts = {topic.seam: layout_of(topic, LAYOUTS) for topic in self.topics}
-        self._outward = {topic.seam: topic for topic in self.topics if topic.outward}
-        self._inbox = {topic.seam: Inbox(topic) for topic in self.topics if not topic.outward}
 
     @staticmethod
     def misfit(topic: Topic) -> str:
@@ -191,9 +172,7 @@ class Ros2Border:
 
             self._context = rclpy.Context()
             rclpy.init(
-                context=self._context,
-                domain_id=self._domain.number,
-                signal_handler_options=SignalHandlerOptions.NO,
+                context=self._context, domain_id=self._domain.number, signal_handler_options=SignalHandlerOptions.NO
             )
             self._node = rclpy.create_node("scaloft_fi", context=self._context, start_parameter_services=False)
             self._executor = rclpy.executors.SingleThreadedExecutor(context=self._context)
@@ -237,26 +216,11 @@ class Ros2Border:
 
     def clock(self, t_s: float) -> None:
         """Publish the time; what came before it answers no more."""
-        self._drain()
-        self._clock_s = t_s
-        for box in self._inbox.values():
-            box.begin_tick()
+        self._hear(0.0)
+        self._begin_tick(t_s)
         message = self._clock.msg_type()
         _set_time(message.clock, t_s)
         self._clock.publish(message)
-
-    def wait(self, seam: str, within_s: float) -> bool:
-        """Wait for a message; a refused one is none."""
-        box, due_s = self._inbox[seam], time.monotonic() + within_s
-        self._drain()
-        while not box.fresh and (left_s := due_s - time.monotonic()) > 0.0:
-            self._executor.spin_once(timeout_sec=left_s)
-        return box.fresh
-
-    def take(self, seam: str) -> Arrival:
-        """What came, the newest sample last."""
-        self._drain()
-        return self._inbox[seam].take()
 
     def close(self) -> None:
         """Leave the domain."""
@@ -270,8 +234,11 @@ class Ros2Border:
             self._domain.close()
             self._domain = None
 
-    def _drain(self) -> None:
-        """Handle what has come, at most `MOST_MESSAGES` of each topic, without the cost of an executor."""
+    def _hear(self, within_s: float) -> bool:
+        """Handle what has come: without waiting at most `MOST_MESSAGES` of each topic, without an executor's cost."""
+        if within_s:
+            self._executor.spin_once(timeout_sec=within_s)
+            return True
         for one in self._subscriptions.values():
             for _ in range(MOST_MESSAGES):
                 with one.handle:
@@ -279,6 +246,7 @@ class Ros2Border:
                 if taken_ is None:
                     break
                 one.callback(taken_[0])
+        return True
 
     def _come(self, box: Inbox, layout: Layout, type_: Any, raw: bytes) -> None:
         """Take a message of an inward topic."""
@@ -296,9 +264,8 @@ class Ros2Border:
 
     def _sample(self, topic: Topic, layout: Layout, message: Any) -> Any:
         stamp_s = _time(message.header.stamp) if hasattr(message, "header") else 0.0
-        if stamp_s > self._clock_s + AHEAD_S:
-            raise MisfitError(f"its stamp, {stamp_s:g} s, is later than the clock, {self._clock_s:g}")
-        return sample_in(topic, layout, picked(message, layout.read), stamp_s or self._clock_s)
+        self._check_stamp(f"its stamp, {stamp_s:g} s,", stamp_s)
+        return sample_in(topic, layout, picked(message, layout.read), stamp_s or self.clock_s)
 
 
 def message_class(name: str) -> Any:

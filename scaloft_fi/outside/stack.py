@@ -13,17 +13,7 @@ import numpy as np
 
 from scaloft_fi.outside.border import BORDERS, PORTS, CameraInfo, Goal, Motion
 from scaloft_fi.outside.exchange import Exchange, OutsideConfig
-from scaloft_fi.stack.declaration import (
-    STEP_HZ,
-    TICK_S,
-    ConfigError,
-    Declaration,
-    FastPath,
-    Seam,
-    Stack,
-    Task,
-    Wire,
-)
+from scaloft_fi.stack.declaration import STEP_HZ, TICK_S, ConfigError, Declaration, FastPath, Seam, Stack, Task, Wire
 from scaloft_fi.stack.messages import (
     Array,
     DepthCamera,
@@ -67,7 +57,11 @@ def seams_of(config: OutsideConfig) -> tuple[Seam, ...]:
     Raises:
         ConfigError: two seams have one name.
     """
-    border = tuple(_seam(name, config) for name in config.seams)
+    border = []
+    for name, declared in config.seams.items():
+        port = PORTS[declared.carries]
+        ends = ("our drone", declared.topic) if port.outward else (declared.topic, "our drone")
+        border.append(Seam(name, port.message, port.rate_hz, " -> ".join(ends), units=port.units))
     own = tuple(
         seam
         for seam in SEAMS
@@ -77,13 +71,6 @@ def seams_of(config: OutsideConfig) -> tuple[Seam, ...]:
         if seam.name in config.seams:
             raise ConfigError(f"stack.seams.{seam.name}", "is the name of a seam of our drone, give it another one")
     return (*border, *own)
-
-
-def _seam(name: str, config: OutsideConfig) -> Seam:
-    declared = config.seams[name]
-    port = PORTS[declared.carries]
-    ends = ("our drone", declared.topic) if port.outward else (declared.topic, "our drone")
-    return Seam(name, port.message, port.rate_hz, " -> ".join(ends), units=port.units)
 
 
 def shaped(settings: Any) -> Declaration:
@@ -276,7 +263,23 @@ def camera_info(frame: DepthFrame | None, camera: DepthCamera) -> CameraInfo | N
     )
 
 
-class VelocityStack:
+class _Outside:
+    """What both stacks do with their exchange; None in a rehearsal."""
+
+    _exchange: Exchange | None
+
+    @property
+    def complaint(self) -> str:
+        """What was wrong with the first message that was refused."""
+        return self._exchange.complaint if self._exchange else ""
+
+    def close(self) -> None:
+        """End the stages outside."""
+        if self._exchange is not None:
+            self._exchange.close()
+
+
+class VelocityStack(_Outside):
     """Stages outside order velocities; estimator and flight control of our drone follow them.
 
     A velocity that stops coming is flight control's time-out: it holds, then lands.
@@ -297,11 +300,6 @@ class VelocityStack:
         self._inertial = next((name for name, seam in config.seams.items() if seam.carries == "inertial"), "")
         self.fast_path: FastPath | None = None if self._inertial else InnerLoop(self._estimator, self._control)
 
-    @property
-    def complaint(self) -> str:
-        """What was wrong with the first message that was refused."""
-        return self._exchange.complaint if self._exchange else ""
-
     def stamps(self, now_s: float) -> Stamps:
         """The true time."""
         return Stamps(now_s, now_s, now_s)
@@ -319,10 +317,8 @@ class VelocityStack:
         if taken.get("land") is not None:
             self._control.land(self._control.config.land_mps)
         motion: Motion | None = taken.get("velocity")
-        if motion is not None:
-            self._follow(now_s, motion)
-
-    def _follow(self, now_s: float, motion: Motion) -> None:
+        if motion is None:
+            return
         self._yaw_rad += motion.turn_radps * TICK_S
         x, y, z = motion.velocity.tolist()
         if self._body:
@@ -345,13 +341,8 @@ class VelocityStack:
         mode = float(MODES.index(self._control.mode))
         return np.array((*self._ordered, self._yaw_rad, *self._estimator.state[:6].tolist(), mode))
 
-    def close(self) -> None:
-        """End the stages outside."""
-        if self._exchange is not None:
-            self._exchange.close()
 
-
-class GoalStack(ReferenceStack):
+class GoalStack(_Outside, ReferenceStack):
     """The mission is outside; everything below it is the reference stack's."""
 
     def __init__(self, task: Task, wire: Wire, exchange: Exchange | None) -> None:
@@ -363,11 +354,6 @@ class GoalStack(ReferenceStack):
         self._companion.stages = replace(stages, mission=self._mission, speed_limit=self._limit)
         self._camera, self._exchange = task.camera, exchange
 
-    @property
-    def complaint(self) -> str:
-        """What was wrong with the first message that was refused."""
-        return self._exchange.complaint if self._exchange else ""
-
     def companion(self, now_s: float, frames: SensorFrames) -> None:
         """Exchange samples with the mission outside, then run the stages below it."""
         if self._exchange is not None:
@@ -377,8 +363,3 @@ class GoalStack(ReferenceStack):
             if taken.get("land") is not None:
                 self._mission.land()
         super().companion(now_s, frames)
-
-    def close(self) -> None:
-        """End the mission outside."""
-        if self._exchange is not None:
-            self._exchange.close()

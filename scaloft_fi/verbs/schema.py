@@ -24,7 +24,7 @@ from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.outside.border import PORTS
 from scaloft_fi.outside.command import FlightCommand
 from scaloft_fi.outside.exchange import BELOW, OutsideConfig
-from scaloft_fi.outside.records.record_map import RecordMapModel
+from scaloft_fi.outside.records.record_map import RecordMap
 from scaloft_fi.outside.stack import GoalConfig, VelocityConfig
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.sim.found import Finds
@@ -243,7 +243,7 @@ DOCUMENTS: Mapping[str, Document] = {
         Document("sources", "sim/sources.yaml", _model(SOURCES)),
         Document("found", "sim/found.yaml", _model(Finds), written=True),
         Document("flyer", "sim/flyer.yaml", _model(FlightCommand)),
-        Document("record", "sim/record.yaml", _model(RecordMapModel)),
+        Document("record", "sim/record.yaml", _model(RecordMap)),
     )
 }
 """In the order in which a study is read about."""

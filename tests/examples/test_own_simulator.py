@@ -85,11 +85,7 @@ def test_its_verdicts_are_those_of_the_built_in_flyer(study: Study, ours: dict[s
 
 
 @pytest.mark.parametrize(
-    ("guide", "key", "load"),
-    [
-        ("own_simulator", "flyer:", load_command),
-        ("judge", "signals:", load_record_map),
-    ],
+    ("guide", "key", "load"), [("own_simulator", "flyer:", load_command), ("judge", "signals:", load_record_map)]
 )
 def test_the_documents_of_the_guides_can_be_read(
     guide: str, key: str, load: Callable[[Path], object], tmp_path: Path

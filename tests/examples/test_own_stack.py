@@ -127,31 +127,14 @@ def told(site: Path, study: Path, campaign: subprocess.CompletedProcess[str]) ->
 
 
 @pytest.mark.flight
-def test_every_verb_runs_without_the_reference_stack(told: dict[str, tuple[int, str]]) -> None:
+def test_every_verb_runs_without_the_reference_stack(told: dict[str, tuple[int, str]], study: Path) -> None:
     assert {words: said for words, said in told.items() if said[0] != 0} == {}
-
-
-@pytest.mark.flight
-def test_delay_reaches_the_flight_on_its_own_seam(told: dict[str, tuple[int, str]]) -> None:
-    rows = json.loads(told["export --format json"][1])
-    late = next(row for row in rows if row["mutant"] == "LATE-drive@1s")
-    assert late["status"] == "revealed"
+    late = next(row for row in json.loads(told["export --format json"][1]) if row["mutant"] == "LATE-drive@1s")
+    assert late["status"] == "revealed"  # a delay reaches the flight on its own seam
     assert late["altered"] > 0
-
-
-@pytest.mark.flight
-def test_its_export_format_lists_its_mutants(told: dict[str, tuple[int, str]]) -> None:
-    rows = list(csv.reader(io.StringIO(told["export --format verdicts"][1])))
+    rows = list(csv.reader(io.StringIO(told["export --format verdicts"][1])))  # its own format
     assert [mutant for mutant, _ in rows] == ["MORE-range@1.5m", "LATE-range@2s", "MORE-drive@3x", "LATE-drive@1s"]
-
-
-@pytest.mark.flight
-def test_what_its_beliefs_mark_is_on_the_map(told: dict[str, tuple[int, str]], study: Path) -> None:
-    assert "flies leg home" in (study / "map.svg").read_text()
-
-
-@pytest.mark.flight
-def test_a_merged_campaign_has_the_same_flights(told: dict[str, tuple[int, str]]) -> None:
+    assert "flies leg home" in (study / "map.svg").read_text()  # what its beliefs mark
     assert "0 differ" in told["diff default whole"][1]
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
-import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
+from runpy import run_path
 from typing import Any
 
 import pytest
+from processes import marked
 from scaloft_ros1.border import unimportable
 
 from scaloft_fi.campaign.flights.fly import judged, wire_of
@@ -55,12 +54,7 @@ class Tape:
 
 @pytest.fixture(scope="module")
 def make_study() -> Callable[..., None]:
-    spec = importlib.util.spec_from_file_location("make_testbed_study", EXAMPLE / "make_study.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    made: Callable[..., None] = module.make_study
+    made: Callable[..., None] = run_path(str(EXAMPLE / "make_study.py"))["make_study"]
     return made
 
 
@@ -83,22 +77,10 @@ def flown(
         tape = Tape(wire_of(study, flight))
         monkeypatch.setenv("MARK", str(tmp_path))
         log = fly(study.sim, flight.situation, flight.seed, tape)  # type: ignore[arg-type]
-        assert left(str(tmp_path)) == []
+        assert marked(str(tmp_path)) == []
         return judged(study, flight, log), tape.first
 
     return fly_one
-
-
-def left(mark: str) -> list[str]:
-    """The command lines of living processes with this mark in their environment, but for this one."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*") if sys.platform.startswith("linux") else ():
-        try:
-            if int(path.name) != os.getpid() and f"MARK={mark}\0".encode() in (path / "environ").read_bytes():
-                found.append((path / "cmdline").read_text())
-        except OSError:
-            continue
-    return [one for one in found if one]
 
 
 @needs_ros

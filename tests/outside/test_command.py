@@ -1,20 +1,35 @@
+"""A simulator of one's own: its declaration, its command, and relays over the border `lines`."""
+
 from __future__ import annotations
 
+import sys
+import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from processes import alive, soon
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.outside.border import Motion
-from scaloft_fi.outside.command import Text, load_command
+from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.mutants.operator import Facts
+from scaloft_fi.mutants.wire import TappedWire, contexts, wire_for
+from scaloft_fi.outside.border import BorderError, Motion
+from scaloft_fi.outside.command import (
+    ClockTopic,
+    CommandError,
+    Relay,
+    Relays,
+    Text,
+    Told,
+    load_command,
+    run_command,
+    told,
+)
+from scaloft_fi.stack.declaration import Declaration, PlainWire, Wire
 from scaloft_fi.stack.reference.declaration import REFERENCE
 
-GOOD = {
-    "flyer": "command",
-    "run": '[fly, "{situation}", 5]',
-    "record": "flight.csv",
-    "limit_s": "60",
-}
+GOOD = {"flyer": "command", "run": '[fly, "{situation}", 5]', "record": "flight.csv", "limit_s": "60"}
 
 
 def _load(tmp_path: Path, **keys: str):  # type: ignore[no-untyped-def]
@@ -73,3 +88,183 @@ def test_places_are_filled_with_values_and_other_braces_stay() -> None:
     assert text.filled(values) == 'T0/3 1.5 true {"a": {}}'
     with pytest.raises(InputError, match=r"flyer\.yaml:3: there is no value \{sead\}; did you mean 'seed'"):
         Text("{sead}", "flyer.yaml:3").filled(values)
+
+
+def _run(tmp_path: Path, program: str, limit_s: float = 20.0) -> Told:
+    (tmp_path / "beside").mkdir(exist_ok=True)
+    return run_command([sys.executable, "-c", program], {"OWN": "1"}, tmp_path, limit_s, tmp_path / "beside")
+
+
+def test_what_the_last_line_says_is_told(tmp_path: Path) -> None:
+    program = """
+print("warming up")
+print('{"altered": 3, "carried": 9, "first_altered_s": 1.5, "stack_error": "died"}')
+"""
+    assert _run(tmp_path, program) == Told(3, 9, 1.5, "died")
+    assert _run(tmp_path, "print('done')") == Told()
+    assert _run(tmp_path, "pass") == Told()
+
+
+def test_it_runs_in_the_folder_with_its_own_environment(tmp_path: Path) -> None:
+    _run(tmp_path, "import os, pathlib; pathlib.Path('here').write_text(os.environ['OWN'])")
+    assert (tmp_path / "here").read_text() == "1"
+
+
+def test_a_command_that_hangs_is_ended_with_all_that_it_started(tmp_path: Path) -> None:
+    program = """
+import pathlib, subprocess, sys, time
+deaf = "import signal, time; signal.signal(15, signal.SIG_IGN); time.sleep(60)"
+child = subprocess.Popen([sys.executable, "-c", deaf])
+pathlib.Path("child").write_text(str(child.pid))
+print("waiting for the simulator", flush=True)
+time.sleep(60)
+"""
+    began = time.monotonic()
+    with pytest.raises(CommandError, match=r"ran longer than 1 s; it said last: waiting for the simulator"):
+        _run(tmp_path, program, 1.0)
+    assert time.monotonic() - began < 15.0
+    child = int((tmp_path / "child").read_text())
+    assert soon(lambda: not alive(child), within_s=5.0)
+
+
+@pytest.mark.parametrize(
+    ("program", "said"),
+    [
+        ("print('no map'); raise SystemExit(3)", "ended with code 3; it said last: no map"),
+        ("import os; os.kill(os.getpid(), 9)", "was ended by SIGKILL; it said last: nothing"),
+        ("raise ValueError('odd')", "it said last: .*ValueError: odd"),
+        (r"print('x' * 10**5 + '\x1b[2J'); raise SystemExit(1)", "it said last: x{300}$"),
+    ],
+)
+def test_a_command_that_fails_says_its_last_lines(program: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(CommandError, match=said):
+        _run(tmp_path, program)
+
+
+@pytest.mark.parametrize(
+    "last", ['{"altered": -1}', '{"altered": true}', '{"carried": 1.5}', '{"first_altered_s": "a"}']
+)
+def test_a_wrong_count_is_refused(last: str) -> None:
+    with pytest.raises(CommandError, match="the last line says"):
+        told(last)
+
+
+@pytest.mark.parametrize("last", ["", "{", "[1]", "{" * 100_000])
+def test_what_is_no_object_says_nothing(last: str) -> None:
+    assert told(last) == Told()
+
+
+RELAY = {"drive": Relay("/cmd_raw", "/cmd", "lines")}
+PROGRAM = """
+import json, sys, time
+from scaloft_fi.outside.client import connect
+border = connect(publishes=["/cmd_raw"])
+came = []
+def answer():
+    for message in border:
+        if message.get("topic") == "/cmd":
+            return message["data"]["velocity"][0]
+for i in range(1, 21):
+    border.send("/cmd_raw", {"velocity": [float(i), 0.0, 0.0], "turn_radps": 0.0})
+    came.append(answer())
+print("came", came)
+print(json.dumps({"altered": int(sum(came))}))
+"""
+
+
+@pytest.fixture
+def stack(tmp_path: Path) -> Declaration:
+    path = tmp_path / "flyer.yaml"
+    seams = "{drive: {relay: {from: /cmd_raw, to: /cmd, border: lines}, message: velocity}}"
+    path.write_text(f"flyer: command\nrun: [x]\nrecord: x.csv\nlimit_s: 9\nseams: {seams}\n")
+    command = load_command(path)
+    assert command.relays == RELAY
+    assert not command.injects("drive")
+    return command.declared(REFERENCE)
+
+
+def _facts() -> Facts:
+    from scaloft_fi.mutants.operators import OPERATORS
+
+    return OPERATORS["delay"].example.context().facts
+
+
+def _wire(stack: Declaration, operator: str, **arguments: float | str) -> Wire:
+    mutant = Mutant(f"X-{operator}", "X", operator, "", 0.0, "drive", operator, arguments)
+    return wire_for(mutant, stack, contexts(mutant.id, "T0", 0, _facts()))
+
+
+def _relayed(
+    tmp_path: Path, stack: Declaration, wire: Wire, program: str = PROGRAM, clock: ClockTopic | None = None
+) -> Told:
+    folder, beside = tmp_path / "borders", tmp_path / "beside"
+    folder.mkdir()
+    beside.mkdir()
+    relays = Relays(RELAY, stack, wire, folder, clock)
+    try:
+        env = relays.begin()
+        return run_command([sys.executable, "-c", program], env, tmp_path, 20.0, beside, relays.attend)
+    finally:
+        relays.close()
+
+
+def test_without_a_fault_every_message_arrives_as_it_was_sent(tmp_path: Path, stack: Declaration) -> None:
+    assert _relayed(tmp_path, stack, PlainWire()).altered == sum(range(1, 21))
+
+
+def test_a_tap_alters_what_arrives_and_counts_it(tmp_path: Path, stack: Declaration) -> None:
+    wire = _wire(stack, "scale", factor=2.0, field="velocity")
+    assert isinstance(wire, TappedWire)
+    assert _relayed(tmp_path, stack, wire).altered == 2 * sum(range(1, 21))
+    assert (wire.counts["drive"].carried, wire.counts["drive"].altered) == (20, 20)
+
+
+def test_a_late_message_is_delivered_while_none_comes(tmp_path: Path, stack: Declaration) -> None:
+    program = PROGRAM.replace("range(1, 21)", "range(1, 3)").replace(
+        "    came.append(answer())", "    began = time.monotonic(); answer(); came.append(time.monotonic() - began)"
+    )
+    told = _relayed(tmp_path, stack, _wire(stack, "delay", delay_s=1.5), program)
+    assert told.altered in (2, 3, 4)  # two waits of 1.5 s, each until the next poll
+
+
+def test_a_message_that_does_not_fit_its_seam_is_one_sentence(tmp_path: Path, stack: Declaration) -> None:
+    program = PROGRAM.replace("[float(i), 0.0, 0.0]", "'fast'")
+    with pytest.raises(BorderError, match="the relay of seam 'drive' cannot read /cmd_raw: "):
+        _relayed(tmp_path, stack, PlainWire(), program)
+
+
+def test_messages_that_come_faster_than_they_are_carried_are_not_lost_silently(
+    tmp_path: Path, stack: Declaration
+) -> None:
+    program = PROGRAM.replace("    came.append(answer())\n", "").replace("print", "time.sleep(1); print")
+    with pytest.raises(BorderError, match="the relay of seam 'drive' lost"):
+        _relayed(tmp_path, stack, PlainWire(), program)
+
+
+def test_two_seams_may_have_relays_of_one_border(tmp_path: Path, stack: Declaration) -> None:
+    two = replace(stack, seams=(*stack.seams, replace(stack.seams[0], name="second")), canaries=())
+    relays = Relays({**RELAY, "second": Relay("/b_raw", "/b", "lines")}, two, PlainWire(), tmp_path)
+    assert len(relays.begin()) == 1
+    relays.close()
+
+
+def test_time_is_that_of_the_simulators_clock(tmp_path: Path, stack: Declaration) -> None:
+    """A delay of 60 s lasts as long as the simulator takes for them, which is no time here."""
+    program = """
+import json
+from scaloft_fi.outside.client import connect
+border = connect(publishes=["/cmd_raw", "/time"])
+messages = (message for message in border if message.get("topic") == "/cmd")
+def tick(t_s):
+    border.send("/time", {"stamp_s": t_s})
+tick(100.0)
+border.send("/cmd_raw", {"velocity": [7.0, 0.0, 0.0], "turn_radps": 0.0})
+import time
+time.sleep(0.1)
+tick(159.0)
+time.sleep(0.3)
+tick(160.1)
+print(json.dumps({"altered": int(next(messages)["data"]["velocity"][0])}))
+"""
+    clock = ClockTopic("/time", "lines")
+    assert _relayed(tmp_path, stack, _wire(stack, "delay", delay_s=60.0), program, clock).altered == 7

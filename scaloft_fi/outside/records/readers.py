@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass
+from importlib import import_module
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,7 @@ from scaloft_fi.outside.records.record_map import (
     too_many,
 )
 from scaloft_fi.registry import in_one_line
+from scaloft_fi.stack.messages import Array
 
 DEEPEST = 8
 """Deepest field that is listed."""
@@ -125,14 +127,15 @@ def collect(
         if count >= MOST_MESSAGES:
             raise too_many(path)
         place = f"message {count + 1} ({message.topic})"
-        received_s = message.received_ns * 1e-9
+        t_s = message.received_ns * 1e-9
         if message.topic == timing.clock:
-            ticks[0].append(received_s)
-            ticks[1].append(_seconds(path, place, _first_stamp(message.content)))
+            ticks[0].append(t_s)
+            ticks[1].append(_stamp(path, place, message.content))
         asked = by_topic.get(message.topic, ())
         if not asked:
             continue
-        t_s = _stamp(path, place, message.content) if timing.stamped else received_s
+        if timing.stamped:
+            t_s = _stamp(path, place, _part(message.content, "header") or message.content)
         for source, way in asked:
             times, values = found[source]
             times.append(t_s)
@@ -140,19 +143,18 @@ def collect(
     return {source: _series(times, values, timing, ticks) for source, (times, values) in found.items()}
 
 
-def _series(
-    times: list[float],
-    values: list[float],
-    timing: Timing,
-    ticks: tuple[list[float], list[float]],
-) -> Series:
+def _series(times: list[float], values: list[float], timing: Timing, ticks: tuple[list[float], list[float]]) -> Series:
     """Sorted by time; a message before the first tick of the clock is left out."""
     times_s, numbers = np.array(times), np.array(values)
     if timing.clock and not timing.stamped:
         last = np.searchsorted(np.array(ticks[0]), times_s, side="right") - 1
         times_s, numbers = np.array([0.0, *ticks[1]])[last[last >= 0] + 1], numbers[last >= 0]
+    return _sorted(times_s, numbers)
+
+
+def _sorted(times_s: Array, values: Array) -> Series:
     order = np.argsort(times_s, kind="stable")
-    return Series(times_s[order], numbers[order])
+    return Series(times_s[order], values[order])
 
 
 def _value(path: Path, source: SignalSource, content: Any, way: Sequence[str | int]) -> Any:
@@ -166,29 +168,20 @@ def _value(path: Path, source: SignalSource, content: Any, way: Sequence[str | i
     return value
 
 
+def _part(content: Any, *names: str) -> Any:
+    """The first of these parts that a message, a mapping or an object, has; None without any."""
+    parts = (content.get(name) if isinstance(content, Mapping) else getattr(content, name, None) for name in names)
+    return next((part for part in parts if part is not None), None)
+
+
 def _stamp(path: Path, place: str, content: Any) -> float:
-    header = content.get("header", content) if isinstance(content, Mapping) else getattr(content, "header", content)
-    return _seconds(path, place, _first_stamp(header))
-
-
-def _first_stamp(content: Any) -> Any:
-    """The stamp, or the clock, in a message."""
-    for name in ("stamp", "timestamp", "clock"):
-        stamp = content.get(name) if isinstance(content, Mapping) else getattr(content, name, None)
-        if stamp is not None:
-            return stamp
-    return None
-
-
-def _seconds(path: Path, place: str, stamp: Any) -> float:
-    """A stamp of seconds and nanoseconds in seconds."""
-    parts = stamp if isinstance(stamp, Mapping) else getattr(stamp, "__dict__", None) or {}
-    second = next((parts[name] for name in ("sec", "secs") if name in parts), getattr(stamp, "sec", None))
-    nano = next((parts[n] for n in ("nanosec", "nsec", "nsecs") if n in parts), getattr(stamp, "nanosec", 0))
+    """The stamp, or the clock, of a message in seconds."""
+    stamp = _part(content, "stamp", "timestamp", "clock")
+    second, nano = _part(stamp, "sec", "secs"), _part(stamp, "nanosec", "nsec", "nsecs")
     if second is None:
         raise InputError(f"{path}: {place}: the message has no stamp; take the time at which messages were received")
     told = SignalSource("time")
-    return number(path, told, place, second) + number(path, told, place, nano) * 1e-9
+    return number(path, told, place, second) + number(path, told, place, nano or 0) * 1e-9
 
 
 def fields_of(content: Any, name: str = "", depth: int = 0) -> Iterator[str]:
@@ -205,6 +198,18 @@ def fields_of(content: Any, name: str = "", depth: int = 0) -> Iterator[str]:
             yield from fields_of(content[0], f"{name}[0]", depth + 1)
     elif hasattr(content, "__dict__"):
         yield from fields_of({key: value for key, value in vars(content).items() if key[:1] != "_"}, name, depth)
+
+
+def _library(path: Path, name: str, needs: str) -> Any:
+    """A module of a library that reads records.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise InputError(f"{path}: {needs}: pip install 'scaloft-fi[records]'") from error
 
 
 TABLE_BYTES = 256 << 20
@@ -334,8 +339,7 @@ def _series_of_fields(path: Path, source: SignalSource, data: Mapping[str, Any])
     wrong = np.flatnonzero(~np.isfinite(values))
     if len(wrong):
         number(path, source, f"{source.topic} at {times_s[wrong[0]]:.6f} s", values[wrong[0]])
-    order = np.argsort(times_s, kind="stable")
-    return Series(times_s[order], values[order])
+    return _sorted(times_s, values)
 
 
 def _sets(path: Path, names: list[str] | None) -> dict[str, Mapping[str, Any]]:
@@ -344,13 +348,10 @@ def _sets(path: Path, names: list[str] | None) -> dict[str, Mapping[str, Any]]:
     Raises:
         InputError: the record cannot be read, or the library is missing.
     """
-    try:
-        from pyulog import ULog
-    except ImportError as error:
-        raise InputError(f"{path}: an .ulg file needs pyulog: pip install 'scaloft-fi[records]'") from error
+    pyulog = _library(path, "pyulog", "an .ulg file needs pyulog")
     with opened(path) as file, contextlib.redirect_stdout(io.StringIO()):  # it prints what it skips
         try:
-            log = ULog(file, names)
+            log = pyulog.ULog(file, names)
         except Exception as error:
             raise damaged(path, error) from error
     if log.file_corruption:
@@ -374,13 +375,10 @@ def _mcap(path: Path) -> Iterator[MessageLog]:
     Raises:
         InputError: it cannot be read, or the library is missing.
     """
-    try:
-        from mcap.reader import make_reader
-    except ImportError as error:
-        raise InputError(f"{path}: an .mcap file needs mcap: pip install 'scaloft-fi[records]'") from error
+    mcap = _library(path, "mcap.reader", "an .mcap file needs mcap")
     with opened(path) as file:
         try:
-            reader = make_reader(file)
+            reader = mcap.make_reader(file)
             summary = reader.get_summary()
         except Exception as error:
             raise damaged(path, error) from error
@@ -411,22 +409,17 @@ def _decoder(path: Path, schema: Any, channel: Any) -> Any:
             f"{path}: topic {channel.topic!r} has messages in {encoding!r}, "
             "which must be json, or cdr or ros1 with a schema"
         )
+    types = _library(path, "rosbags.typesys", "messages of ROS need rosbags")
+    store, text = types.get_typestore(types.Stores.EMPTY), schema.data.decode()
     try:
-        from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
-    except ImportError as error:
-        raise InputError(f"{path}: messages of ROS need rosbags: pip install 'scaloft-fi[records]'") from error
-    store, text = get_typestore(Stores.EMPTY), schema.data.decode()
-    try:
-        store.register(
-            get_types_from_idl(text) if schema.encoding == "ros2idl" else get_types_from_msg(text, schema.name)
-        )
+        idl = schema.encoding == "ros2idl"
+        store.register(types.get_types_from_idl(text) if idl else types.get_types_from_msg(text, schema.name))
     except Exception as error:
         raise InputError(
             f"{path}: the schema of topic {channel.topic!r} cannot be read: {in_one_line(error)}"
         ) from error
-    if encoding == "cdr":
-        return lambda data: store.deserialize_cdr(data, schema.name)
-    return lambda data: store.deserialize_ros1(data, schema.name)
+    read = store.deserialize_cdr if encoding == "cdr" else store.deserialize_ros1
+    return lambda data: read(data, schema.name)
 
 
 MCAP = of_messages(_mcap)
@@ -443,15 +436,12 @@ def _rosbag(path: Path) -> Iterator[MessageLog]:
     Raises:
         InputError: it cannot be read, or the library is missing.
     """
-    try:
-        from rosbags.highlevel import AnyReader
-        from rosbags.typesys import Stores, get_typestore
-    except ImportError as error:
-        raise InputError(f"{path}: a bag needs rosbags: pip install 'scaloft-fi[records]'") from error
+    bags, types = (_library(path, f"rosbags.{name}", "a bag needs rosbags") for name in ("highlevel", "typesys"))
     _check_files(path)
     with ExitStack() as stack:
         try:
-            reader = stack.enter_context(AnyReader([path], default_typestore=get_typestore(Stores.LATEST)))
+            store = types.get_typestore(types.Stores.LATEST)
+            reader = stack.enter_context(bags.AnyReader([path], default_typestore=store))
         except Exception as error:
             raise damaged(path, error) from error
 
@@ -469,12 +459,9 @@ def _check_files(path: Path) -> None:
     Raises:
         InputError: there is such a file, or none at all.
     """
-    if is_folder(path):
-        files = sorted(path.iterdir())
-        if len(files) > MOST_FILES or path / "metadata.yaml" not in files:
-            raise InputError(f"{path}: a folder must be a rosbag2: a metadata.yaml and at most {MOST_FILES} files")
-    else:
-        files = [path]
+    files = sorted(path.iterdir()) if is_folder(path) else [path]
+    if is_folder(path) and (len(files) > MOST_FILES or path / "metadata.yaml" not in files):
+        raise InputError(f"{path}: a folder must be a rosbag2: a metadata.yaml and at most {MOST_FILES} files")
     for file in files:
         with opened(file):
             pass

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 from scaloft_fi.document import Item, is_folder, load
 from scaloft_fi.errors import Faults, InputError, did_you_mean
-from scaloft_fi.marks import MOST, Choices, Either, Examples, Reads, Size
+from scaloft_fi.marks import MOST, Called, Choices, Either, Examples, Given, Reads, Size
 from scaloft_fi.model import read, schema_of, value_of
 from scaloft_fi.registry import Registry
 from scaloft_fi.stack.messages import Array
@@ -140,9 +140,8 @@ RECORDS = Registry[RecordKind]("kind of record")
 RECORDS.promise(".csv", "scaloft_fi.outside.records.readers:TABLE")
 RECORDS.promise(".mcap", "scaloft_fi.outside.records.readers:MCAP")
 RECORDS.promise(".ulg", "scaloft_fi.outside.records.readers:ULOG")
-RECORDS.promise(".bag", "scaloft_fi.outside.records.readers:ROSBAG")
-RECORDS.promise(".db3", "scaloft_fi.outside.records.readers:ROSBAG")
-RECORDS.promise(FOLDER, "scaloft_fi.outside.records.readers:ROSBAG")
+for _ending in (".bag", ".db3", FOLDER):
+    RECORDS.promise(_ending, "scaloft_fi.outside.records.readers:ROSBAG")
 
 
 def kind_of(path: Path) -> RecordKind:
@@ -215,43 +214,6 @@ class Threshold:
 
     entry: MappedSignal
     least: float
-
-
-@dataclass(frozen=True)
-class RecordMap:
-    """Where the signals of a flight log stand in a record.
-
-    Attributes:
-        name: where the mapping stands, for errors.
-        timing: which time the values have.
-        signals: entry by name of the signal.
-        start, end: when the flight starts and ends; None = at the first and the last message of `x_m`.
-        altered, carried: how many samples a fault has altered, and how many its seam has carried, up to then.
-        loose: whether a record may lack signals of it.
-    """
-
-    name: str
-    timing: Timing
-    signals: Mapping[str, MappedSignal] = field(default_factory=dict)
-    start: Threshold | None = None
-    end: Threshold | None = None
-    altered: MappedSignal | None = None
-    carried: MappedSignal | None = None
-    loose: bool = False
-
-    def within(self, there: Collection[str]) -> RecordMap:
-        """The mapping without the signals that are not there, among the columns, or fields after their topics."""
-
-        def stands(source: SignalSource | None) -> bool:
-            return source is None or source.column in there or f"{source.topic}: {source.field}" in there
-
-        return replace(self, signals={name: entry for name, entry in self.signals.items() if stands(entry.source)})
-
-
-def own_map(signals: Sequence[str]) -> RecordMap:
-    """The mapping of the records that `replay --output` writes: every signal by its own name."""
-    entries = {name: MappedSignal(SignalSource(name, column=name, topic=OWN_TOPIC, field=name)) for name in signals}
-    return RecordMap("the mapping of our own records", Timing(column=OWN_TIME), entries, loose=True)
 
 
 @dataclass(frozen=True)
@@ -389,8 +351,17 @@ class TimeOfClock:
     clock: Annotated[str, Examples("/clock")]
 
 
+_WHERE = "{column: NAME} or {topic: NAME, field: PATH}"
+_STANDS = Either("{column: NAME}, {topic: NAME, field: PATH} or {constant: NUMBER}")
+_TIMES = Either("one of {column: NAME}, {message: received}, {message: stamp} and {clock: TOPIC}")
+
+
+def _told(form: Any, made: Callable[[str, Any], Any]) -> Reads:
+    """An entry in one of the forms of a mapping; `made` makes what is meant of its name and the form."""
+    return Reads(lambda item: made(item.name, value_of(form, item)), lambda _names: schema_of(form))
+
+
 def _entry(signal: str, stands: Column | Message | Constant) -> MappedSignal:
-    """Where a signal comes from."""
     if isinstance(stands, Constant):
         return MappedSignal(None, constant=float(stands.constant))
     if not isinstance(stands, _Converted):
@@ -400,58 +371,65 @@ def _entry(signal: str, stands: Column | Message | Constant) -> MappedSignal:
     return MappedSignal(stands.source(signal), factor, offset, unknown=unknown, keep=stands.keep)
 
 
-def _moment(name: str, stands: FromColumn | FromMessage | None) -> Threshold | None:
-    return Threshold(_entry(name, stands), stands.least) if stands else None
-
-
-def _count(name: str, stands: Column | Message | None) -> MappedSignal | None:
-    return replace(_entry(name, stands), unknown=0.0) if stands else None
-
-
-def _timing(item: Item) -> Timing:
-    """The time, by the form in which it is told.
-
-    Raises:
-        InputError: it is none of the forms.
-    """
-    told = value_of(_Time, item)
+def _timing(_name: str, told: TimeColumn | TimeOfMessages | TimeOfClock) -> Timing:
     if isinstance(told, TimeColumn):
         return Timing(column=told.column, unit_s=TIME_UNITS[told.unit])
     return Timing(clock=told.clock) if isinstance(told, TimeOfClock) else Timing(stamped=told.message == "stamp")
 
 
-_Time = Annotated[
-    TimeColumn | TimeOfMessages | TimeOfClock,
-    Either("one of {column: NAME}, {message: received}, {message: stamp} and {clock: TOPIC}"),
+Entry = Annotated[MappedSignal, _told(Annotated[SignalInColumn | SignalInMessage | Constant, _STANDS], _entry)]
+Moment = Annotated[
+    Threshold | None,
+    _told(
+        Annotated[FromColumn | FromMessage, Either(_WHERE)],
+        lambda name, stands: Threshold(_entry(name, stands), stands.least),
+    ),
 ]
-_WHERE = "{column: NAME} or {topic: NAME, field: PATH}"
-Begins = Annotated[FromColumn | FromMessage | None, Either(_WHERE)]
-Counted = Annotated[Column | Message | None, Either(_WHERE)]
-Stands = Annotated[
-    SignalInColumn | SignalInMessage | Constant,
-    Either("{column: NAME}, {topic: NAME, field: PATH} or {constant: NUMBER}"),
+Counted = Annotated[
+    MappedSignal | None,
+    _told(Annotated[Column | Message, Either(_WHERE)], lambda name, stands: replace(_entry(name, stands), unknown=0.0)),
 ]
 
 
 @dataclass(frozen=True)
-class RecordMapModel:
+class RecordMap:
     """Where the signals of the requirements stand in a record of a flight.
 
     Attributes:
+        name: where the mapping stands, for errors.
+        loose: whether a record may lack signals of it.
         signals: where the signals stand, by name; `scaloft-fi signals` says which follow from others.
-        time: which time the values have; left out: at which messages were received.
+        timing: which time the values have; left out: at which messages were received.
         start: when the flight starts: at the first message of at least `least`; left out: the first of x_m.
         end: when the flight ends: at the first message of at least `least`; left out: the last of x_m.
         altered: how many samples a fault has altered up to then.
         carried: how many samples the fault's seam has carried up to then.
     """
 
-    signals: Annotated[Mapping[str, Stands], Size(0, MOST)]
-    time: Annotated[Timing, Reads(_timing, lambda _names: schema_of(_Time))] = Timing()
-    start: Begins = None
-    end: Begins = None
+    name: Annotated[str, Given(lambda item: item.place.rpartition(":")[0])]
+    loose: Annotated[bool, Given(lambda _item: False)]
+    signals: Annotated[Mapping[str, Entry], Size(0, MOST)]
+    timing: Annotated[
+        Timing, Called("time"), _told(Annotated[TimeColumn | TimeOfMessages | TimeOfClock, _TIMES], _timing)
+    ] = Timing()
+    start: Moment = None
+    end: Moment = None
     altered: Counted = None
     carried: Counted = None
+
+    def within(self, there: Collection[str]) -> RecordMap:
+        """The mapping without the signals that are not there, among the columns, or fields after their topics."""
+
+        def stands(source: SignalSource | None) -> bool:
+            return source is None or source.column in there or f"{source.topic}: {source.field}" in there
+
+        return replace(self, signals={name: entry for name, entry in self.signals.items() if stands(entry.source)})
+
+
+def own_map(signals: Sequence[str]) -> RecordMap:
+    """The mapping of the records that `replay --output` writes: every signal by its own name."""
+    entries = {name: MappedSignal(SignalSource(name, column=name, topic=OWN_TOPIC, field=name)) for name in signals}
+    return RecordMap("the mapping of our own records", True, entries, Timing(column=OWN_TIME))
 
 
 def load_record_map(path: Path, signals: Sequence[str] | None = None) -> RecordMap:
@@ -464,23 +442,14 @@ def load_record_map(path: Path, signals: Sequence[str] | None = None) -> RecordM
     Raises:
         InputError: it is no such mapping; the message names file and line.
     """
-    document, faults = load(path), Faults()
-    model = None
+    document, faults, mapping = load(path), Faults(), None
     with faults.collecting():
-        model = read(RecordMapModel, document)
+        mapping = read(RecordMap, document)
     entries = document.mapping().get("signals")
     for name, item in (entries.mapping() if entries and isinstance(entries.value, dict) else {}).items():
         if signals is not None and name not in signals:
             hint = did_you_mean(name, signals)
             faults.add(InputError(f"{item.place}: {name!r} is no signal that this study knows{hint}"))
     faults.end()
-    assert model is not None
-    return RecordMap(
-        name=str(path),
-        timing=model.time,
-        signals={name: _entry(name, stands) for name, stands in model.signals.items()},
-        start=_moment("start", model.start),
-        end=_moment("end", model.end),
-        altered=_count("altered", model.altered),
-        carried=_count("carried", model.carried),
-    )
+    assert mapping is not None
+    return mapping

@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -60,35 +61,17 @@ class Derived:
     Attributes:
         needs: names of the others, by what is known of the flight.
         value: the signal (T,), from these and `elapsed_s`.
-        lacking: what must be known of the flight, in words; "" when it is known.
+        given: what must be known of the situation of the flight for it; None where it is not known.
     """
 
     needs: Callable[[Known], tuple[str, ...]]
-    value: Callable[[Signals, Known], Array]
-    lacking: Callable[[Known], str] = lambda _: ""
-
-
-def _remaining(signals: Signals, known: Known) -> Array:
-    assert known.limit_s is not None
-    return known.limit_s - signals["elapsed_s"]
-
-
-def _speed(signals: Signals, _: Known) -> Array:
-    return np.sqrt(signals["vx_mps"] ** 2 + signals["vy_mps"] ** 2 + signals["vz_mps"] ** 2)
-
-
-def _home(signals: Signals, known: Known) -> Array:
-    return np.hypot(signals["x_m"] - known.home[0], signals["y_m"] - known.home[1])
+    value: Callable[[Signals, Any], Array]
+    given: Callable[[Known], object] = lambda _: ""
 
 
 def _yaw(signals: Signals, _: Known) -> Array:
     x, y, z, w = (signals[name] for name in ("qx", "qy", "qz", "qw"))
     return np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-
-
-def _clearance(signals: Signals, known: Known) -> Array:
-    least: Array = np.min(np.array([signals[name] for name in _clearances(known)], np.float64), axis=0)
-    return least
 
 
 def _clearances(known: Known) -> tuple[str, ...]:
@@ -109,20 +92,25 @@ def _waypoints_left(signals: Signals, known: Known) -> Array:
     return np.array(left)
 
 
-def _situation(value: object) -> str:
-    return "" if value is not None else "the situation of the flight"
-
-
 DERIVED: Mapping[str, Derived] = MappingProxyType(
     {
-        "remaining_s": Derived(lambda _: (), _remaining, lambda known: _situation(known.limit_s)),
-        "speed_mps": Derived(lambda _: ("vx_mps", "vy_mps", "vz_mps"), _speed),
-        "home_m": Derived(lambda _: ("x_m", "y_m"), _home),
-        "yaw_rad": Derived(lambda _: ("qx", "qy", "qz", "qw"), _yaw),
-        "clearance_m": Derived(_clearances, _clearance),
-        "waypoints_left": Derived(
-            lambda _: ("x_m", "y_m", "z_m"), _waypoints_left, lambda known: _situation(known.route)
+        "remaining_s": Derived(
+            lambda _: (), lambda signals, known: known.limit_s - signals["elapsed_s"], lambda known: known.limit_s
         ),
+        "speed_mps": Derived(
+            lambda _: ("vx_mps", "vy_mps", "vz_mps"),
+            lambda signals, _: np.sqrt(signals["vx_mps"] ** 2 + signals["vy_mps"] ** 2 + signals["vz_mps"] ** 2),
+        ),
+        "home_m": Derived(
+            lambda _: ("x_m", "y_m"),
+            lambda signals, known: np.hypot(signals["x_m"] - known.home[0], signals["y_m"] - known.home[1]),
+        ),
+        "yaw_rad": Derived(lambda _: ("qx", "qy", "qz", "qw"), _yaw),
+        "clearance_m": Derived(
+            _clearances,
+            lambda signals, known: np.min(np.array([signals[name] for name in _clearances(known)], np.float64), axis=0),
+        ),
+        "waypoints_left": Derived(lambda _: ("x_m", "y_m", "z_m"), _waypoints_left, lambda known: known.route),
     }
 )
 """The derived signals by name."""
@@ -156,9 +144,8 @@ def sampled(path: Path, name: str, entry: MappedSignal, series: Series | None, s
     """
     if series is None:
         return np.full(len(at_s), entry.constant)
-    values = (
-        entry.factor * series.values + entry.offset if (entry.factor, entry.offset) != (1.0, 0.0) else series.values
-    )
+    plain = (entry.factor, entry.offset) == (1.0, 0.0)
+    values = series.values if plain else entry.factor * series.values + entry.offset
     until = np.searchsorted(series.times_s, start_s + at_s + NEAR_S, side="right")
     if until[0] == 0 and entry.unknown is None:
         first = f"its first message is at {series.times_s[0]:.3f} s" if len(values) else "it has no message"
@@ -175,13 +162,13 @@ def sampled(path: Path, name: str, entry: MappedSignal, series: Series | None, s
     return held
 
 
-def moment_s(path: Path, name: str, moment: Threshold, series: Series) -> float:
-    """When a moment comes [s].
+def moment_s(path: Path, name: str, moment: Threshold, series: Series, from_s: float = -math.inf) -> float:
+    """When a moment comes, at `from_s` or later [s].
 
     Raises:
         InputError: it never comes.
     """
-    reached = np.flatnonzero(series.values >= moment.least)
+    reached = np.flatnonzero((series.values >= moment.least) & (series.times_s >= from_s))
     if not len(reached):
         raise InputError(f"{path}: the {name} of the flight never comes: no message is at least {moment.least:g}")
     return float(series.times_s[reached[0]])
@@ -232,15 +219,32 @@ def flight_log(
     position = dict.fromkeys(PLACE, "the place of a violation")
     names = _direct(path, kind, mapping, known, {**position, **needed}, wanted)
     entries = {name: mapping.signals[name] for name in names}
-    series = _read(path, kind, mapping, entries)
+    moments = [moment.entry for moment in (mapping.start, mapping.end) if moment]
+    counted = [entry for entry in (mapping.altered, mapping.carried) if entry]
+    sources = [entry.source for entry in (*entries.values(), *moments, *counted) if entry.source is not None]
+    series = kind.read(path, list(dict.fromkeys(sources)), mapping.timing)
     start_s, end_s = _span(path, mapping, series)
     at_s = instants(path, start_s, end_s)
-    signals: dict[str, Array] = {"elapsed_s": at_s}
-    for name, entry in entries.items():
-        signals[name] = sampled(path, name, entry, _of(series, entry), start_s, at_s)
-    _derive(signals, mapping, known, {*PLACE, *needed, *wanted})
+
+    def of(name: str, entry: MappedSignal) -> Array:
+        return sampled(path, name, entry, series[entry.source] if entry.source else None, start_s, at_s)
+
+    signals: dict[str, Array] = {"elapsed_s": at_s} | {name: of(name, entry) for name, entry in entries.items()}
+    # contacts end the log, so they are asked for always
+    for name in sorted({*PLACE, *needed, *wanted, CLEARANCE} - signals.keys()):
+        if name in DERIVED and not lacking(mapping, known, name):
+            signals[name] = DERIVED[name].value(signals, known)
     ending, last = _ending(signals)
-    signals = {name: _frozen(values[: last + 1]) for name, values in signals.items()}
+    signals = {name: np.ascontiguousarray(values[: last + 1]) for name, values in signals.items()}
+    for values in signals.values():
+        values.setflags(write=False)
+    counts: dict[str, Count] = {}
+    if mapping.altered is not None:
+        altered = of("altered", mapping.altered)[: last + 1]
+        carried = altered if mapping.carried is None else of("carried", mapping.carried)[: last + 1]
+        first, count = np.flatnonzero(altered > 0.0), int(altered[-1])
+        first_s = float(at_s[first[0]]) if len(first) else None
+        counts["record"] = RecordCount(max(int(carried[-1]), count), count, first_s)
     struck = _struck(signals, known) if ending is Ending.STRUCK else ""
     return FlightLog(
         signals=signals,
@@ -248,7 +252,7 @@ def flight_log(
         struck=struck,
         struck_at_s=float(signals["elapsed_s"][-1]) if ending is Ending.STRUCK else NEVER_S,
         stack_error="",
-        counts=_counts(path, mapping, series, start_s, signals["elapsed_s"]),
+        counts=counts,
         t_max_s=known.limit_s if known.limit_s is not None else float(signals["elapsed_s"][-1]),
         beliefs=tuple(name for name in signals if name in beliefs),
     )
@@ -261,7 +265,8 @@ def lacking(mapping: RecordMap, known: Known, name: str) -> str:
     derived = DERIVED.get(name)
     if derived is None:
         return f"{mapping.name} maps no signal {name!r}"
-    if unknown := derived.lacking(known):
+    if derived.given(known) is None:
+        unknown = "the situation of the flight"
         return f"{mapping.name} maps no signal {name!r}, which follows from {unknown} where that is known"
     lost = next((need for need in derived.needs(known) if need not in mapping.signals), None)
     return f"{mapping.name} maps neither signal {name!r} nor {lost!r}, from which it follows" if lost else ""
@@ -285,42 +290,18 @@ def _direct(
     return [name for name in names if name != "elapsed_s"]
 
 
-def _read(
-    path: Path, kind: RecordKind, mapping: RecordMap, entries: Mapping[str, MappedSignal]
-) -> Mapping[SignalSource, Series]:
-    moments = [moment.entry for moment in (mapping.start, mapping.end) if moment]
-    counts = [entry for entry in (mapping.altered, mapping.carried) if entry]
-    sources = [entry.source for entry in (*entries.values(), *moments, *counts) if entry.source is not None]
-    return kind.read(path, list(dict.fromkeys(sources)), mapping.timing)
-
-
-def _of(series: Mapping[SignalSource, Series], entry: MappedSignal) -> Series | None:
-    return None if entry.source is None else series[entry.source]
-
-
 def _span(path: Path, mapping: RecordMap, series: Mapping[SignalSource, Series]) -> tuple[float, float]:
     """Start and end of the flight [s]."""
-    track = _of(series, mapping.signals["x_m"])
-    if track is None or not len(track.times_s):
+    source = mapping.signals["x_m"].source
+    if source is None or not len(series[source].times_s):
         raise InputError(f"{path}: signal 'x_m' has no message, so the flight has no start")
-    start_s, end_s = float(track.times_s[0]), float(track.times_s[-1])
+    times_s = series[source].times_s
+    start_s, end_s = float(times_s[0]), float(times_s[-1])
     if mapping.start and mapping.start.entry.source:
         start_s = moment_s(path, "start", mapping.start, series[mapping.start.entry.source])
     if mapping.end and mapping.end.entry.source:
-        end_s = moment_s(path, "end", mapping.end, _after(series[mapping.end.entry.source], start_s))
+        end_s = moment_s(path, "end", mapping.end, series[mapping.end.entry.source], start_s)
     return start_s, end_s
-
-
-def _after(series: Series, start_s: float) -> Series:
-    later = series.times_s >= start_s
-    return Series(series.times_s[later], series.values[later])
-
-
-def _derive(signals: dict[str, Array], mapping: RecordMap, known: Known, asked: Collection[str]) -> None:
-    """Add the signals that follow from others; contacts and touch-down end the log, so they are asked for always."""
-    for name in sorted({*asked, CLEARANCE} - signals.keys()):
-        if name in DERIVED and not lacking(mapping, known, name):
-            signals[name] = DERIVED[name].value(signals, known)
 
 
 def _ending(signals: Mapping[str, Array]) -> tuple[Ending, int]:
@@ -343,26 +324,6 @@ def _struck(signals: Mapping[str, Array], known: Known) -> str:
     there = [name for name in known.surfaces if clearance_name(name) in signals]
     nearest = min(there, key=lambda name: float(signals[clearance_name(name)][-1]), default="")
     return nearest if nearest and signals[clearance_name(nearest)][-1] <= 0.0 else ""
-
-
-def _counts(
-    path: Path, mapping: RecordMap, series: Mapping[SignalSource, Series], start_s: float, at_s: Array
-) -> dict[str, Count]:
-    if mapping.altered is None:
-        return {}
-    altered = sampled(path, "altered", mapping.altered, _of(series, mapping.altered), start_s, at_s)
-    carried = altered
-    if mapping.carried is not None:
-        carried = sampled(path, "carried", mapping.carried, _of(series, mapping.carried), start_s, at_s)
-    first = np.flatnonzero(altered > 0.0)
-    count = int(altered[-1])
-    return {"record": RecordCount(max(int(carried[-1]), count), count, float(at_s[first[0]]) if len(first) else None)}
-
-
-def _frozen(values: Array) -> Array:
-    frozen = np.ascontiguousarray(values)
-    frozen.setflags(write=False)
-    return frozen
 
 
 def names_of(path: Path) -> Sequence[str]:
