@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Literal, Protocol
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from scaloft_fi.document import Item, is_folder, is_there, load
 from scaloft_fi.errors import Faults, InputError, did_you_mean
@@ -29,6 +29,9 @@ from scaloft_fi.hazop.matrix import (
 from scaloft_fi.marks import ByName, Choices, Either, Examples, Pattern, Size
 from scaloft_fi.model import value_of
 
+if TYPE_CHECKING:
+    from scaloft_fi.stack.declaration import Seam
+
 FOLDERS = ("hazop", "mutants", "sim")
 _PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -39,20 +42,15 @@ def find_study(path: Path | str | None = None) -> Path:
     Raises:
         InputError: `path` is not a study, or no study exists in any of these places.
     """
+    allowed = "a folder with hazop/, mutants/ and sim/"
     if path is not None:
-        lacking = [f"{name}/" for name in FOLDERS if not is_folder(Path(path) / name)]
-        if lacking:
-            allowed = "a folder with hazop/, mutants/ and sim/"
+        if lacking := [f"{name}/" for name in FOLDERS if not is_folder(Path(path) / name)]:
             raise InputError(f"--study={str(path)!r} must be {allowed}; it lacks {', '.join(lacking)}")
         return Path(path)
     here = _here()
-    near = nearest_study(here)
-    if near is not None:
-        return near
     try:
-        return reference_study()
+        return nearest_study(here) or reference_study()
     except InputError as error:
-        allowed = "a folder with hazop/, mutants/ and sim/"
         raise InputError(f"no study in {here} or above it: {allowed}; name one with --study") from error
 
 
@@ -92,17 +90,7 @@ def _here() -> Path:
         ) from error
 
 
-class Carrier(Protocol):
-    """The part of a seam that the matrix needs."""
-
-    @property
-    def message(self) -> type:
-        """Type of the seam's samples."""
-        ...
-
-
-Seams = Mapping[str, Carrier]
-
+Seams = Mapping[str, "Seam"]
 SHEETS = "matrix"
 """Folder of the files of cells, one for each parameter."""
 GUIDEWORD, PARAMETER = "[A-Z][A-Z0-9]*", "[a-z][a-z0-9_]*"
@@ -237,11 +225,10 @@ def load_cells(
         InputError: a guideword is unknown, a guideword has no cell, a key of a cell is missing or not allowed.
     """
     sheet, faults, cells = load(path), Faults(), list[tuple[Cell, SeverityClass | None]]()
-    ids = [word.id for word in guidewords]
-    faults.add(*misnamed_cells(sheet, ids))
-    for word in ids:
+    faults.add(*misnamed_cells(sheet, [word.id for word in guidewords]))
+    for word in guidewords:
         with faults.collecting():
-            cells.append(read_cell(sheet, word, path.stem, seams, classes))
+            cells.append(read_cell(sheet, word.id, path.stem, seams, classes))
     faults.end()
     return tuple(cells)
 
@@ -263,9 +250,9 @@ def read_cell(
     """
     item = sheet.get(guideword)
     if item is None or item.value is None:
-        place, name = (item or sheet).place, f"{guideword}-{parameter}"
+        blank = f"the cell {guideword}-{parameter} is blank"
         raise InputError(
-            f"{place}: the cell {name} is blank; it must be credible, a control, or not_meaningful with a reason"
+            f"{(item or sheet).place}: {blank}; it must be credible, a control, or not_meaningful with a reason"
         )
     names = {"classes": [one.id for one in classes], **({"seams": sorted(seams)} if seams else {})}
     model: NotMeaningful | Tested = value_of(CellModel, item, names)
@@ -278,17 +265,5 @@ def read_cell(
     faults = model.faults
     if seams is not None:
         faults = tuple(replace(fault, message=seams[fault.seam].message) for fault in faults)
-    cell = Cell(
-        guideword,
-        parameter,
-        status,
-        deviation=model.deviation,
-        causes=model.causes,
-        effect=model.effect,
-        requirements=model.requirements,
-        faults=faults,
-        predicted=model.predicted,
-        place=item.place,
-        requirements_place=item.need("requirements").place,
-    )
-    return cell, severity
+    told = model.deviation, model.causes, model.effect, model.requirements, faults, "", model.predicted
+    return Cell(guideword, parameter, status, *told, item.place, item.need("requirements").place), severity

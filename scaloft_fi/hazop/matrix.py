@@ -5,6 +5,7 @@ SeverityClass orders and groups.  It enters no ratio and no verdict.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
@@ -132,12 +133,7 @@ def worst_first(entries: Iterable[Entry], severity: Callable[[Entry], SeverityCl
     >>> worst_first("ba", {"a": SeverityClass(0, "injury", "", "")}.get)
     ['a', 'b']
     """
-
-    def place(entry: Entry) -> tuple[bool, int]:
-        found = severity(entry)
-        return found is None, found.rank if found else 0
-
-    return sorted(entries, key=place)
+    return sorted(entries, key=lambda entry: found.rank if (found := severity(entry)) else math.inf)
 
 
 def class_of(severity: SeverityClass | None) -> str:
@@ -280,10 +276,6 @@ class Expected:
     status: Annotated[Literal["not_infected"], Needed()] = "not_infected"
     place: Place = field(default="", compare=False)
 
-    def holds_for(self, rung: Rung | None) -> bool:
-        """Whether the expectation holds for this magnitude (None when the fault has no ladder)."""
-        return not self.magnitudes or rung in self.magnitudes
-
 
 @dataclass(frozen=True)
 class Fault:
@@ -356,6 +348,10 @@ class Fault:
             return ()
         return tuple(name for name, why_not in self.events.items() if not why_not)
 
+    def strikes(self, rung: Rung | None) -> list[tuple[float, str]]:
+        """When the catalogue has the fault strike at this magnitude: phase [s] and event, the unshifted one first."""
+        return [(phase_s, "") for phase_s in self.phases_s(rung)] + [(0.0, name) for name in self.events_of(rung)]
+
     def period_s(self, rung: Rung | None) -> float | None:
         """Return the period of the fault, or the moment of a fault that happens once [s]; None without phases."""
         if not self.phases:
@@ -367,7 +363,8 @@ class Fault:
 
     def expects(self, rung: Rung | None) -> Expected | None:
         """Return the expectation that holds for this magnitude, or None."""
-        return self.expected if self.expected is not None and self.expected.holds_for(rung) else None
+        expected = self.expected
+        return expected if expected and (not expected.magnitudes or rung in expected.magnitudes) else None
 
 
 @dataclass(frozen=True)
@@ -431,8 +428,7 @@ class Cell:
         ('UNINTENDED-collision@20s', 'UNINTENDED-collision@20s#5s')
         """
         magnitude = "" if fault.magnitude is None or rung is None else fault.magnitude.text(rung)
-        phases = [(phase_s, "") for phase_s in fault.phases_s(rung)] + [(0.0, name) for name in fault.events_of(rung)]
-        return tuple(str(Name(self.guideword, self.parameter, magnitude, *phase)) for phase in phases)
+        return tuple(str(Name(self.guideword, self.parameter, magnitude, *when)) for when in fault.strikes(rung))
 
 
 def worse(magnitude: Magnitude) -> Worse:
@@ -506,8 +502,8 @@ class Matrix:
 
     def __post_init__(self) -> None:
         keys = {(word.id, parameter.id) for word in self.guidewords for parameter in self.parameters}
-        if keys != set(self.cells):
-            raise ValueError(f"the matrix is not total: {sorted(keys ^ set(self.cells))}")
+        if wrong := keys ^ set(self.cells):
+            raise ValueError(f"the matrix is not total: {sorted(wrong)}")
         for key, cell in self.cells.items():
             if key != (cell.guideword, cell.parameter):
                 raise ValueError(f"{cell.name} stands under {key}")
@@ -549,13 +545,13 @@ class Matrix:
         """
         words = tuple(word for word in self.guidewords if word.id in guidewords or not guidewords)
         kept = tuple(parameter for parameter in self.parameters if parameter.id in parameters or not parameters)
-        _all_known("guideword", guidewords, [word.id for word in self.guidewords])
-        _all_known("parameter", parameters, [parameter.id for parameter in self.parameters])
+        for noun, names, known in (
+            ("guideword", guidewords, self.guidewords),
+            ("parameter", parameters, self.parameters),
+        ):
+            ids = [one.id for one in known]
+            for name in names:
+                if name not in ids:
+                    raise InputError(f"no {noun} {name!r}{did_you_mean(name, ids)}")
         cells = {(w.id, p.id): self.cells[w.id, p.id] for w in words for p in kept}
         return replace(self, guidewords=words, parameters=kept, cells=cells)
-
-
-def _all_known(noun: str, names: Collection[str], known: Collection[str]) -> None:
-    for name in names:
-        if name not in known:
-            raise InputError(f"no {noun} {name!r}{did_you_mean(name, known)}")

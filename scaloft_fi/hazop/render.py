@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from scaloft_fi.console import wrapped
-from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix, Rung
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix
 
 LEGEND = (
     "3s       credible: can happen, and is flown at this default magnitude",
@@ -164,15 +164,13 @@ def expectation(fault: Fault) -> str:
 
 def mutant_lines(cell: Cell, fault: Fault) -> list[str]:
     """List the mutants of a fault; the default of the cell has a star.  With phases each magnitude has its own line."""
-    lines = [_starred(cell, fault, rung) for rung in fault.rungs]
+    lines = []
+    for rung in fault.rungs:
+        first, *shifted = cell.mutant_ids(fault, rung)
+        default = fault is cell.faults[0] and (fault.magnitude is None or rung == fault.magnitude.default)
+        more = f" and {', '.join('#' + name.split('#')[1] for name in shifted)}" if shifted else ""
+        lines.append(f"{first}{'*' if default else ''}{more}")
     return lines if fault.phases else [", ".join(lines)]
-
-
-def _starred(cell: Cell, fault: Fault, rung: Rung | None) -> str:
-    first, *shifted = cell.mutant_ids(fault, rung)
-    default = fault.magnitude is None or rung == fault.magnitude.default
-    star = "*" if default and fault is cell.faults[0] else ""
-    return f"{first}{star}" + (f" and {', '.join('#' + name.split('#')[1] for name in shifted)}" if shifted else "")
 
 
 def yaml_text(value: object) -> str:

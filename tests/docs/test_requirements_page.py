@@ -39,10 +39,7 @@ FLIGHTS: Mapping[str, tuple[Told, Told]] = {
     "PERSON": ({"clearance_person_m": 0.4}, {"clearance_person_m": 0.6}),
     "SPEED": ({"speed_mps": 1.3}, {"speed_mps": 1.1}),
     "SLOW": ({"person_sight_m": 2.0}, {"person_sight_m": 2.0, "speed_mps": 0.2}),
-    "SLOW_SOON": (
-        {"person_sight_m": 2.0},
-        {"person_sight_m": 2.0, "speed_mps": _until(1.5, 0.5, 0.2)},
-    ),
+    "SLOW_SOON": ({"person_sight_m": 2.0}, {"person_sight_m": 2.0, "speed_mps": _until(1.5, 0.5, 0.2)}),
     "REACTS": (
         {"person_sight_m": _until(3.5, 2.0, 100.0)},
         {"person_sight_m": 2.0, "speed_mps": lambda t_s: 0.2 if 1.0 < t_s % 2.5 < 1.2 else 0.5},
