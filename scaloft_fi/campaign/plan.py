@@ -227,7 +227,12 @@ def together(flights: Sequence[Flight], weight_s: Callable[[Flight], float], job
     """
     batches = alone(flight for flight in flights if flight.mutant == PLACEBO)
     sharing: list[tuple[float, Flight, list[Flight]]] = []
-    for baseline, mutants in _by_baseline(flights).items():
+    draws: dict[Flight, list[Flight]] = {}
+    for flight in flights:
+        if flight.mutant != PLACEBO:  # which shares no baseline
+            theirs = draws.setdefault(Flight(None, flight.situation, flight.seed), [])
+            theirs += [flight] if flight.mutant is not None else []
+    for baseline, mutants in draws.items():
         if len(mutants) == 1 and baseline not in flights:  # the baseline would cost more than it saves
             batches += alone(mutants)
         else:
@@ -243,14 +248,3 @@ def together(flights: Sequence[Flight], weight_s: Callable[[Flight], float], job
         batches += [Batch((baseline, *mutants[piece::pieces]), shared=True) for piece in range(pieces)]
         left_s -= own_s
     return sorted(batches, key=whole_s, reverse=True)
-
-
-def _by_baseline(flights: Iterable[Flight]) -> dict[Flight, list[Flight]]:
-    """The mutants by their baseline, without PLACEBO, which shares no baseline."""
-    draws: dict[Flight, list[Flight]] = {}
-    for flight in flights:
-        if flight.mutant != PLACEBO:
-            mutants = draws.setdefault(Flight(None, flight.situation, flight.seed), [])
-            if flight.mutant is not None:
-                mutants.append(flight)
-    return draws

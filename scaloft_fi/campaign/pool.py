@@ -9,7 +9,6 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import islice
 from multiprocessing.connection import wait as wait_for
-from types import TracebackType
 from typing import Generic, TypeVar
 
 from scaloft_fi.campaign.processes import ATTEMPTS, PATIENCE_S, Start, Started, forked
@@ -82,9 +81,7 @@ class ProcessPool(Generic[TaskT, ResultT]):
     def __enter__(self) -> ProcessPool[TaskT, ResultT]:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:

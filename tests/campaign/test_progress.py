@@ -55,42 +55,17 @@ def _advance(progress: Progress, flown_s: float) -> None:
     progress.advance()
 
 
-def test_time_left_is_weighted_by_expected_flight_time() -> None:
+def test_time_left_and_what_more_would_take_follow_from_the_pace_of_expected_flight_time() -> None:
     progress, clock = _progress(io.StringIO())
-    clock.now_s += 6.0
-    _advance(progress, 100.0)
-    assert progress.time_left_s == pytest.approx(18.0)
-
-
-def test_the_pace_so_far_says_how_long_more_would_take() -> None:
-    progress, clock = _progress(io.StringIO())
-    assert progress.wall_s(50.0) is None
-    clock.now_s += 6.0
-    _advance(progress, 100.0)
-    assert progress.wall_s(50.0) == pytest.approx(3.0)
-
-
-def test_a_budget_bounds_the_time_left() -> None:
-    progress, clock = _progress(io.StringIO())
-    progress.most_s = lambda: 5.0
-    clock.now_s += 6.0
-    _advance(progress, 100.0)
-    assert progress.time_left_s == 5.0
-
-
-def test_the_clock_starts_with_the_first_flight_and_only_then() -> None:
-    progress, clock = _progress(io.StringIO())
+    assert (progress.time_left_s, progress.wall_s(50.0)) == (None, None)
     clock.now_s += 60.0
-    progress.start()
+    progress.start()  # with the first flight
     clock.now_s += 6.0
     _advance(progress, 100.0)
     progress.start()
-    assert progress.time_left_s == pytest.approx(18.0)
-
-
-def test_time_left_is_unknown_before_the_first_flight() -> None:
-    progress, _ = _progress(io.StringIO())
-    assert progress.time_left_s is None
+    assert (progress.time_left_s, progress.wall_s(50.0)) == (pytest.approx(18.0), pytest.approx(3.0))
+    progress.most_s = lambda: 5.0  # a budget
+    assert progress.time_left_s == 5.0
 
 
 def test_without_a_terminal_there_is_one_line_every_ten_seconds() -> None:
@@ -191,19 +166,15 @@ def test_without_a_terminal_nothing_is_tallied() -> None:
     _advance(progress, 1.0)
 
 
-def test_the_end_leaves_a_summary() -> None:
+def test_the_end_leaves_a_summary_unless_nothing_was_flown() -> None:
     stream = io.StringIO()
     progress, clock = _progress(stream)
+    progress.close()
+    assert stream.getvalue() == ""
     clock.now_s += 4.0
     _advance(progress, 40.0)
     progress.close()
     assert stream.getvalue() == "1 of 10 flights flown in 4 s, 0.2 a second\n"
-
-
-def test_nothing_to_fly_says_nothing() -> None:
-    stream = io.StringIO()
-    Progress(stream=stream).close()
-    assert stream.getvalue() == ""
 
 
 def test_quiet_shows_nothing_at_all() -> None:

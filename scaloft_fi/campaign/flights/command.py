@@ -83,7 +83,7 @@ def command_log(study: Study, command: FlightCommand, flight: Flight, wire: Wire
         finally:
             relays.close()
         try:
-            log = _read(study, _record_in(folder, command), mapping, known)
+            log = _read(study, folder, command, mapping, known)
         except InputError as error:
             raise CommandError(f"its record: {error}") from error
     carried = getattr(wire, "counts", {}) if command.relays else {}
@@ -122,21 +122,17 @@ def values_of(study: Study, flight: Flight, folder: Path, command: FlightCommand
     }
 
 
-def _record_in(folder: Path, command: FlightCommand) -> Path:
-    """The record that the command wrote.
+def _read(study: Study, folder: Path, command: FlightCommand, mapping: RecordMap, known: Known) -> FlightLog:
+    """The log of the record that the command wrote.
 
     Raises:
-        InputError: there is none, or more than one fits.
+        InputError: there is none, or more than one fits, or it cannot be read.
     """
     found = sorted(folder.glob(command.record))
     if len(found) != 1:
         raise InputError(f"{len(found)} files {command.record!r} must be 1: the command writes it to {{record}}")
-    return found[0]
-
-
-def _read(study: Study, path: Path, mapping: RecordMap, known: Known) -> FlightLog:
     log = flight_log(
-        path, mapping, known, needed=needs_of(study), wanted=mapping.signals, beliefs=study.stack.belief_names
+        found[0], mapping, known, needed=needs_of(study), wanted=mapping.signals, beliefs=study.stack.belief_names
     )
     count = len(log.signals["elapsed_s"])
     far = {name: np.full(count, value) for name, value in FAR.items() if name not in log.signals}

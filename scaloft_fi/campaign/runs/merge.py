@@ -69,7 +69,10 @@ def merge(study: Study, folder: Path, sources: Sequence[Path], *, same_platform:
         target.set_meta(joined.own or fingerprint())
         target.set_notes({name: text for name, text in notes.items() if not is_pair_note(name)})
         target.plan(flight for flight in plans if flight.key not in dropped)
-        joined.claim_pairs()
+        now = Platforms(target)  # the platforms of the pairs of situation and seed
+        for theirs in {tuple(sorted(platform.items())): platform for platform in joined.pairs.values()}.values():
+            pairs = [pair for pair, platform in joined.pairs.items() if platform == theirs]
+            claim(target, [pair for pair in pairs if not now.equal(now.of(pair), theirs)], theirs)
         for path in stores:
             with Store(path, create=False) as source:
                 keys = [key for key, where in joined.taken.items() if where == path and key not in dropped]
@@ -85,17 +88,18 @@ class _Joined:
         rows: outcomes by key.
         taken: path of the store from which an outcome comes, by key; without those of the merged campaign itself.
         own: platform of the merged campaign.
+        pairs: platforms by situation and seed.
     """
 
     def __init__(self, study: Study, target: Store, folder: Path, *, same_platform: bool) -> None:
-        self._study, self._target, self._folder, self._same_platform = study, target, folder, same_platform
+        self._study, self._folder, self._same_platform = study, folder, same_platform
         self.rows, self.taken = dict(target.keyed()), dict[str, Path]()
         self._noisy = not study.stack.deterministic
         self._known = Platforms(target)
         self.own = self._known.own
         self._apart = {flight.key for flight in set_apart(target)}
         self._current = {outcome.name: outcome for outcome in current_in(study, target)}
-        self._pairs = {_pair(o): self._known.of(_pair(o)) for o in self._current.values() if not o.invalid}
+        self.pairs = {_pair(o): self._known.of(_pair(o)) for o in self._current.values() if not o.invalid}
 
     @property
     def valid(self) -> set[str]:
@@ -115,7 +119,7 @@ class _Joined:
         other = {
             pair: theirs
             for pair, theirs in pairs.items()
-            if pair in self._pairs and not self._equal(self._pairs[pair], theirs, known)
+            if pair in self.pairs and not self._equal(self.pairs[pair], theirs, known)
         }
         for key, outcome in rows.items():
             if _pair(outcome) not in other:
@@ -133,15 +137,8 @@ class _Joined:
             if _pair(outcome) not in kept and (key not in self.rows or self.rows[key].invalid):
                 self.rows[key], self.taken[key] = outcome, path
         self._current |= {o.name: o for o in current if _pair(o) not in kept and not self._has(o)}
-        self._pairs = pairs | self._pairs
+        self.pairs = pairs | self.pairs
         return warnings
-
-    def claim_pairs(self) -> None:
-        """Record the platforms of the pairs of situation and seed in the merged campaign."""
-        now = Platforms(self._target)
-        for theirs in {tuple(sorted(platform.items())): platform for platform in self._pairs.values()}.values():
-            pairs = [pair for pair, platform in self._pairs.items() if platform == theirs]
-            claim(self._target, [pair for pair in pairs if not now.equal(now.of(pair), theirs)], theirs)
 
     def _has(self, outcome: Outcome) -> bool:
         return outcome.name in self._current and not self._current[outcome.name].invalid
@@ -164,7 +161,7 @@ class _Joined:
     ) -> list[str]:
         """Compare the flights of a store with those of other platforms that the merged campaign has."""
         flown = [(self.own, theirs) for theirs, _ in known.by_platform(current)]
-        flown += [(self._pairs[pair], theirs) for pair, theirs in other.items()]
+        flown += [(self.pairs[pair], theirs) for pair, theirs in other.items()]
         changed = {", ".join(differences(ours, theirs)) for ours, theirs in flown} - {""}
         if not changed:
             return []

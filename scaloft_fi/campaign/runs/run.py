@@ -514,7 +514,10 @@ def opened(
     stopped = Flag()
     flies = flyer or (Commanded() if study.command else Physics())
     with executor.workers(study, flies, stop=stopped, say=progress.line) as workers:
-        if not _all_flown(study, first, folder / STORE_NAME):
+        with read_store(folder / STORE_NAME) as known:
+            keys = set(map(Keys(study).key, first))
+            all_flown = known is not None and known.known(keys) == keys
+        if not all_flown:
             workers.ready()  # may take half a minute in compilers, which poll no flag: a signal ends it at once
         with interruptible(stopped), Store(writable(folder) / STORE_NAME, say=progress.line) as store:
             remember_grid(store, study)
@@ -523,13 +526,6 @@ def opened(
             )
             yield Run(study, folder, store, workers, progress, options, stopped)
             store.confirm()
-
-
-def _all_flown(study: Study, flights: Iterable[Flight], path: Path) -> bool:
-    """Whether the store at `path` has all of `flights`; the store need not exist."""
-    with read_store(path) as store:
-        keys = set(map(Keys(study).key, flights))
-        return store is not None and store.known(keys) == keys
 
 
 def _pair(flight: Flight) -> Pair:

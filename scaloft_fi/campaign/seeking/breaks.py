@@ -34,7 +34,7 @@ from scaloft_fi.campaign.seeking.finds import (
     searching,
     words_of,
 )
-from scaloft_fi.campaign.seeking.proposals import OPENING, Flyable, Proposal, Proposals, draws
+from scaloft_fi.campaign.seeking.proposals import OPENING, Proposal, Proposals, draws, flyable
 from scaloft_fi.campaign.seeking.seek import GENERATION
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
@@ -145,7 +145,7 @@ def seek_breaks(
         Interrupted: the user stopped the search; all outcomes and finds are saved.
         ScaloftError: a claim of the stack fails.
     """
-    possible = Flyable(study)
+    possible = partial(flyable, study)
     safety = [one.name for one in study.requirements if one.kind is Kind.SAFETY]
     proposals = {name: Proposals(study.grid, possible, seed, f"{BASELINE} {name}") for name in safety}
     drawn = draws(study.grid, seed, possible)

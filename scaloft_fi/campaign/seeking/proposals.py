@@ -69,11 +69,6 @@ class Proposer(Protocol):
         """The least distance so far."""
         ...
 
-    @property
-    def count(self) -> int:
-        """Situations flown so far."""
-        ...
-
     def ask(self, count: int) -> list[Proposal]:
         """The next situations, none of them flown for the mutant before."""
         ...
@@ -89,19 +84,13 @@ Opening = Callable[["Grid", int, Possible], Iterable[Proposal]]
 """Makes the situations that are flown for every mutant first, from the grid, the seed and what can be flown."""
 
 
-class Flyable:
+def flyable(study: Study, situation: Situation) -> bool:
     """Whether a situation can be flown: its world is possible and its mission not too long."""
-
-    def __init__(self, study: Study) -> None:
-        self._study = study
-
-    def __call__(self, situation: Situation) -> bool:
-        """Whether it can."""
-        try:
-            self._study.scenario(situation)
-        except InputError:
-            return False
-        return True
+    try:
+        study.scenario(situation)
+    except InputError:
+        return False
+    return True
 
 
 class Proposals:
@@ -172,11 +161,6 @@ class Proposals:
     def situations(self) -> tuple[Situation, ...]:
         """The situations so far, in the order in which they were told."""
         return tuple(self._known)
-
-    @property
-    def count(self) -> int:
-        """Situations flown so far."""
-        return len(self._known)
 
 
 def opening(grid: Grid, seed: int, possible: Possible) -> Iterator[Proposal]:

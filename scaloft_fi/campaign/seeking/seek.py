@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -43,7 +44,7 @@ from scaloft_fi.campaign.seeking.finds import (
     searching,
     words_of,
 )
-from scaloft_fi.campaign.seeking.proposals import Flyable, MakeProposer, Opening, Proposal, Proposals, Proposer, opening
+from scaloft_fi.campaign.seeking.proposals import MakeProposer, Opening, Proposal, Proposals, Proposer, flyable, opening
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.sim.found import Evidence, Find
 from scaloft_fi.study import Study
@@ -255,7 +256,7 @@ def seek(
         InputError: Optuna is missing, the folder or the store cannot be written, or the study cannot be flown.
         Interrupted: the user stopped the search; all outcomes and finds are saved.
     """
-    possible = Flyable(study)
+    possible = partial(flyable, study)
     quests = [Quest(mutant, proposer(study.grid, possible, seed, mutant.id), shrinks=shrinks) for mutant in mutants]
     opened_with = list(first(study.grid, seed, possible))
     flown_first = [Flight(None, one.situation, SEEN_ON[0]) for one in opened_with]

@@ -13,7 +13,7 @@ from sys import intern
 from typing import Any, Generic, NamedTuple, NoReturn, TypeVar
 
 from scaloft_fi.campaign.store.origin import Origin
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, shown
 from scaloft_fi.judge.outcome import Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 
@@ -31,8 +31,6 @@ MOST_COUNT = 2**53
 """Greatest count that every JSON reader keeps exactly."""
 _MOST_DIGITS = 15
 """Greatest length of a whole number in JSON, below `MOST_COUNT`."""
-_SHOWN = 80
-"""Characters of a value that a message shows."""
 
 
 class BadCellError(ValueError):
@@ -63,14 +61,6 @@ class TooLargeError(Exception):
             f"table {table} has more {what} than the limit for {most_flights()} flights; "
             f"the environment variable {MOST_FLIGHTS} raises the limit"
         )
-
-
-def shown(value: object) -> str:
-    """A value in a message: one line, escaped, shortened."""
-    if isinstance(value, str | bytes):
-        text = ascii(value[:_SHOWN])
-        return text if len(value) <= _SHOWN else f"{text}... ({len(value)} long)"
-    return repr(value)
 
 
 def most_flights() -> int:

@@ -16,7 +16,6 @@ from operator import itemgetter
 from pathlib import Path
 from sys import intern
 from threading import Timer
-from types import TracebackType
 from typing import Any, NamedTuple, TypeVar
 
 from scaloft_fi.campaign.store.origin import Origin
@@ -36,10 +35,9 @@ from scaloft_fi.campaign.store.record import (
     check_rows,
     decoded,
     most_flights,
-    shown,
     to_row,
 )
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, shown
 from scaloft_fi.judge.outcome import Outcome
 
 MOST_CELL_BYTES = 65_536
@@ -231,7 +229,7 @@ class Place:
     def __init__(self, path: Path) -> None:
         self.path = path.absolute()
         names = str(self.path), str(log_of(self.path))
-        self._open = {name: _identity(os.stat(name)) for name in names if os.path.exists(name)}  # noqa: PTH110, PTH116 - fast
+        self._open = {name: os.stat(name) for name in names if os.path.exists(name)}  # noqa: PTH110, PTH116 - fast
         self._size = 0
 
     def lost(self) -> str:
@@ -243,17 +241,13 @@ class Place:
                 return f"{os.path.basename(name)} was removed or renamed"  # noqa: PTH119
             except OSError as error:
                 return f"{os.path.basename(name)} cannot be reached ({error.strerror})"  # noqa: PTH119
-            if _identity(state) != known:
+            if not os.path.samestat(state, known):
                 return f"{os.path.basename(name)} was replaced by another file"  # noqa: PTH119
             if name == str(self.path):
                 if state.st_size < self._size:
                     return f"{self.path.name} was cut"
                 self._size = state.st_size
         return ""
-
-
-def _identity(state: os.stat_result) -> tuple[int, int]:
-    return state.st_dev, state.st_ino
 
 
 def rescue(connection: sqlite3.Connection, path: Path) -> tuple[Path, int]:
@@ -408,9 +402,7 @@ class Store:
     def __enter__(self) -> Store:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -433,13 +425,8 @@ class Store:
     @contextmanager
     def _atomically(self) -> Iterator[sqlite3.Connection]:
         self._connection.execute("BEGIN IMMEDIATE")
-        try:
+        with self._connection:  # commits, or rolls back unless SQLite itself did, as when the disk is full
             yield self._connection
-            self._connection.execute("COMMIT")
-        except BaseException:
-            if self._connection.in_transaction:  # SQLite itself rolls back when the disk is full
-                self._connection.execute("ROLLBACK")
-            raise
 
     def confirm(self) -> None:
         """Check that what was written is at its place; does nothing for a store that is only read.

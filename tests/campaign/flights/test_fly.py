@@ -8,7 +8,10 @@ from typing import Any
 import pytest
 
 from scaloft_fi.campaign.flights.fly import facts
+from scaloft_fi.campaign.flights.share import as_baseline
+from scaloft_fi.judge.outcome import Outcome, Subject
 from scaloft_fi.mutants.operator import Facts
+from scaloft_fi.mutants.wire import SeamCount
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.mine import Mine
 
@@ -60,3 +63,11 @@ def test_without_a_wall_the_first_leg_gives_the_direction(monkeypatch: pytest.Mo
     assert found.wall_m is None
     assert found.inward == (0.0, 0.0)
     assert found.bearing_rad == pytest.approx(math.pi / 2)
+
+
+def test_what_never_differs_has_its_baselines_outcome_but_for_what_it_carried() -> None:
+    baseline = Outcome(Subject("baseline"), "D0", 1, ending="landed", digest="d", realised=(("D", True),), track=b"t")
+    subject = Subject("LATE-human@3s", "LATE", "human", "3s")
+    assert as_baseline(baseline, subject, {"person": SeamCount(7, 0, None)}) == Outcome(
+        subject, "D0", 1, ending="landed", carried=7, digest="d", track=b"t"
+    )

@@ -1,41 +1,39 @@
-"""Flights that share their baseline's beginning against the same flights flown whole."""
+"""Flights that share their baseline's beginning against the same flights flown whole, in drawn worlds too."""
 
 from __future__ import annotations
 
 import os
 import random
+import shutil
 from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
 from effort import usually
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.campaign.flights.fly import Worker
+from scaloft_fi.campaign.flights.fly import Worker, fly_log
 from scaloft_fi.campaign.flights.fork import CAN_FORK
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.flights.share import as_baseline
 from scaloft_fi.campaign.plan import alone
-from scaloft_fi.judge.outcome import Outcome, Subject
+from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
-from scaloft_fi.mutants.wire import SeamCount
+from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[3]
+pytestmark = [
+    pytest.mark.flight,
+    pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole"),
+]
 SHORT = ("T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H1")
 """Situations without a corner: the shortest missions."""
-
-
-def test_what_never_differs_has_its_baselines_outcome_but_for_what_it_carried() -> None:
-    baseline = Outcome(Subject("baseline"), "D0", 1, ending="landed", digest="d", realised=(("D", True),), track=b"t")
-    subject = Subject("LATE-human@3s", "LATE", "human", "3s")
-    assert as_baseline(baseline, subject, {"person": SeamCount(7, 0, None)}) == Outcome(
-        subject, "D0", 1, ending="landed", carried=7, digest="d", track=b"t"
-    )
 
 
 @cache
@@ -46,10 +44,10 @@ def _study() -> Study:
     return study
 
 
-def _outcomes(batches: list[Batch]) -> dict[str, Outcome]:
+def _outcomes(batches: list[Batch], study: Study | None = None) -> dict[str, Outcome]:
     home: list[Outcome] = []
     for batch in batches:
-        Worker(_study(), Physics())(batch, home.append)
+        Worker(study or _study(), Physics())(batch, home.append)
     assert len({outcome.name for outcome in home}) == len(home)
     return {outcome.name: outcome for outcome in home}
 
@@ -61,8 +59,6 @@ def _drawn(number: int) -> tuple[Flight, ...]:
     return tuple(Flight(mutant, situation, seed) for mutant in (None, *draw.sample(_study().catalogue, 3)))
 
 
-@pytest.mark.flight
-@pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
 @settings(max_examples=usually(1, release=12), suppress_health_check=list(HealthCheck))
 @given(number=st.integers(0, 10_000))
 def test_shared_flights_are_the_whole_flights_digest_for_digest_and_field_for_field(number: int) -> None:
@@ -74,8 +70,6 @@ def test_shared_flights_are_the_whole_flights_digest_for_digest_and_field_for_fi
         assert asdict(shared[name]) == asdict(outcome)
 
 
-@pytest.mark.flight
-@pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
 def test_faults_that_strike_at_events_strike_alike_in_shared_and_in_whole_flights() -> None:
     situation: Situation = _study().grid.situation("T0O0W0D0H1")
     mutants = [realise(_study().matrix, name) for name in ("NO-velcmd#sight", "UNINTENDED-battery#mode")]
@@ -89,8 +83,6 @@ def test_faults_that_strike_at_events_strike_alike_in_shared_and_in_whole_flight
     assert 5.0 < velcmd.infected_at_s < 7.0
 
 
-@pytest.mark.flight
-@pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")
 def test_a_whole_flight_that_takes_its_process_with_it_takes_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     situation: Situation = _study().grid.situation("T0O0W0D0H1")
     names = ("MORE-depth@1.25x", "REVERSE-depth", "LATE-human@3s", "LESS-depth@0.9x")
@@ -111,3 +103,69 @@ def test_a_whole_flight_that_takes_its_process_with_it_takes_no_other(monkeypatc
     assert found[deadly.name].invalid == "its worker process died every time it was flown"
     assert not any(found[flight.name].invalid for flight in (from_take_off, late, last))
     assert (found[from_take_off.name].ending, found[late.name].ending) == ("after 1", "landed")
+
+
+MUTANTS = ("LATE-human@3s", "MORE-goal@1m", "UNINTENDED-collision@20s", "REVERSE-velcmd")
+
+starts = st.one_of(
+    st.fixed_dictionaries({"at_s": st.floats(0.5, 20.0)}),
+    st.fixed_dictionaries({"near": st.just([0.0, 4.0]), "within_m": st.floats(0.5, 3.0)}),
+)
+signed = st.floats(-0.5, 0.5)
+kinds = st.one_of(
+    st.fixed_dictionaries({"kind": st.just("light"), "light": st.floats(0.05, 1.0), "start": starts}),
+    st.fixed_dictionaries({"kind": st.just("dust"), "haze_per_m": st.floats(0.01, 0.3), "start": starts}),
+    st.fixed_dictionaries({"kind": st.just("wind"), "velocity_mps": st.tuples(signed, signed, signed).map(list)}),
+    st.fixed_dictionaries(
+        {
+            "kind": st.just("wind"),
+            "velocity_mps": st.tuples(signed, signed, signed).map(list),
+            "start": starts,
+            "lasts_s": st.floats(0.5, 3.0),
+        }
+    ),
+    st.fixed_dictionaries({"kind": st.just("drift"), "rate_mps": st.tuples(*[st.floats(-0.002, 0.002)] * 3).map(list)}),
+)
+walks = st.fixed_dictionaries(
+    {
+        "kind": st.just("walk"),
+        "body": st.just("person"),
+        "path": st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(2.0, 6.0)).map(list), min_size=1, max_size=3),
+        "speed_mps": st.floats(0.2, 1.5),
+        "start": starts,
+    }
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    study = tmp_path_factory.mktemp("study")
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(ROOT / name, study / name)
+    return study
+
+
+@settings(max_examples=usually(2, release=8), suppress_health_check=list(HealthCheck))
+@given(happenings=st.lists(kinds, max_size=2), walk=walks, mutants=st.sets(st.sampled_from(MUTANTS), min_size=2))
+def test_in_a_world_where_things_happen_sharing_replay_and_placebo_are_exact(
+    folder: Path, happenings: list[dict[str, Any]], walk: dict[str, Any], mutants: set[str]
+) -> None:
+    text = (ROOT / "sim" / "world.yaml").read_text()
+    drawn = {f"h{number}": {**one, "active": True} for number, one in enumerate([*happenings, walk])}
+    head, tail = text.split("\n  person:", 1)
+    present = tail.replace("present: false", "present: true", 1)
+    (folder / "sim" / "world.yaml").write_text(f"{head}\n  person:{present}\n{yaml.safe_dump({'happenings': drawn})}")
+    study = Study(folder)
+    Physics().prepare(study, lambda _text: None)
+    situation = study.grid.situation("T0O0W0D0H1")
+    subjects = (None, *(realise(study.matrix, name) for name in sorted(mutants)))
+    flights = tuple(Flight(subject, situation, 0) for subject in subjects)
+    shared, whole = _outcomes([Batch(flights, shared=True)], study), _outcomes(alone(flights), study)
+    assert shared.keys() == whole.keys()
+    for name, outcome in whole.items():
+        assert not outcome.invalid
+        assert asdict(shared[name]) == asdict(outcome)
+    baseline = fly_log(study, flights[0])
+    assert baseline.digest == whole[flights[0].name].digest
+    assert fly_log(study, replace(flights[0], mutant=PLACEBO)).digest == baseline.digest
+    assert {"person_x_m", "person_y_m"} <= baseline.signals.keys()

@@ -19,7 +19,6 @@ from scaloft_fi.campaign.runs.run import Budget, budget_s, fair_order, interleav
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import defaults, realise
-from scaloft_fi.verbs.score import unflown, unflown_tables
 
 
 @pytest.mark.parametrize("text", ["", "10", "0s", "m", "-5m", "10 minutes", "1m1h", "1.5h"])
@@ -117,21 +116,16 @@ def test_what_is_flown_is_left_out_and_the_rest_keeps_its_order(study: Any) -> N
     assert rest == [names for names in owed if names]
 
 
-def test_when_time_is_up_no_task_is_handed_out() -> None:
-    now_s = [0.0]
+def test_when_time_is_up_or_would_be_no_task_is_handed_out() -> None:
+    now_s, handed = [0.0], []
     budget = Budget(10.0, clock=lambda: now_s[0])
-    handed = []
     for batch in budget.while_it_lasts([Batch(())] * 9):
         handed.append(batch)
         now_s[0] += 4.0
     assert len(handed) == 3
-    assert Budget(None).left_s == float("inf")
-
-
-def test_the_first_task_that_would_not_end_in_time_is_the_end() -> None:
-    batches = [Batch(()), Batch((), shared=True), Batch(())]
-    budget = Budget(10.0, clock=lambda: 0.0)
+    batches, budget = [Batch(()), Batch((), shared=True), Batch(())], Budget(10.0, clock=lambda: 0.0)
     assert list(budget.while_it_lasts(batches, lambda batch: 11.0 if batch.shared else 9.0)) == batches[:1]
+    assert Budget(None).left_s == float("inf")
 
 
 def _some(study: Any) -> Plan:
@@ -162,15 +156,3 @@ def test_a_budget_that_suffices_is_a_whole_run(study: Any, fly: Runs) -> None:
     whole = fly(_some(study), "budget", budget_s=3600.0)
     assert whole.left == ()
     assert fly.export(whole.outcomes) == fly.export(undisturbed.outcomes)
-
-
-def test_the_tables_name_what_was_not_flown(study: Any) -> None:
-    planned = _whole(study)
-    left = [f for f in planned.mutants if f.subject.parameter == "goal" or f.situation.key == "D1H1"]
-    by_parameter, by_situation = unflown_tables(unflown(planned, left))
-    flown = {row["parameter"]: row["flown"] for row in by_parameter.records()}
-    assert flown["goal"] == 0
-    assert flown["baseline"] == 4
-    assert sum(int(str(row["not flown"])) for row in by_situation.records()) == len(left)
-    assert f"{len(left)} of " in by_parameter.notes[0]
-    assert unflown(planned, []) == unflown_tables(()) == ()

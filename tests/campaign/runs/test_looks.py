@@ -32,24 +32,20 @@ def _seeds(report: Report, mutant: str, situation: str) -> set[int]:
 def test_only_undecided_mutants_fly_on_each_look_with_a_quarter_of_alpha(fly: Runs) -> None:
     """LATE violates SR2 in one situation that tests it: p is 0.18, 0.0070 and 0.0007 with 1, 3 and 5 seeds."""
     report, looks = _looks(fly)
-    assert [look.seeds for look in looks] == list(LOOKS[:3])
-    assert [look.mutants for look in looks] == [2, 1, 1]
+    assert [(look.seeds, look.mutants) for look in looks] == [*zip(LOOKS, (2, 1, 1), strict=False)]
     assert [look.fates[Verdict.UNDECIDED] for look in looks] == [1, 1, 0]
-    assert looks[0].fates[Verdict.NOT_DETECTED] == 1
-    assert looks[2].fates[Verdict.DETECTED] == 1
-    assert _seeds(report, LATE, "D0H1") == set(range(5))
-    assert _seeds(report, MORE, "D0H1") == {0}
-
-
-def test_what_the_run_decided_is_what_its_outcomes_decide(study: Any, fly: Runs) -> None:
-    report, _ = _looks(fly)
-    scored = score(report.outcomes, study.roster, study.space, report.spending)
-    assert {mutant.subject.id: mutant.verdict for mutant in scored.mutants} == {
-        LATE: Verdict.DETECTED,
-        MORE: Verdict.NOT_DETECTED,
-    }
-    late = next(mutant for mutant in scored.mutants if mutant.subject.id == LATE)
-    assert (late.safety.seeds, late.safety.share) == (5, 0.0025)
+    assert (looks[0].fates[Verdict.NOT_DETECTED], looks[2].fates[Verdict.DETECTED]) == (1, 1)
+    assert (_seeds(report, LATE, "D0H1"), _seeds(report, MORE, "D0H1")) == (set(range(5)), {0})
+    assert _seeds(report, "baseline", "D0H1") == set(range(10)), "the pool is the same at every look"
+    flown = {(o.situation, o.seed) for o in report.outcomes if o.mutant in (LATE, MORE)}
+    assert flown <= {(o.situation, o.seed) for o in report.outcomes if o.mutant == "PLACEBO"}
+    first = look_table(looks).records()[0]
+    assert (first["seeds"], first["mutants"], first["flights"]) == (1, 2, 8)
+    assert (first["undecided"], first["not detected"]) == (1, 1)
+    scored = score(report.outcomes, fly.study.roster, fly.study.space, report.spending)
+    told = {one.subject.id: one for one in scored.mutants}
+    assert {name: one.verdict for name, one in told.items()} == {LATE: Verdict.DETECTED, MORE: Verdict.NOT_DETECTED}
+    assert (told[LATE].safety.seeds, told[LATE].safety.share) == (5, 0.0025)
 
 
 def test_a_mutant_flies_on_only_where_the_pool_has_a_steady_pair(log: Any, fly: Runs) -> None:
@@ -57,18 +53,6 @@ def test_a_mutant_flies_on_only_where_the_pool_has_a_steady_pair(log: Any, fly: 
     report, _ = _looks(fly)
     assert _seeds(report, LATE, "D1H1") == {0}
     assert _seeds(report, LATE, "D0H1") == set(range(5))
-
-
-def test_placebo_flies_wherever_a_mutant_does(fly: Runs) -> None:
-    report, _ = _looks(fly)
-    flown = {(o.situation, o.seed) for o in report.outcomes if o.mutant in (LATE, MORE)}
-    assert flown <= {(o.situation, o.seed) for o in report.outcomes if o.mutant == "PLACEBO"}
-
-
-def test_the_pool_is_the_same_at_every_look(fly: Runs) -> None:
-    report, looks = _looks(fly)
-    assert len(looks) == 3
-    assert _seeds(report, "baseline", "D0H1") == set(range(10))
 
 
 @pytest.mark.parametrize("options", [{"jobs": 2}, {"jobs": 1, "share": False}])
@@ -109,10 +93,3 @@ def test_the_gates_are_held(log: Any, fly: Runs) -> None:
     log.change = lambda f, outcome: replace(outcome, digest="other") if f.subject.id == "PLACEBO" else outcome
     with pytest.raises(GateError, match="PLACEBO differs"):
         _looks(fly)
-
-
-def test_the_table_says_how_the_looks_went(fly: Runs) -> None:
-    _, looks = _looks(fly)
-    first = look_table(looks).records()[0]
-    assert (first["seeds"], first["mutants"], first["flights"]) == (1, 2, 8)
-    assert (first["undecided"], first["not detected"]) == (1, 1)

@@ -34,46 +34,23 @@ from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
 from scaloft_fi.sim import observer
 
 
-def test_baseline_placebo_and_mutant_fly_everywhere_and_one_control_somewhere(study: Any, log: Any, fly: Runs) -> None:
+def test_everything_flies_everywhere_one_control_somewhere_one_flight_again_and_nothing_the_next_time(
+    study: Any, log: Any, fly: Runs
+) -> None:
     report = fly()
-    assert len(report.outcomes) == 3 * len(study.grid) + 1
+    flown = len(log.flown)
+    assert report.flown == len(report.outcomes) == 3 * len(study.grid) + 1 == flown - 1
     assert sum(name.startswith(CONTROL) for name in log.flown) == 1
+    assert log.flown[-1] == "baseline/D0H0/0"
+    second = fly()
+    assert (second.flown, len(log.flown)) == (0, flown)
+    assert fly.export(report.outcomes) == fly.export(second.outcomes)
 
 
 def test_the_control_flies_where_its_baseline_holds(study: Any, fly: Runs) -> None:
-    only = plan(study.grid[::-1], (0,), [], asked(study).canary)
-    report = fly(only)
+    report = fly(plan(study.grid[::-1], (0,), [], asked(study).canary))
     (control,) = [o for o in report.outcomes if o.mutant == CONTROL]
     assert control.situation != "D1H1"
-
-
-def test_one_flight_is_repeated_and_not_saved_twice(log: Any, fly: Runs) -> None:
-    report = fly()
-    assert report.flown == len(report.outcomes)
-    assert len(log.flown) == len(report.outcomes) + 1
-    assert log.flown[-1] == "baseline/D0H0/0"
-
-
-def test_the_same_command_flies_nothing_again(log: Any, fly: Runs) -> None:
-    first = fly()
-    flown = len(log.flown)
-    second = fly()
-    assert (second.flown, len(log.flown)) == (0, flown)
-    assert fly.export(first.outcomes) == fly.export(second.outcomes)
-
-
-def test_another_number_of_jobs_exports_the_same_bytes(study: Any, fly: Runs) -> None:
-    one = fly(jobs=1, folder="one", planned=asked(study, (0, 1)))
-    two = fly(jobs=2, folder="two", planned=asked(study, (0, 1)))
-    assert fly.export(one.outcomes) == fly.export(two.outcomes)
-
-
-def test_changed_study_data_fly_again_and_changed_comments_do_not(study: Any, log: Any, fly: Runs) -> None:
-    fly()
-    flown = len(log.flown)
-    changed = replace(study, predicate="u")
-    fly(of=changed)
-    assert set(log.flown[flown:]) == {f"baseline/{s.key}/0" for s in study.grid}
 
 
 def test_more_seeds_fly_only_what_is_new(study: Any, log: Any, fly: Runs) -> None:
@@ -83,32 +60,20 @@ def test_more_seeds_fly_only_what_is_new(study: Any, log: Any, fly: Runs) -> Non
     assert {name.rsplit("/", 1)[1] for name in log.flown[flown:-1]} == {"1"}
 
 
-def test_as_many_violations_are_counted_as_the_mission_log_has(study: Any, fly: Runs) -> None:
-    stream = io.StringIO()
+def test_the_mission_log_names_every_safety_violation_and_as_many_are_counted(fly: Runs) -> None:
+    stream, path = io.StringIO(), fly.folder() / LOG_NAME
     fly(stream=stream)
-    path = study.folder / "c" / LOG_NAME
-    listed = len(json.loads(path.read_text())["violations"])
-    assert stream.getvalue().splitlines()[:-1] == [
-        f"violations: {listed} (baseline 1, mutants 3, PLACEBO 1); all of them are in {path}"
-    ]
-
-
-def test_the_mission_log_names_every_safety_violation(study: Any, fly: Runs) -> None:
-    fly()
-    written = json.loads((study.folder / "c" / LOG_NAME).read_text())
+    written = json.loads(path.read_text())
     assert written["total_test_cases"] == written["generated_test_cases"] == 4
     assert f"SR2:{LATE}/D0H1/0" in written["safety_violation_ids"]
+    told = f"violations: {len(written['violations'])} (baseline 1, mutants 3, PLACEBO 1); all of them are in {path}"
+    assert stream.getvalue().splitlines()[:-1] == [told]
 
 
-def test_a_placebo_that_differs_fails_the_gate_by_name(log: Any, fly: Runs) -> None:
-    log.change = changed("PLACEBO/D0H1/0", digest="other")
+@pytest.mark.parametrize("digest", ["digest", "perceived_digest"])
+def test_a_placebo_that_differs_or_perceives_otherwise_fails_the_gate_by_name(log: Any, fly: Runs, digest: str) -> None:
+    log.change = changed("PLACEBO/D0H1/0", **{digest: "other"})
     with pytest.raises(GateError, match=r"PLACEBO differs from the baseline: PLACEBO/D0H1/0"):
-        fly()
-
-
-def test_a_placebo_that_is_only_perceived_otherwise_fails_the_gate(log: Any, fly: Runs) -> None:
-    log.change = changed("PLACEBO/D0H1/0", perceived_digest="other")
-    with pytest.raises(GateError, match="PLACEBO differs"):
         fly()
 
 
@@ -150,9 +115,11 @@ def test_a_crash_of_the_harness_is_invalid_with_its_reason_and_is_flown_again_ne
     assert not any(o.invalid for o in fly().outcomes)
 
 
-def test_more_than_a_tenth_of_invalid_flights_fails_the_gate(log: Any, fly: Runs) -> None:
+def test_more_than_a_tenth_of_invalid_flights_or_than_the_declared_share_fails_the_gate(log: Any, fly: Runs) -> None:
     log.change = changed(f"{LATE}/D0H1/0", invalid="its worker process died every time it was flown")
     fly()
+    with pytest.raises(GateError, match=r"1 of 13 flights are invalid, more than 5%: LATE-human@3s/D0H1/0 \(its"):
+        fly(folder="strict", max_invalid=0.05)
     broken = (f"{LATE}/D0H0/0", f"{LATE}/D0H1/0")
     log.change = lambda flight, outcome: replace(outcome, invalid="no memory") if flight.name in broken else outcome
     with pytest.raises(GateError, match=r"2 of 13 flights are invalid, more than 10%: LATE-human@3s/D0H0/0 \(no"):
@@ -212,12 +179,6 @@ def test_a_study_that_cannot_be_flown_stops_the_run_with_its_sentence(log: Any, 
     log.change = refuse
     with pytest.raises(InputError, match="gain=-1"):
         fly()
-
-
-def test_the_declared_share_of_invalid_flights_decides_whether_a_run_is_believed(log: Any, fly: Runs) -> None:
-    log.change = changed(f"{LATE}/D0H1/0", invalid="no memory")
-    with pytest.raises(GateError, match=r"1 of 13 flights are invalid, more than 5%: LATE-human@3s/D0H1/0 \(no"):
-        fly(max_invalid=0.05)
 
 
 def test_an_interrupted_run_says_the_command_that_resumes_it(log: Any, fly: Runs) -> None:
