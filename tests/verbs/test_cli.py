@@ -46,18 +46,6 @@ def test_help_lists_the_groups_and_their_verbs_in_order(words: tuple[str, ...]) 
     assert places == sorted(places)
 
 
-def test_an_unknown_verb_names_the_nearest() -> None:
-    code, out, err = _call("matrx")
-    assert (code, out) == (2, "")
-    assert err == "error: scaloft-fi: no verb 'matrx'; did you mean 'matrix'?; see scaloft-fi --help\n"
-
-
-def test_an_option_without_its_value_names_the_verb() -> None:
-    code, out, err = _call("run", "--mutant")
-    assert (code, out) == (2, "")
-    assert err == "error: scaloft-fi run: option '--mutant' requires an argument; see scaloft-fi run --help\n"
-
-
 def test_a_study_that_is_named_like_an_argument_is_told_its_option(tmp_path: Path) -> None:
     code, _, err = _call("check", str(tmp_path))
     assert code == 2

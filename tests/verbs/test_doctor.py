@@ -90,9 +90,3 @@ def test_a_stale_catalogue_is_bad_input_and_everything_else_is_told(call: Call, 
     assert result.exit_code == 2
     assert "mutants --write" in result.stderr
     assert _told(result)["known_flight"]
-
-
-def test_a_folder_that_is_no_study_is_bad_input(call: Call, answer: object, tmp_path: Path) -> None:
-    result = call("doctor", study=tmp_path, campaign=False)
-    assert result.exit_code == 2
-    assert "it lacks hazop/" in result.stderr

@@ -15,7 +15,6 @@ from click.testing import Result
 from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from refusal import sentence
 
 from scaloft_fi.analysis.pool import Pool
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
@@ -161,17 +160,11 @@ def test_an_export_can_go_to_a_file(call: Call, tmp_path: Path) -> None:
     call("run", "--mutant", "PLACEBO", "--situation", "T0O0W0D0H0", "--quiet")
     assert call("export", "--output", str(tmp_path / "e.json")).stdout == ""
     assert json.loads((tmp_path / "e.json").read_text())[0]["mutant"] == "baseline"
-    assert "cannot be written" in sentence(call("export", "--output", str(tmp_path / "no" / "e.json")))
 
 
-def test_the_help_lists_every_format_and_a_wrong_name_gets_the_nearest(call: Call) -> None:
+def test_the_help_lists_every_format(call: Call) -> None:
     listed = call("export", "--help").stdout
     assert all(f"\n  {name} " in listed for name in FORMATS)
-    assert "no export format 'jnuit'; did you mean 'junit'?" in sentence(call("export", "--format", "jnuit"))
-
-
-def test_a_format_that_is_no_text_asks_for_a_file_before_anything_is_read(call: Call) -> None:
-    assert "--format='parquet' is no text: give --output FILE" in sentence(call("export", "--format", "parquet"))
 
 
 def test_a_format_that_somebody_else_declares_is_listed_and_written(

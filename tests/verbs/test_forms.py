@@ -11,7 +11,6 @@ from click.testing import CliRunner, Result
 from forms import READERS, of_form, one_table
 from jsonschema import Draft202012Validator, ValidationError
 from printed import no_terms
-from refusal import sentence
 
 import scaloft_fi
 from scaloft_fi.analysis.score import By
@@ -157,17 +156,3 @@ def test_every_table_of_the_score_is_a_file_with_the_numbers_of_the_json(told: C
     assert (summary["ratios_mutation_score_part"], summary["pooled"]) == ("1", "true")
     assert tables["looks"] == []
     assert files["looks"].startswith("seeds,mutants,flights,detected,")
-
-
-def test_a_folder_for_tables_that_cannot_be_is_refused_before_anything_is_read(told: Call, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("mine")
-    done = told("score", "--tables", f"{tmp_path}/file/below")
-    assert "is a file, not a folder" in sentence(done)
-    assert done.stdout == ""
-
-
-def test_an_answer_that_is_refused_leaves_standard_output_empty(told: Call) -> None:
-    done = told("kills", "LATE-humna", "--format", "json")
-    assert done.exit_code == 2
-    assert done.stdout == ""
-    assert "did you mean 'LATE-human'" in sentence(done)

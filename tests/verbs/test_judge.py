@@ -66,23 +66,6 @@ def test_a_situation_gives_route_and_time_limit_to_a_record_without_them(tmp_pat
     assert (done.exit_code, no_terms(done.stdout)) == (0, [])
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("none.csv",), "none.csv: cannot be read: No such file"),
-        (("none.txt",), "a record must end in one of the known endings"),
-        (("none.csv", "--record", "none.yaml"), "none.yaml: cannot be read"),
-        (("none.csv", "--situation", "T9"), "no situation 'T9'"),
-        ((), "missing argument"),
-    ],
-)
-def test_bad_words_are_one_sentence(words: tuple[str, ...], said: str) -> None:
-    done = judge(*words)
-    assert done.exit_code == 2
-    assert said in done.stderr
-    assert done.stderr.count("\n") == 1
-
-
 def test_the_study_names_the_mapping_of_its_records(tmp_path: Path, copy: Path, call: Callable[..., Result]) -> None:
     (copy / "sim" / "record.yaml").write_text("signals: {x_mm: {column: x}}")
     done = CliRunner().invoke(main, ["judge", str(a_record(tmp_path)), "--study", str(copy)], catch_exceptions=False)

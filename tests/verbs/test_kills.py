@@ -195,15 +195,3 @@ def test_all_are_drawn_as_the_subsumption_graph(flown: Call, tmp_path: Path, suf
     path = tmp_path / f"graph{suffix}"
     assert flown("kills", "--output", str(path)).exit_code == 0
     assert path.stat().st_size > 100
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("--output", "map.pdf"), "must end in .svg, .png or .dot"),
-        (("LATE-humn",), "did you mean"),
-        (("NO-goal",), "holds no flight of NO-goal"),
-    ],
-)
-def test_what_cannot_be_is_refused_in_asentence(flown: Call, words: tuple[str, ...], said: str) -> None:
-    assert said in sentence(flown("kills", *words))

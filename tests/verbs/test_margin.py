@@ -83,22 +83,3 @@ def test_when_a_fault_is_killed_is_shown_of_the_flights_of_a_campaign(call: Call
 
 def test_margins_of_a_campaign_that_does_not_exist_are_refused(call: Call) -> None:
     assert call("matrix", "--margins").exit_code == 2
-
-
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (("LATE-humna",), "did you mean 'LATE-human'?"),
-        (("PARTOF-goal",), "magnitudes without an order"),
-        (("LATE-human", "--tolerance", "0"), "--tolerance"),
-        (("LATE-human", "--seeds", "x"), "--seeds='x'"),
-        (("NO-velcmd#sihgt",), "no event 'sihgt'; did you mean 'sight'?"),
-        (("NO-velcmd#light", "--when"), "the event 'light' cannot come: "),
-        (("LATE-human", "--when"), "mutant 'LATE-human' has no phases"),
-        (("NO-velcmd", "--when", "--seeds", "3"), "--when flies nothing"),
-        (("LATE-human", "--situation", "T9"), "T9"),
-        ((), "CELL|ID"),
-    ],
-)
-def test_bad_input_is_refused_in_one_sentence(call: Call, words: tuple[str, ...], says: str) -> None:
-    assert says in sentence(call("margin", *words))

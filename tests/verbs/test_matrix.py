@@ -6,14 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-import click
 import pytest
 from click.testing import CliRunner, Result
 from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.console import PIPED
-from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Guideword, Matrix, Parameter
 from scaloft_fi.hazop.render import overview, sheet
@@ -78,28 +76,6 @@ def test_one_cell_is_told_whole() -> None:
 def test_every_cell_fits_the_terminal() -> None:
     for cell in MATRIX:
         assert max(map(len, sheet(MATRIX, cell, {}, PIPED).splitlines())) <= PIPED, cell.name
-
-
-BAD = [
-    (("--cell", "LATE-humna"), "no cell 'LATE-humna'; did you mean 'LATE-human'?"),
-    (("--cell", "late-human"), "did you mean 'LATE-human'?"),
-    (("--guideword", "LATTE"), "no guideword 'LATTE'; did you mean 'LATE'?"),
-    (("--parameter", "humans"), "no parameter 'humans'; did you mean 'human'?"),
-    (("--study", "nowhere"), "--study='nowhere' must be a folder with hazop/, mutants/ and sim/"),
-]
-
-
-@pytest.mark.parametrize(("arguments", "sentence"), BAD)
-def test_a_bad_name_is_an_input_error_that_names_the_nearest(arguments: tuple[str, ...], sentence: str) -> None:
-    error = run(*arguments).exception
-    assert isinstance(error, InputError)
-    assert error.exit_code == 2
-    assert sentence in str(error)
-
-
-def test_a_cell_and_a_filter_together_are_a_usage_error() -> None:
-    outcome = CliRunner().invoke(matrix_command, ["--cell", "LATE-human", "--grid"])
-    assert outcome.exit_code == click.UsageError.exit_code == 2
 
 
 def process(*arguments: str, **extra: str) -> subprocess.CompletedProcess[str]:

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
 from builders import GRID, ROSTER, campaigns, outcome
 from click.testing import Result
 from hypothesis import given
@@ -42,19 +41,6 @@ def test_diff_prints_what_only_one_of_two_campaigns_has(call: Call, tmp_path: Pa
     assert result.exit_code == 0
     assert "0 flights are the same bit for bit" in result.stdout.replace("\n", " ")
     assert "0 differ" in call("diff", first, first, campaign=False).stdout.replace("\n", " ")
-
-
-@pytest.mark.parametrize("text", ["0/2", "3/2", "1", "a/b", "1/0"])
-def test_a_shard_that_is_none_is_refused(call: Call, text: str) -> None:
-    result = call("run", *WORDS, "--shard", text)
-    assert result.exit_code == 2
-    assert f"--shard={text!r} must be K/N" in result.stderr
-
-
-def test_a_shard_without_flights_is_refused(call: Call) -> None:
-    result = call("run", *WORDS, "--shard", "9/9")
-    assert result.exit_code == 2
-    assert "fewer situations and seeds than shards" in result.stderr
 
 
 M = "LATE-human@3s"

@@ -81,20 +81,3 @@ def test_a_fault_that_cannot_be_made_is_one_sentence_with_file_and_line(
     assert f"{sheet}:" in error
     assert sentence in error
     assert (study / "mutants" / "catalogue.jsonl").read_bytes() == before
-
-
-@pytest.mark.parametrize(
-    ("args", "sentence"),
-    [
-        (["LATE-humna"], "no mutant 'LATE-humna'; did you mean 'LATE-human'?"),
-        (["--cell", "LATE-humna"], "no cell 'LATE-humna'; did you mean 'LATE-human'?"),
-        (["--cell", "EARLY-goal"], "the cell is not meaningful"),
-        (["--write", "--check"], "exclude each other"),
-        (["--write", "LATE-human"], "give no pattern with them"),
-    ],
-)
-def test_bad_words_are_one_sentence_and_exit_2(
-    args: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run("mutants", *args, "--study", STUDY) == 2
-    assert sentence in capsys.readouterr().err

@@ -148,24 +148,6 @@ def test_it_prints_the_next_commands_without_a_way_where_one_stands_already(
     assert [words[:2] for words in others] == [["scaloft-fi", "check"], ["scaloft-fi", "run"]]
 
 
-@pytest.mark.parametrize("options", [(), ("--plugin", "--name", "fine")])
-def test_a_folder_that_is_not_empty_is_refused_and_left(
-    options: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "note.txt").write_text("mine")
-    assert run("new", tmp_path, *options) == 2
-    assert "is not empty" in capsys.readouterr().err
-    assert [path.name for path in tmp_path.iterdir()] == ["note.txt"]
-
-
-def test_a_file_in_its_place_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "note.txt").write_text("mine")
-    assert run("new", tmp_path / "note.txt") == 2
-    assert run("new", tmp_path / "note.txt" / "below") == 2
-    assert capsys.readouterr().err.count("\n") == 2
-    assert (tmp_path / "note.txt").read_text() == "mine"
-
-
 def test_after_a_failure_nothing_is_left(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -182,34 +164,6 @@ def test_after_a_failure_nothing_is_left(
     assert run("new", tmp_path / "a" / "b") == 2
     assert "No space left on device; nothing of it is left" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
-    ("name", "says"),
-    [
-        ("9lives", "letters, digits and _"),
-        ("my faults", "--name my_faults is one"),
-        ("class", "--name my_faults is one"),
-        ("käfer", "letters, digits and _"),
-        ("json", "--name my_json"),
-        ("numpy", "--name my_numpy"),
-        ("scaloft_fi", "--name my_scaloft_fi"),
-        ("", "--name my_faults is one"),
-    ],
-)
-def test_a_name_that_no_package_can_have_is_refused(
-    name: str, says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run("new", tmp_path / "made", "--plugin", "--name", name) == 2
-    told = capsys.readouterr().err
-    assert says in told
-    assert "--name=" in told
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_name_is_of_a_package_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("new", tmp_path / "made", "--name", "mine") == 2
-    assert "give --plugin" in capsys.readouterr().err
 
 
 def test_the_package_has_the_name_of_its_folder_and_all_its_declarations_begin_with_it(plugin: Path) -> None:

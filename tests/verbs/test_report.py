@@ -8,7 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 from click.testing import Result
-from refusal import sentence
 
 Call = Callable[..., Result]
 
@@ -52,10 +51,3 @@ def test_a_day_is_taken_from_the_command_line_only(call: Call, tmp_path: Path) -
     for words, today in (((), None), (("--today", "2027-02-01"), "2027-02-01")):
         assert call("report", "--output", str(path), *words).exit_code == 0
         assert _figures(path)["accepted"]["today"] == today  # type: ignore[index]
-    assert call("report", "--today", "2027-02-30").exit_code == 2
-
-
-def test_without_a_campaign_or_a_place_to_write_it_is_one_sentence(call: Call, tmp_path: Path) -> None:
-    for words in (("--campaign", f"{tmp_path}/none/c"), ("--output", f"{tmp_path}/no/report.html")):
-        sentence(call("report", *words, campaign=words[0] != "--campaign"))
-    assert not list(tmp_path.rglob("*.html"))

@@ -69,42 +69,6 @@ def test_a_control_that_shows_nothing_is_a_gate_and_prints_no_score(call: Call, 
     assert "a control shows nothing" in result.stderr
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("--mutant", "LATE-humna"), "did you mean 'LATE-human'?"),
-        (("--mutant", "LATE-human@3kg"), "'LATE-human@3kg'"),
-        (("--mutant", "LATE-human@-3s"), "LATE-human@-3s"),
-        (("--mutant", "LTE*"), "no mutant matches 'LTE*'"),
-        (("--mutant", "what"), "must be of the form"),
-        (("--situation", "T0O0W0D0H9"), "no situation 'T0O0W0D0H9'"),
-        (("--situation", "X*"), "no situation 'X*'"),
-        (("--seeds", "0"), "--seeds='0' must be"),
-        (("--jobs", "0"), "--jobs"),
-        (("--budget", "10"), "--budget='10'"),
-        (("--baseline-seeds", "x"), "--baseline-seeds='x'"),
-        (("--choose", "random:99"), "must ask for at most 32"),
-        (("--choose", "draws:9", "--sequential"), "--sequential and --choose=draws:9 do not go together"),
-        (("--sequential", "--seeds", "4"), "do not go together"),
-        (("--sequential", "--budget", "10m"), "do not go together"),
-        (("--sequential", "--shard", "1/2"), "do not go together"),
-        (("--fail-under", "2"), "--fail-under"),
-        (("--format", "xml"), "--format"),
-    ],
-)
-def test_bad_words_are_one_sentence_and_nothing_is_written(
-    call: Call, tmp_path: Path, words: tuple[str, ...], said: str
-) -> None:
-    assert said in sentence(call("run", *words))
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_results_that_cannot_be_written_are_onesentence(call: Call, tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    words = ("--campaign", str(tmp_path / "file" / "c"))
-    assert "cannot be written" in sentence(call("run", "--mutant", "LATE-human", *words, campaign=False))
-
-
 def test_a_bare_campaign_name_is_a_folder_of_the_study(call: Call, copy: Path) -> None:
     words = ("--mutant", "PLACEBO", "--situation", "T0O0W0D0H0", "--quiet", "--campaign", "mine")
     assert call("run", *words, study=copy, campaign=False).exit_code == 0

@@ -142,13 +142,3 @@ def test_all_are_written_into_a_folder(tmp_path: Path, capsys: pytest.CaptureFix
     assert run("schema", "--write", tmp_path / "new" / "schemas") == 0
     assert {path.stem for path in (tmp_path / "new" / "schemas").iterdir()} == set(DOCUMENTS)
     assert capsys.readouterr().out == f"{tmp_path / 'new' / 'schemas'}: {len(DOCUMENTS)} schemas\n"
-
-
-def test_bad_words_are_one_sentence_and_exit_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (tmp_path / "file").write_text("")
-    assert run("schema", "wordl") == 2
-    assert "no document 'wordl'; did you mean 'world'?" in capsys.readouterr().err
-    assert run("schema", "--write", tmp_path / "file") == 2
-    assert "cannot be written" in capsys.readouterr().err
-    assert run("schema", "world", "--write", tmp_path) == 2
-    assert "goes with no NAME" in capsys.readouterr().err

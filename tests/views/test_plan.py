@@ -93,23 +93,6 @@ def test_the_verb_tells_and_draws_without_flying(
     assert not (tmp_path / "results").exists()
 
 
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (("T9",), "no situation 'T9'"),
-        (("--output", "map.pdf"), "must end in .svg or .png"),
-        (("--output", "no/such/folder/map.svg"), "there is no folder"),
-    ],
-)
-def test_bad_words_are_one_sentence_and_exit_2(
-    words: tuple[str, ...], sentence: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run("map", *words, "--study", ROOT) == 2
-    error = capsys.readouterr().err
-    assert sentence in error
-    assert error.count("\n") == 1
-
-
 def test_a_situation_whose_values_contradict_each_other_is_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
