@@ -14,8 +14,9 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 from plugins import install
+from said import as_recorded
 
-from scaloft_fi.cli import VERBS, main
+from scaloft_fi.cli import main
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.axes import axis_list
 from scaloft_fi.verbs.completion import COMPLETION, answered
@@ -70,37 +71,17 @@ def catalogue(study: Path, *ids: str) -> None:
     (study / "mutants" / "catalogue.jsonl").write_text("\n".join(lines))
 
 
-def test_verbs_options_and_choices_are_completed(complete: Callable[[str], list[str]]) -> None:
-    assert complete("") == list(VERBS)
-    assert complete("wor") == ["worksheet"]
-    assert complete("run --mut") == ["--mutant"]
-    assert complete("score --by g") == ["guideword"]
-    assert complete("score --format ") == ["table", "markdown", "csv", "json", "latex"]
-    assert {"json", "junit", "sarif"} < set(complete("export --format "))
-    assert complete("completion ") == ["bash", "zsh", "fish"]
+LINES = (
+    *("", "wor", "run --mut", "score --by g", "score --format ", "export --format ", "completion "),
+    *(f"{words} LATE-hu" for words in ("run --mutant", "margin", "kills", "mutants", "seek", "matrix --cell")),
+    *("kills NO-human LATE-human@3", "run --mutant NO-depth@3s#w", "matrix --guideword UN", "seek b", "run --grid "),
+    *("run --situation T1O1W1D1", "kills --situation 3", "run --grid wide --situation T0O2"),
+    *("run --grid paper+found --situation shows-ASWELLAS-w", "replay LATE-human@3s/T0O0W0D0H", "replay PLA"),
+)
 
 
-def test_mutants_and_cells_are_completed_from_the_catalogue(complete: Callable[[str], list[str]]) -> None:
-    ladder = ["LATE-human", *(f"LATE-human@{magnitude}s" for magnitude in ("0.5", "1", "3", "5"))]
-    for words in ("run --mutant", "margin", "kills", "mutants", "seek"):
-        assert complete(f"{words} LATE-hu") == ladder
-    assert complete("kills NO-human LATE-human@3") == ["LATE-human@3s"]
-    assert complete("run --mutant NO-depth@3s#w") == ["NO-depth@3s#waypoint"]
-    assert complete("matrix --cell LATE-hu") == ["LATE-human"]
-    assert complete("matrix --guideword UN") == ["UNINTENDED"]
-    assert complete("seek b") == ["baseline"]
-
-
-def test_situations_of_the_grid_asked_for_and_their_other_names_are_completed(
-    complete: Callable[[str], list[str]],
-) -> None:
-    assert complete("run --situation T1O1W1D1") == ["T1O1W1D1H0", "T1O1W1D1H1"]
-    assert complete("kills --situation 3") == ["3", "32"]
-    assert complete("run --grid wide --situation T0O2") == []
-    assert complete("run --grid paper+found --situation shows-ASWELLAS-w") == ["shows-ASWELLAS-waypoint@0.25m"]
-    assert complete("run --grid ") == ["paper", "search", "wide", "paper+found"]
-    assert complete("replay LATE-human@3s/T0O0W0D0H") == ["LATE-human@3s/T0O0W0D0H0/0", "LATE-human@3s/T0O0W0D0H1/0"]
-    assert complete("replay PLA") == ["PLACEBO/"]
+def test_verbs_options_and_the_names_of_a_study_are_completed(complete: Callable[[str], list[str]]) -> None:
+    as_recorded(__file__, {line: "\n".join(complete(line)) for line in LINES})
 
 
 @pytest.mark.parametrize("verb", LISTS)
