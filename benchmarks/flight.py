@@ -30,7 +30,8 @@ from scaloft_fi.judge.requirement import judge
 from scaloft_fi.sim import flight as flight_module
 from scaloft_fi.sim.build import build
 from scaloft_fi.sim.contact import Feeler
-from scaloft_fi.sim.flight import FlightLoop, fly, physics_server
+from scaloft_fi.sim.build import physics_server
+from scaloft_fi.sim.flight import FlightLoop, fly
 from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.sensors import suite
 from scaloft_fi.sim.sensors.camera import DepthSensor

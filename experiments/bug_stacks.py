@@ -21,7 +21,7 @@ from scaloft_fi.stack.reference import estimator, memory
 from scaloft_fi.stack.reference.companion import Companion, CompanionConfig, ExposureControl, PoseBuffer, Stages
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.estimator import RATE_BIAS, Estimator, EstimatorConfig
-from scaloft_fi.stack.reference.flight_control import FlightControl, InnerLoop
+from scaloft_fi.stack.reference.flight_control import FlightControl
 from scaloft_fi.stack.reference.memory import ObstacleMemory
 from scaloft_fi.stack.reference.messages import Clearing, GoalCheck, PoseEstimate, Proximity, Route, VelocityCommand
 from scaloft_fi.stack.reference.mission import BatteryMonitor, Mission, SpeedLimitStage
@@ -83,7 +83,7 @@ class StagedStack(ReferenceStack):
             task.yaw_rad,
         )
         self._control.take_off(task.altitude_m)
-        self.fast_path = InnerLoop(self._estimator, self._control) if parts.compiled else None  # type: ignore[assignment]
+        self.fast_path = self._control if parts.compiled else None  # type: ignore[assignment]
         self._pose = self._estimator.tick(0.0, None)
         self._received: SensorFrames | None = None
 

@@ -113,9 +113,9 @@ def _axes(study: Study, findings: Findings) -> tuple[Axis, ...]:
     """The axes of a grid that cannot be read whole, those that can be read; what is wrong with the others is told."""
     found: list[Axis] = []
     with findings.collecting():
-        for name, entry in _file(study).need("axes").mapping().items():
+        for entry in _file(study).need("axes").mapping().values():
             with findings.collecting():
-                found.append(value_of(AxisModel, entry).axis(name, entry))
+                found.append(value_of(AxisModel, entry).axis)
     return tuple(found)
 
 

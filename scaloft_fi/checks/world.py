@@ -42,10 +42,10 @@ def check_world(path: Path, findings: Findings) -> World | None:
             with findings.collecting():
                 check_mesh(rock, findings)
                 mine = read_mine(rock)
-        world, happenings = assembled(document, mine)
+        world = assembled(document, mine)
         if findings.all_of(misplaced(world, document)):
             check_size(world, document, findings)
-            if findings.all_of(misfits(world, happenings)):
+            if findings.all_of(misfits(world)):
                 return world
     return None
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from scaloft_fi.outside.border import BORDERS, PORTS, CameraInfo, Goal, Motion
 from scaloft_fi.outside.exchange import Exchange, OutsideConfig
-from scaloft_fi.stack.declaration import STEP_HZ, TICK_S, ConfigError, Declaration, FastPath, Seam, Stack, Task, Wire
+from scaloft_fi.stack.declaration import TICK_S, ConfigError, Declaration, FastPath, Seam, Stack, Task, Wire
 from scaloft_fi.stack.messages import (
     Array,
     DepthCamera,
@@ -29,7 +29,7 @@ from scaloft_fi.stack.messages import (
 )
 from scaloft_fi.stack.reference.declaration import SEAMS
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
-from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl, InnerLoop
+from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl
 from scaloft_fi.stack.reference.messages import (
     BELIEFS,
     MODES,
@@ -298,7 +298,7 @@ class VelocityStack(_Outside):
         self._ordered = np.zeros(3)
         self._body = any(seam.carries == "velocity" and seam.frame == "body" for seam in config.seams.values())
         self._inertial = next((name for name, seam in config.seams.items() if seam.carries == "inertial"), "")
-        self.fast_path: FastPath | None = None if self._inertial else InnerLoop(self._estimator, self._control)
+        self.fast_path: FastPath | None = None if self._inertial else self._control
 
     def stamps(self, now_s: float) -> Stamps:
         """The true time."""
@@ -334,7 +334,7 @@ class VelocityStack(_Outside):
         cross = self._wire.cross
         if self._inertial and self._exchange is not None:
             self._exchange.send(self._inertial, now_s, imu)
-        return cross("thrust", now_s, self._control.step(now_s, cross("imu", now_s, imu), 1.0 / STEP_HZ))
+        return cross("thrust", now_s, self._control.step(now_s, cross("imu", now_s, imu)))
 
     def beliefs(self, now_s: float) -> Array:
         """The values of the declared beliefs."""

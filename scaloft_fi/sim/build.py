@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,11 +127,16 @@ class BodyIds:
         return {number: name for name, number in self.by_name.items()}
 
 
-def connect() -> int:
-    """Start a physics server in this process, without a window; returns its client number."""
+@contextmanager
+def physics_server() -> Iterator[int]:
+    """Start a physics server in this process, without a window, and close it at the end of the context."""
     import pybullet
 
-    return int(pybullet.connect(pybullet.DIRECT))
+    client = int(pybullet.connect(pybullet.DIRECT))
+    try:
+        yield client
+    finally:
+        pybullet.disconnect(physicsClientId=client)
 
 
 def set_up(client: int) -> None:
@@ -152,15 +157,15 @@ def build(client: int, world: World) -> BodyIds:
     import pybullet
 
     set_up(client)
-    ground = world.mine.ground
-    ids = {
-        WALL: _fixed(client, pybullet, _triangles(client, pybullet, world.mine.wall)),
-        GROUND: _fixed(
-            client, pybullet, (_slab if world.mine.ground_is_slab else _triangles)(client, pybullet, ground)
-        ),
-    }
+    floor = _slab if world.mine.ground_is_slab else _triangles
+    shapes = {WALL: _triangles(client, world.mine.wall), GROUND: floor(client, world.mine.ground)}
     for body in world.present:
-        ids[body.name] = _fixed(client, pybullet, _hull(client, pybullet, body.core))
+        vertices = body.core.vertices.tolist()
+        shapes[body.name] = pybullet.createCollisionShape(pybullet.GEOM_MESH, vertices=vertices, physicsClientId=client)
+    ids = {}
+    for name, shape in shapes.items():
+        ids[name] = number = pybullet.createMultiBody(0.0, shape, physicsClientId=client)
+        pybullet.setCollisionFilterGroupMask(number, -1, WORLD_GROUP, VEHICLE_GROUP | RAY_GROUP, physicsClientId=client)
     return BodyIds(ids)
 
 
@@ -172,38 +177,22 @@ def place(client: int, ids: BodyIds, shifts: Mapping[str, Sequence[float]]) -> N
         pybullet.resetBasePositionAndOrientation(ids.by_name[name], by_m, (0.0, 0.0, 0.0, 1.0), physicsClientId=client)
 
 
-def _triangles(client: int, pybullet: Any, mesh: Mesh) -> int:
-    return int(
-        pybullet.createCollisionShape(
-            pybullet.GEOM_MESH,
-            vertices=mesh.vertices.tolist(),
-            indices=mesh.faces.ravel().tolist(),
-            flags=pybullet.GEOM_FORCE_CONCAVE_TRIMESH,
-            physicsClientId=client,
-        )
+def _triangles(client: int, mesh: Mesh) -> int:
+    import pybullet
+
+    corners, indices = mesh.vertices.tolist(), mesh.faces.ravel().tolist()
+    flags = pybullet.GEOM_FORCE_CONCAVE_TRIMESH
+    return pybullet.createCollisionShape(  # type: ignore[no-any-return]
+        pybullet.GEOM_MESH, vertices=corners, indices=indices, flags=flags, physicsClientId=client
     )
 
 
-def _hull(client: int, pybullet: Any, mesh: Mesh) -> int:
-    return int(
-        pybullet.createCollisionShape(pybullet.GEOM_MESH, vertices=mesh.vertices.tolist(), physicsClientId=client)
-    )
+def _slab(client: int, plate: Mesh) -> int:
+    import pybullet
 
-
-def _slab(client: int, pybullet: Any, plate: Mesh) -> int:
     low, high = plate.vertices.min(axis=0), plate.vertices.max(axis=0)
-    middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    return int(
-        pybullet.createCollisionShape(
-            pybullet.GEOM_BOX,
-            halfExtents=[float(half[0]), float(half[1]), 0.5 * SLAB_M],
-            collisionFramePosition=[float(middle[0]), float(middle[1]), float(high[2]) - 0.5 * SLAB_M],
-            physicsClientId=client,
-        )
+    (x, y, _), half = (0.5 * (low + high)).tolist(), 0.5 * (high - low)
+    edges, middle = [float(half[0]), float(half[1]), 0.5 * SLAB_M], [x, y, float(high[2]) - 0.5 * SLAB_M]
+    return pybullet.createCollisionShape(  # type: ignore[no-any-return]
+        pybullet.GEOM_BOX, halfExtents=edges, collisionFramePosition=middle, physicsClientId=client
     )
-
-
-def _fixed(client: int, pybullet: Any, shape: int) -> int:
-    number = int(pybullet.createMultiBody(baseMass=0.0, baseCollisionShapeIndex=shape, physicsClientId=client))
-    pybullet.setCollisionFilterGroupMask(number, -1, WORLD_GROUP, VEHICLE_GROUP | RAY_GROUP, physicsClientId=client)
-    return number

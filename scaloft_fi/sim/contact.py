@@ -45,7 +45,10 @@ class Reach:
         most, least = max(vehicle.inertia_kgm2), min(vehicle.inertia_kgm2)
         # Without torque the energy of rotation is constant; the axis may change.
         self.tumble = math.sqrt(most / least)
-        self.gained_rad = _GAINED_S2 * _greatest_torque(vehicle) / least
+        # Torque is linear in the thrusts, so where it is greatest each rotor has either no thrust or full thrust.
+        torques = vehicle.max_thrust_n * vehicle.effect()[1:4]
+        most_nm = max(float(np.linalg.norm(torques @ np.array(on))) for on in product((0.0, 1.0), repeat=4))
+        self.gained_rad = _GAINED_S2 * most_nm / least
 
     def within_tick_m(self, truth: Sequence[float]) -> float:
         """Upper bound of the loss of any clearance during the coming tick [m]; NaN where `truth` has a NaN.
@@ -55,12 +58,6 @@ class Reach:
         """
         turn_m = self._radius_m * (TICK_S * self.tumble * math.hypot(*truth[RATE]) + self.gained_rad)
         return TICK_S * math.hypot(*truth[VELOCITY]) + self.gained_m + min(turn_m, self.any_turn_m)
-
-
-def _greatest_torque(vehicle: Vehicle) -> float:
-    """Greatest torque [N m]: torque is linear in the thrusts, so each rotor has either no thrust or full thrust."""
-    torques = vehicle.max_thrust_n * vehicle.effect()[1:4]
-    return max(float(np.linalg.norm(torques @ np.array(on))) for on in product((0.0, 1.0), repeat=4))
 
 
 GEAR_SHARE = 0.8
@@ -181,7 +178,8 @@ class Clearances:
         self._client, self._ids, self._body, self._closest = client, ids.by_name, body, pybullet.getClosestPoints
         self._radius_m = 0.5 * math.hypot(*vehicle.hull_m)
         meshes = {WALL: world.mine.wall, GROUND: world.mine.ground, **{body.name: body.mesh for body in world.present}}
-        self._names, self._boxes = tuple(meshes), np.array([_bounds(mesh.vertices) for mesh in meshes.values()])
+        corners = [mesh.vertices for mesh in meshes.values()]
+        self._names, self._boxes = tuple(meshes), np.array([(*v.min(axis=0), *v.max(axis=0)) for v in corners])
         self._at_rest = self._boxes.copy()
         self.gaps_m: Mapping[str, float] = {}
         self._pose: Sequence[float] = (0.0,) * 7
@@ -229,8 +227,3 @@ def moved_m(before: Sequence[float], after: Sequence[float], radius_m: float) ->
     half_cos = qx * rx + qy * ry + qz * rz + qw * rw
     half_sin = math.sqrt(max(0.0, 1.0 - half_cos * half_cos))
     return math.hypot(u - x, v - y, w - z) + 2.0 * radius_m * half_sin
-
-
-def _bounds(vertices: Array) -> tuple[float, ...]:
-    """Bounding box: least x, y, z, then greatest x, y, z [m]."""
-    return tuple(map(float, (*vertices.min(axis=0), *vertices.max(axis=0))))

@@ -13,25 +13,17 @@ The flight loop tells the wire of them at 20 Hz, before the stack runs in that t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any
 
 from scaloft_fi.document import Item
 from scaloft_fi.hazop.name import names_event
-from scaloft_fi.sim.log import (
-    CLEARANCE_CAP_M,
-    Count,
-    Event,
-    clearance_name,
-)
-from scaloft_fi.sim.world import ROLES, Role
+from scaloft_fi.mutants.wire import SeamCount
+from scaloft_fi.sim.log import CLEARANCE_CAP_M, Event, clearance_name
+from scaloft_fi.sim.world import ROLES, Role, World
 from scaloft_fi.stack.declaration import Belief, Mark
 from scaloft_fi.streams import Array
-
-if TYPE_CHECKING:
-    from scaloft_fi.sim.world import World
-
 
 HAPPENING = "#a16207"
 """Colour of the mark of a happening on a map."""
@@ -41,7 +33,7 @@ def events_of(
     elapsed_s: Array,
     declared: Iterable[Belief],
     believed: Mapping[str, Array],
-    counts: Mapping[str, Count],
+    counts: Mapping[str, SeamCount],
     struck: str,
     struck_at_s: float,
     error: str,
@@ -59,13 +51,13 @@ def events_of(
         error: the exception of the stack; "" without one.
         began: start [s] and name of each happening that started.
     """
-    events = [
-        event
-        for belief in declared
-        if belief.mark is not None
-        for event in _marks(belief.mark, elapsed_s, believed[belief.name])
-    ]
-    events += [Event(t_s, "happening", f"{name} begins", HAPPENING) for t_s, name in began]
+    events = [Event(t_s, "happening", f"{name} begins", HAPPENING) for t_s, name in began]
+    for name, mark in ((belief.name, belief.mark) for belief in declared if belief.mark is not None):
+        strikes = Strike(mark)
+        for t_s, value in zip(elapsed_s.tolist(), believed[name].tolist(), strict=True):
+            if strikes(value):
+                text = mark.text.format(mark.values[int(value)]) if mark.values else mark.text
+                events.append(Event(t_s, mark.kind, text, mark.colour))
     first = [count.first_altered_s for count in counts.values() if count.first_altered_s is not None]
     if first:
         events.append(Event(min(first), "infection", "the first sample differs"))
@@ -92,15 +84,6 @@ class Strike:
         rises = value > 0.5 and (before is None or not before > 0.5) and not self._over
         self._over = self._over or (rises and self._first)
         return rises
-
-
-def _marks(mark: Mark, elapsed_s: Array, values: Array) -> Iterator[Event]:
-    """The events of one marked belief."""
-    strikes = Strike(mark)
-    for t_s, value in zip(elapsed_s.tolist(), values.tolist(), strict=True):
-        if strikes(value):
-            text = mark.text.format(mark.values[int(value)]) if mark.values else mark.text
-            yield Event(t_s, mark.kind, text, mark.colour)
 
 
 PERSON_SIGHT_M = 3.0
@@ -137,10 +120,8 @@ def _has_body(trait: Callable[[Role], bool]) -> Callable[[Item], bool]:
 
 
 def _has_light(world: Item) -> bool:
-    happenings = world.get("happenings")
-    return happenings is not None and any(
-        entry.need("kind").text() == "light" for entry in happenings.mapping().values()
-    )
+    entries = found.mapping() if (found := world.get("happenings")) else {}
+    return any(entry.need("kind").text() == "light" for entry in entries.values())
 
 
 TRUTH_EVENTS: Mapping[str, TruthEvent] = {
@@ -185,30 +166,17 @@ def events_in(world: Item, beliefs: Iterable[Belief]) -> Mapping[str, str]:
     return truth | {kind: "" for kind in kinds if names_event(kind) and kind not in truth}
 
 
-class Listener(Protocol):
-    """A wire whose taps may await events."""
-
-    @property
-    def awaited(self) -> frozenset[str]:
-        """Names of the events that they await."""
-        ...
-
-    def occur(self, event: str, t_s: float) -> None:
-        """Learn that an event occurs at `t_s` [s]."""
-        ...
-
-
 class Lookout:
     """Tells the wire of one flight of the events that its taps await.
 
     Args:
-        wire: the wire.
+        wire: has the names of the events that its taps await, `awaited`, and learns of them by `occur`.
         world: the world of the flight.
         names: names of the truth signals, in order.
         beliefs: of the stack, in order.
     """
 
-    def __init__(self, wire: Listener, world: World, names: Sequence[str], beliefs: Sequence[Belief]) -> None:
+    def __init__(self, wire: Any, world: World, names: Sequence[str], beliefs: Sequence[Belief]) -> None:
         self._wire, self._names, awaited = wire, names, wire.awaited
         self._obstacles = world.bodies_with(lambda role: role.is_obstacle)
         self._truth = [

@@ -5,18 +5,17 @@ Physics, inertial sensor and flight control run at 240 Hz; the other sensors, th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 
 import numpy as np
 
 from scaloft_fi.errors import InputError, ScaloftError
-from scaloft_fi.mutants.wire import TapError
-from scaloft_fi.sim.build import build, connect, place
+from scaloft_fi.mutants.wire import SeamCount, TapError
+from scaloft_fi.sim.build import build, physics_server, place
 from scaloft_fi.sim.contact import Feeler
 from scaloft_fi.sim.events import Lookout, events_of
 from scaloft_fi.sim.load import SimConfig
-from scaloft_fi.sim.log import Count, Ending, FlightLog, Recorder
+from scaloft_fi.sim.log import Ending, FlightLog, Recorder
 from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import Sensors
@@ -74,18 +73,6 @@ def fly(
             return flight.log()
         finally:
             flight.close()
-
-
-@contextmanager
-def physics_server() -> Iterator[int]:
-    """Start a physics server, and close it at the end of the context."""
-    import pybullet
-
-    client = connect()
-    try:
-        yield client
-    finally:
-        pybullet.disconnect(physicsClientId=client)
 
 
 def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wire: Wire) -> Stack:
@@ -260,29 +247,17 @@ class FlightLoop:
     def log(self) -> FlightLog:
         """The log of the flight so far."""
         truth, beliefs = self._truth.signals(), self._beliefs.signals()
-        counts: Mapping[str, Count] = getattr(self._wire, "counts", {})
-        observer = self._observer
-        stack_error = self._stack_error or str(getattr(self.stack, "complaint", ""))
+        counts: Mapping[str, SeamCount] = getattr(self._wire, "counts", {})
+        struck, struck_at_s = self._observer.struck, self._observer.struck_at_s
+        error = self._stack_error or str(getattr(self.stack, "complaint", ""))
+        declared, began = self._declared, self._around.began
         return FlightLog(
-            signals={**truth, **beliefs},
-            ending=self._ending(self.ticks / TICK_HZ) or Ending.TIMED_OUT,
-            struck=observer.struck,
-            struck_at_s=observer.struck_at_s,
-            stack_error=stack_error,
-            counts=counts,
-            t_max_s=self._scenario.t_max_s,
+            {**truth, **beliefs}, self._ending(self.ticks / TICK_HZ) or Ending.TIMED_OUT, struck, struck_at_s, error,
+            counts, self._scenario.t_max_s, beliefs=declared.belief_names,
             events=events_of(
-                truth["elapsed_s"],
-                self._declared.beliefs,
-                beliefs,
-                counts,
-                observer.struck,
-                observer.struck_at_s,
-                stack_error,
-                self._around.began,
+                truth["elapsed_s"], declared.beliefs, beliefs, counts, struck, struck_at_s, error, began
             ),
-            beliefs=self._declared.belief_names,
-        )
+        )  # fmt: skip
 
     def close(self) -> None:
         """Let the stack end what it started."""

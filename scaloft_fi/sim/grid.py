@@ -12,29 +12,65 @@ from functools import cached_property
 from typing import Annotated
 
 from scaloft_fi.document import Item
-from scaloft_fi.errors import Faults, InputError
-from scaloft_fi.marks import ByName, Examples, Given, Pattern, Size
+from scaloft_fi.errors import Faults, InputError, did_you_mean
+from scaloft_fi.marks import ByName, Called, Examples, Given, Pattern, Place, Size
 from scaloft_fi.model import read
 from scaloft_fi.sim.happenings import signals_of
 from scaloft_fi.sim.log import clearance_name
 from scaloft_fi.sim.mine import Mine, read_mine
-from scaloft_fi.sim.patch import PARTS, added, overlap, patched
-from scaloft_fi.sim.situation import (
-    AXIS_ID,
-    MOST_CONSTRAINTS,
-    MOST_FREE,
-    Axis,
-    AxisModel,
-    AxisValue,
-    Constraint,
-    FreeAxis,
-    Situation,
-    misfit_free_axes,
-    number_text,
-    numbers_off,
-    unknown_values,
-)
+from scaloft_fi.sim.patch import PARTS, added, found, overlap, patched
+from scaloft_fi.sim.situation import AXIS_ID, Axis, AxisModel, AxisValue, FreeAxis, Situation, ValueIds, number_text
 from scaloft_fi.sim.world import World, read_world
+
+MOST_CONSTRAINTS = 100
+"""Each is compared with every point of the grid."""
+
+
+MOST_FREE = 50
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A combination of axis values that is impossible or of no interest; the grid leaves it out.
+
+    Attributes:
+        excluded: values of two or more axes that do not go together, by axis.
+        reason: why no situation has the combination.
+        place: `file:line` of the constraint.
+    """
+
+    excluded: Annotated[Mapping[str, ValueIds], Called("exclude")]
+    reason: str
+    place: Place
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a combination of fewer than two axes."""
+        if len(self.excluded) < 2:
+            sentence = "must name the values of at least 2 axes; to exclude a single value, remove it from its axis"
+            yield InputError(f"{item.need('exclude').place}: exclude {sentence}")
+
+    def forbids(self, levels: Mapping[str, int]) -> bool:
+        """Whether the constraint excludes a point with these values.
+
+        >>> Constraint({"T": frozenset({0}), "W": frozenset({1, 2})}, "no room", "").forbids({"T": 0, "W": 2, "H": 0})
+        True
+        """
+        return all(levels[axis] in values for axis, values in self.excluded.items())
+
+
+def unknown_values(item: Item, chosen: Mapping[str, frozenset[int]], axes: Mapping[str, Axis]) -> Iterator[InputError]:
+    """An error for each axis, or value of one, that an entry names and the grid does not have.
+
+    Args:
+        item: the entry.
+        chosen: values by axis, as they were read from it.
+        axes: the axes by id.
+    """
+    for name, entry in item.mapping().items():
+        if name not in axes:
+            yield InputError(f"{entry.place}: {item.name} names the unknown axis {name!r}{did_you_mean(name, axes)}")
+        elif max(chosen[name]) >= len(axes[name].values):
+            yield entry.error(f"values of axis {name!r}, 0 to {len(axes[name].values) - 1}")
 
 
 def lonely_values(
@@ -72,6 +108,88 @@ def remedy(*levels: tuple[str, int]) -> str:
     """
     values = ", ".join(f"{axis}: {level}" for axis, level in levels)
     return f"exclude them under constraints: {{exclude: {{{values}}}, reason: ...}}"
+
+
+def misfit_free_axes(
+    free: Sequence[FreeAxis], item: Item, axes: Iterable[Axis], documents: Mapping[str, Item]
+) -> Iterator[InputError]:
+    """An error for each free axis that does not fit the grid.
+
+    Its name is that of another axis, a value of another axis does not exist, the benign value is not that of the
+    documents, or two axes set one path.
+
+    Args:
+        free: the free axes.
+        item: their mapping.
+        axes: the axes that span the grid.
+        documents: the documents that the axes change.
+    """
+    spanning = {axis.id: axis for axis in axes}
+    for number, axis in enumerate(free):
+        entry = item.need(axis.id)
+        if axis.id in spanning:
+            own = "a name of its own: a capital letter, then small ones"
+            yield InputError(f"{entry.place}: free axis {axis.id!r} must have {own}")
+        strange = list(unknown_values(only, axis.only_with, spanning)) if (only := entry.get("only_with")) else []
+        yield from strange
+        now = found(documents, axis.path)
+        if now is None:
+            yield InputError(f"{axis.item.place}: no path {axis.path!r} in the study")
+        elif now.value != axis.benign:
+            yield entry.need("benign").error(f"{now.plain()!r}, what the study has at {now.place}")
+        if strange:
+            continue
+        for other in spanning.values():
+            for value in other.values:
+                # with values of other axes with which a number of this one goes
+                only_with = {name: min(values) for name, values in axis.only_with.items()}
+                if axis.goes_with({**dict.fromkeys(spanning, -1), **only_with, other.id: value.id}):
+                    yield from _common(axis, value.changes, f"{other.id}{value.id}")
+        for before in free[:number]:
+            if not _apart(axis, before):
+                yield from _common(axis, before.value(before.benign).changes, before.id)
+
+
+def numbers_off(free: Iterable[FreeAxis], levels: Mapping[str, int], numbers: Mapping[str, float]) -> dict[str, float]:
+    """The numbers of free axes that are off their benign values, in the order of the axes.
+
+    Args:
+        free: the free axes.
+        levels: the values of the axes that span the grid.
+        numbers: numbers by axis; those of axes in `levels` are left out.
+
+    Raises:
+        InputError: a free axis is unknown, does not go with these values, or does not hold its number.
+    """
+    known = {axis.id: axis for axis in free}
+    for name, number in numbers.items():
+        if name in levels:
+            continue
+        if name not in known:
+            raise InputError(f"there is no free axis {name!r}{did_you_mean(name, known)}")
+        axis, text = known[name], f"{name}={number_text(number)}"
+        if not axis.goes_with(levels):
+            wanted = " and ".join(f"{other}={sorted(values)}" for other, values in axis.only_with.items())
+            raise InputError(f"{axis.item.place}: {text} goes only with {wanted}")
+        if not axis.holds(number) and number != axis.benign:
+            low, high = number_text(axis.low), number_text(axis.high)
+            raise InputError(f"{axis.item.place}: {text} must be {low} to {high}")
+    return {axis.id: numbers[axis.id] for axis in known.values() if numbers.get(axis.id, axis.benign) != axis.benign}
+
+
+def _apart(axis: FreeAxis, other: FreeAxis) -> bool:
+    """Whether no situation has numbers of both."""
+    theirs = other.only_with
+    return any(not values & theirs[name] for name, values in axis.only_with.items() if name in theirs)
+
+
+def _common(axis: FreeAxis, changes: Mapping[str, Item], name: str) -> Iterator[InputError]:
+    """An error for each path that both change, unless both give it the same value."""
+    for path, item in axis.value(axis.benign).changes.items():
+        for other, theirs in changes.items():
+            if overlap(path, other) and not (path == other and path != axis.path and item.value == theirs.value):
+                sentence = f"{axis.item.place}: {axis.id} and {name} both set {other}"
+                yield InputError(f"{sentence}; name under only_with of {axis.id} the values that it goes with")
 
 
 MOST_POINTS = 1_000_000
@@ -119,13 +237,8 @@ class Grid:
         """Every situation; the last axis varies fastest."""
         if self.listed is not None:
             return self.listed
-        return self._feasible(itertools.product(*([value.id for value in axis.values] for axis in self.axes)))
-
-    def _feasible(self, points: Iterable[tuple[int, ...]]) -> tuple[Situation, ...]:
-        """The situations of the points that no constraint excludes."""
-        names = [axis.id for axis in self.axes]
-        every = (dict(zip(names, point, strict=True)) for point in points)
-        return tuple(Situation.of(levels) for levels in every if self._excluding(levels) is None)
+        points = itertools.product(*([(axis.id, value.id) for value in axis.values] for axis in self.axes))
+        return tuple(Situation.of(levels) for levels in map(dict, points) if self._excluding(levels) is None)
 
     def _excluding(self, levels: Mapping[str, int]) -> Constraint | None:
         """The constraint that excludes a point; None when the point is a situation."""
@@ -160,15 +273,14 @@ class Grid:
         drawn = Situation.parse(name)
         if drawn is None or not drawn.numbers or drawn.point.key not in self.by_key:
             return None
-        free = [axis for axis, _ in drawn.numbers if axis not in dict(drawn.levels)]
         proper = self.at(dict(drawn.levels), dict(drawn.numbers))
         if proper.key != name:
             raise InputError(f"situation {name!r} must be written {proper.key!r}")
-        axes = {axis.id: axis for axis in self.axes}
+        ranges = {axis.id: axis.range for axis in self.axes}
         for axis, number in drawn.numbers:
-            if axis in free:
+            if axis not in ranges:
                 continue
-            range_ = axes[axis].range
+            range_ = ranges[axis]
             if range_ is None:
                 raise InputError(f"situation {name!r} has a number for axis {axis!r}, which is no range")
             bin_, place = range_.bin(number), range_.item.place
@@ -212,16 +324,9 @@ class Grid:
                 wanted[situation.key] = situation
         if not patterns:
             return self.situations
-        return tuple(sorted(wanted.values(), key=self._place))
-
-    def _place(self, situation: Situation) -> tuple[int, tuple[tuple[str, float], ...]]:
-        """Sort key of a situation: its own place, else that of its bins."""
-        return self._places.get(situation.key, self._places.get(situation.point.key, 0)), situation.numbers
-
-    @cached_property
-    def _places(self) -> Mapping[str, int]:
-        """Index of each situation by key."""
-        return {key: place for place, key in enumerate(self.by_key)}
+        places = {key: place for place, key in enumerate(self.by_key)}
+        # a situation has its own place, else that of its bins
+        return tuple(sorted(wanted.values(), key=lambda s: (places.get(s.key, places.get(s.point.key, 0)), s.numbers)))
 
     def titles(self, situation: Situation) -> tuple[str, ...]:
         """The titles of the situation's values, one for each axis; of a drawn number the number with its unit.
@@ -364,7 +469,7 @@ def assembled(item: Item, documents: Mapping[str, Item], name: str | None = None
     if isinstance(model, FurtherGridModel) and model.adds is not None:
         documents = added(documents, model.adds)
     entries, faults = item.need("axes"), Faults()
-    axes = tuple(axis.axis(id_, entries.need(id_)) for id_, axis in model.axes.items())
+    axes = tuple(axis.axis for axis in model.axes.values())
     points = math.prod(len(axis.values) for axis in axes)
     if points > MOST_POINTS:
         raise InputError(f"{entries.place}: axes make {points} situations, they must make at most {MOST_POINTS}")

@@ -19,9 +19,9 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -100,24 +100,44 @@ class Effect(ABC):
 
 
 @dataclass(frozen=True)
+class HappeningKind:
+    """A declared kind of happening.
+
+    Attributes:
+        effect: the model of the happening's entry in `world.yaml` (`scaloft_fi.model`), without the framework's keys:
+            `kind`, `active`, `start` and `lasts_s`.
+        check: called with the effect, the `sim.world.World` and the item; refuses an effect that this world cannot
+            have, with an `InputError` that begins with a place.
+        signals: names of the signals that a flight with such a happening records; `apply` notes their values.
+    """
+
+    effect: type[Effect]
+    check: Callable[[Any, Any, Item], None] = lambda _effect, _world, _item: None
+    signals: tuple[str, ...] = ()
+
+
+HAPPENINGS = Registry[HappeningKind]("kind of happening")
+
+
+@dataclass(frozen=True)
 class Happening:
     """Something that happens in a world.
 
     Attributes:
         name: unique name.
-        signals: names of the signals that a flight with it records.
+        kind: what kind it is.
         start: when it starts.
         lasts_s: how long it lasts [s]; infinite for the rest of the flight.
         effect: what it does.
-        place: `file:line`, for errors.
+        item: its entry in `world.yaml`.
     """
 
     name: str
-    signals: tuple[str, ...]
+    kind: HappeningKind
     start: Start
     lasts_s: float
     effect: Effect
-    place: str
+    item: Item
 
 
 class Surroundings:
@@ -154,7 +174,7 @@ class Surroundings:
         if self.shifts:
             self.scene = replace(scene, vertices=scene.vertices.copy())
         self._parts = {name: _vertices_of(scene, name) for name in self.shifts}
-        self.noted = dict.fromkeys((name for h in self._happenings for name in h.signals), 0.0)
+        self.noted = dict.fromkeys((name for h in self._happenings for name in h.kind.signals), 0.0)
         for happening in self._happenings:
             happening.effect.prepare(self)
 
@@ -213,7 +233,7 @@ class Surroundings:
 
 def signals_of(happenings: Collection[Happening]) -> tuple[str, ...]:
     """Names of the signals that a flight with these happenings records."""
-    noted = dict.fromkeys(name for happening in happenings for name in happening.signals)
+    noted = dict.fromkeys(name for happening in happenings for name in happening.kind.signals)
     moved = dict.fromkeys(happening.effect.moved for happening in happenings if happening.effect.moved)
     return (*noted, *(f"{body}_{axis}_m" for body in moved for axis in "xy"))
 
@@ -221,34 +241,6 @@ def signals_of(happenings: Collection[Happening]) -> tuple[str, ...]:
 def _vertices_of(scene: Scene, body: str) -> Faces:
     """Indices of the vertices of a body."""
     return np.unique(scene.faces[scene.owner == scene.names.index(body)])
-
-
-@dataclass(frozen=True)
-class HappeningKind:
-    """A declared kind of happening.
-
-    Attributes:
-        effect: the model of the happening's entry in `world.yaml` (`scaloft_fi.model`), without the framework's keys:
-            `kind`, `active`, `start` and `lasts_s`.
-        check: called with the effect, the `sim.world.World` and the item; refuses an effect that this world cannot
-            have, with an `InputError` that begins with a place.
-        signals: names of the signals that a flight with such a happening records; `apply` notes their values.
-    """
-
-    effect: type[Effect]
-    check: Callable[[Any, Any, Item], None] = lambda _effect, _world, _item: None
-    signals: tuple[str, ...] = ()
-
-
-HAPPENINGS = Registry[HappeningKind]("kind of happening")
-
-
-class Occurrence(NamedTuple):
-    """A happening with its kind and its entry in `world.yaml`."""
-
-    happening: Happening
-    kind: HappeningKind
-    item: Item
 
 
 @dataclass(frozen=True)
@@ -268,37 +260,25 @@ class Occasion:
     lasts_s: Annotated[MoreThanZero, Examples(5.0)] = math.inf
 
 
-def read_happenings(item: Item) -> tuple[Occurrence, ...]:
+def read_happenings(item: Item) -> tuple[Happening, ...]:
     """Read the active happenings of a world; `misfits` holds them against the world.
 
     Raises:
         InputError: a value is not allowed, a key or a kind is unknown.
     """
-    faults, found = Faults(), []
+    faults, found = Faults(), list[Happening]()
     for name, entry in item.mapping().items():
         with faults.collecting():
-            found.append(read_happening(name, entry))
+            kind, inner = HAPPENINGS[entry.need("kind").choice(tuple(HAPPENINGS))], Faults()
+            with inner.collecting():
+                occasion = read(Occasion, entry, beside=keys_of(kind.effect))
+            with inner.collecting():
+                effect = read(kind.effect, entry, beside=(*entry.mapping(), *keys_of(Occasion)))
+            inner.end()
+            if occasion.active:
+                found.append(Happening(name, kind, occasion.start, occasion.lasts_s, effect, entry))
     faults.end()
-    return tuple(one for one in found if one is not None)
-
-
-def read_happening(name: str, item: Item) -> Occurrence | None:
-    """Read one happening; None for one that is not active.
-
-    Raises:
-        InputError: a value is not allowed, a key or the kind is unknown.
-    """
-    kind = HAPPENINGS[item.need("kind").choice(tuple(HAPPENINGS))]
-    faults, occasion, effect = Faults(), None, None
-    with faults.collecting():
-        occasion = read(Occasion, item, beside=keys_of(kind.effect))
-    with faults.collecting():
-        effect = read(kind.effect, item, beside=(*item.mapping(), *keys_of(Occasion)))
-    faults.end()
-    assert occasion is not None
-    assert effect is not None
-    happening = Happening(name, kind.signals, occasion.start, occasion.lasts_s, effect, item.place)
-    return Occurrence(happening, kind, item) if occasion.active else None
+    return tuple(found)
 
 
 def happenings_schema(names: Names) -> Schema:
@@ -314,23 +294,20 @@ def happenings_schema(names: Names) -> Schema:
     return {"type": "object", "additionalProperties": each}
 
 
-def misfits(world: Any, found: Iterable[Occurrence]) -> Iterator[InputError]:
+def misfits(world: Any) -> Iterator[InputError]:
     """An error for each happening that cannot come, that this world cannot have, or that moves a body as another does.
 
     Args:
         world: the `sim.world.World`.
-        found: its happenings.
     """
     moved: dict[str, str] = {}
-    for happening, kind, item in found:
-        near = happening.start.near
+    for happening in world.happenings:
+        near, item = happening.start.near, happening.item
         if near is not None and not world.mine.holds((*near, world.mission.altitude_m)):
-            yield InputError(
-                f"{item.need('start').place}: near={list(near)!r} must be in the open space of the mine, or "
-                f"happening {happening.name!r} cannot come"
-            )
+            sentence = f"near={list(near)!r} must be in the open space of the mine"
+            yield InputError(f"{item.need('start').place}: {sentence}, or happening {happening.name!r} cannot come")
         try:
-            kind.check(happening.effect, world, item)
+            happening.kind.check(happening.effect, world, item)
         except InputError as error:
             yield error
         body = happening.effect.moved

@@ -95,16 +95,20 @@ class SimConfig:
         try:
             scenario = Scenario(situation, *_read(self.grid, self.grid.documents_with(values.values())))
         except InputError as error:
-            numbers = dict(situation.numbers)
-            levels = dict(situation.levels)
-            written = {axis: _written(axis, levels, numbers) for axis in values}
+            numbers, levels = dict(situation.numbers), dict(situation.levels)
+
+            def written(axis: str) -> str:
+                """The part of the key for one axis, such as `T1` or `Cs=0.871`."""
+                level = {axis: levels[axis]} if axis in levels else {}
+                return Situation.of(level, {axis: numbers[axis]} if axis in numbers else {}).key
+
             for axis in numbers:
                 if self._refused(values[axis]):
-                    sentence = f"{error}: {written[axis]} is not possible, as in situation {situation.key}"
+                    sentence = f"{error}: {written(axis)} is not possible, as in situation {situation.key}"
                     place = next(item.place for item in values[axis].changes.values())
                     raise InputError(f"{sentence}; the range at {place} must leave it out") from error
             blamed = self._to_blame(values)
-            names = " and ".join(written[axis] for axis, _ in blamed)
+            names = " and ".join(written(axis) for axis, _ in blamed)
             sentence = f"{error}: {names} cannot be combined, as in situation {situation.key}"
             if any(axis not in levels for axis, _ in blamed):
                 raise InputError(sentence) from error
@@ -118,7 +122,7 @@ class SimConfig:
             if happening.start.at_s >= scenario.t_max_s:
                 limit = f"before the time limit of situation {situation.key}, {scenario.t_max_s:.1f} s"
                 sentence = f"at_s={happening.start.at_s:g} must be {limit}, or {happening.name!r} cannot come"
-                raise InputError(f"{happening.place}: {sentence}")
+                raise InputError(f"{happening.item.place}: {sentence}")
         return scenario
 
     def _to_blame(self, values: Mapping[str, AxisValue]) -> tuple[tuple[str, int], ...]:
@@ -136,12 +140,9 @@ class SimConfig:
 
     def source_of(self, path: str) -> NumberSource | None:
         """The source of the number at `path`, or of its nearest parent with a source."""
-        parts = path.split(".")
-        for length in range(len(parts), 0, -1):
-            source = self.sources.get(".".join(parts[:length]))
-            if source is not None:
-                return source
-        return None
+        while path and path not in self.sources:
+            path = path.rpartition(".")[0]
+        return self.sources.get(path)
 
     @property
     def assumptions(self) -> dict[str, float]:
@@ -185,15 +186,14 @@ def load(
         sensors=sensors,
         grid=grid,
         stack=StackChoice.read(documents["stack"]),
-        sources={**_sources_of(folder, documents), **_own_sources(grid, documents)},
-        numbers=_numbers(documents),
+        sources=_sources(folder, grid, documents),
+        numbers={
+            f"{name}.{path}": float(item.value)
+            for name, document in documents.items()
+            for path, item in leaves(document)
+            if isinstance(item.value, int | float) and not isinstance(item.value, bool)
+        },
     )
-
-
-def _written(axis: str, levels: Mapping[str, int], numbers: Mapping[str, float]) -> str:
-    """The part of a key for one axis, such as `T1` or `Cs=0.871`."""
-    level = {axis: levels[axis]} if axis in levels else {}
-    return Situation.of(level, {axis: numbers[axis]} if axis in numbers else {}).key
 
 
 def _read(grid: Grid, documents: Mapping[str, Item]) -> tuple[World, Vehicle, SensorsConfig]:
@@ -209,41 +209,23 @@ def _read(grid: Grid, documents: Mapping[str, Item]) -> tuple[World, Vehicle, Se
     return world, vehicle, sensors
 
 
-def _numbers(documents: Mapping[str, Item]) -> dict[str, float]:
-    return {
-        f"{name}.{path}": float(item.value)
-        for name, document in documents.items()
-        for path, item in leaves(document)
-        if isinstance(item.value, int | float) and not isinstance(item.value, bool)
-    }
-
-
-def _sources_of(folder: Path, documents: Mapping[str, Item]) -> dict[str, NumberSource]:
-    """The sources in the study's `sources.yaml`; those of `situations.yaml` only where its grid is read."""
-    path = folder / "sources.yaml"
-    found = _sources(load_document(path), documents) if is_there(path) else {}
-    own = documents["situations"].path == folder / FILE
-    return {name: source for name, source in found.items() if own or not name.startswith("situations.")}
-
-
-def _own_sources(grid: Grid, documents: Mapping[str, Item]) -> dict[str, NumberSource]:
-    """The sources in the file of a further grid."""
-    item = grid.item.get("sources") if grid.item and grid.further else None
-    return _sources(item, documents) if item else {}
-
-
-def _sources(item: Item, documents: Mapping[str, Item]) -> dict[str, NumberSource]:
-    """Read the sources.
+def _sources(folder: Path, grid: Grid, documents: Mapping[str, Item]) -> dict[str, NumberSource]:
+    """Read the sources of the study, those of `situations.yaml` only where its grid is read, and of a further grid.
 
     Raises:
         InputError: a kind is unknown, or a path does not begin with the name of a document.
     """
-    faults, sources = Faults(), dict[str, NumberSource]()
-    for path, entry in item.mapping().items():
-        name = path.split(".")[0]
-        if name not in documents:
-            faults.add(InputError(f"{entry.place}: no document for {path!r}{did_you_mean(name, documents)}"))
-        with faults.collecting():
-            sources[path] = read(NumberSource, entry)
+    path, faults, sources = folder / "sources.yaml", Faults(), dict[str, NumberSource]()
+    own = documents["situations"].path == folder / FILE
+    further = grid.item.get("sources") if grid.item and grid.further else None
+    for item in (load_document(path) if is_there(path) else None, further):
+        for number, entry in (item.mapping() if item else {}).items():
+            name = number.split(".")[0]
+            if name not in documents:
+                faults.add(InputError(f"{entry.place}: no document for {number!r}{did_you_mean(name, documents)}"))
+            with faults.collecting():
+                source = read(NumberSource, entry)
+                if own or item is further or name != "situations":
+                    sources[number] = source
     faults.end()
     return sources

@@ -19,11 +19,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from scaloft_fi.mutants.wire import SeamCount
 from scaloft_fi.registry import Registry
 from scaloft_fi.stack.declaration import Belief
 
@@ -34,23 +35,34 @@ Measure = Callable[[Array], float]
 """Called at 20 Hz with the true state (13,) of the vehicle in the layout of `sim.vehicle`; returns the value."""
 
 
-@dataclass(frozen=True)
-class DeclaredSignal:
-    """A signal that a study can choose.
+class Side(StrEnum):
+    """Whether a signal is ground truth or a belief of the stack."""
 
-    Attributes:
-        name: unique name, with the unit at the end.
-        unit: unit; "" for a dimensionless number.
-        meaning: the meaning in words.
-        make: makes the measure of a flight from its scenario; called once before the flight.
-        most: greatest value; a formula may not compare the signal with a greater number.
-    """
+    TRUTH = "truth"
+    PERCEIVED = "perceived"
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One column of the log.  unit: "" for a dimensionless number."""
 
     name: str
     unit: str
     meaning: str
+    side: Side
+
+
+@dataclass(frozen=True)
+class DeclaredSignal(Signal):
+    """A signal that a study can choose.
+
+    Attributes:
+        make: makes the measure of a flight from its scenario; called once before the flight.
+        most: greatest value; a formula may not compare the signal with a greater number.
+    """
+
     make: Maker
-    most: float = math.inf
+    most: float
 
 
 SIGNALS = Registry[DeclaredSignal]("signal")
@@ -64,7 +76,7 @@ def signal(name: str, unit: str, meaning: str, *, most: float = math.inf) -> Cal
     """
 
     def declare(make: Maker) -> Maker:
-        SIGNALS.declare(name, DeclaredSignal(name, unit, meaning, make, most))
+        SIGNALS.declare(name, DeclaredSignal(name, unit, meaning, Side.TRUTH, make, most))
         return make
 
     return declare
@@ -91,31 +103,7 @@ TOUCH_M = -0.001
 """Greatest clearance during a contact [m]."""
 
 
-class Side(StrEnum):
-    """Whether a signal is ground truth or a belief of the stack."""
-
-    TRUTH = "truth"
-    PERCEIVED = "perceived"
-
-
-@dataclass(frozen=True)
-class Signal:
-    """One column of the log.  unit: "" for a dimensionless number."""
-
-    name: str
-    unit: str
-    meaning: str
-    side: Side
-
-
-def _signals(side: Side, table: str) -> tuple[Signal, ...]:
-    rows = (line.split("|") for line in table.strip().splitlines())
-    return tuple(Signal(name.strip(), unit.strip(), meaning.strip(), side) for name, unit, meaning in rows)
-
-
-TRUTH = _signals(
-    Side.TRUTH,
-    """
+_TRUTH = """
     elapsed_s          | s   | time since the start
     remaining_s        | s   | time left until the time limit
     x_m                | m   | position of the vehicle's centre, world
@@ -139,10 +127,9 @@ TRUTH = _signals(
     light              |     | brightness of visible light, 0..1
     obstacle_pixels    |     | pixels of obstacles in the range of the depth camera
     waypoint_wall_m    | m   | hull to wall while within 0.5 m of a waypoint other than home; 100 otherwise
-    """,
-)
-
-TRUTH_NAMES = tuple(signal.name for signal in TRUTH)
+"""
+_ROWS = (map(str.strip, line.split("|")) for line in _TRUTH.strip().splitlines())
+TRUTH = tuple(Signal(name, unit, meaning, Side.TRUTH) for name, unit, meaning in _ROWS)
 
 
 def clearance_name(surface: str) -> str:
@@ -165,8 +152,7 @@ def truth_signals(surfaces: Iterable[str], declared: Iterable[str] = ()) -> tupl
         Signal(clearance_name(name), "m", f"hull to {name}, at most 1; 1 where it is not there or excused", Side.TRUTH)
         for name in surfaces
     )
-    optional = (SIGNALS[name] for name in declared)
-    return TRUTH + clearances + tuple(Signal(one.name, one.unit, one.meaning, Side.TRUTH) for one in optional)
+    return (*TRUTH, *clearances, *(SIGNALS[name] for name in declared))
 
 
 def signal_names(surfaces: Iterable[str], beliefs: Iterable[Belief], declared: Iterable[str] = ()) -> tuple[str, ...]:
@@ -194,11 +180,8 @@ class Ending(StrEnum):
     @property
     def sentence(self) -> str:
         """The ending in words."""
-        return {
-            Ending.LANDED: "touched down",
-            Ending.STRUCK: "struck something",
-            Ending.TIMED_OUT: "was still flying at the time limit",
-        }[self]
+        words = "touched down", "struck something", "was still flying at the time limit"
+        return words[list(Ending).index(self)]
 
 
 @dataclass(frozen=True)
@@ -209,25 +192,6 @@ class Event:
     kind: str
     text: str
     colour: str = ""
-
-
-class Count(Protocol):
-    """Counts of a wire on one seam: samples carried, samples altered, time of the first altered sample [s]."""
-
-    @property
-    def carried(self) -> int:
-        """Number of samples that the seam carried."""
-        ...
-
-    @property
-    def altered(self) -> int:
-        """Number of samples that a fault altered."""
-        ...
-
-    @property
-    def first_altered_s(self) -> float | None:
-        """Time of the first altered sample [s]; None without one."""
-        ...
 
 
 class Recorder:
@@ -276,7 +240,7 @@ class FlightLog:
     struck: str
     struck_at_s: float
     stack_error: str
-    counts: Mapping[str, Count]
+    counts: Mapping[str, SeamCount]
     t_max_s: float
     events: tuple[Event, ...] = field(default=())
     beliefs: tuple[str, ...] = ()

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scaloft_fi.document import FILE_BYTES, MIB, UnreadableError, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.marks import Bounds
+from scaloft_fi.stack.messages import DepthCamera
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
@@ -120,9 +121,8 @@ def split_floor(mesh: Mesh, names: Sequence[str], floor: Sequence[str], place: s
     """
     for name in floor:
         if name not in names:
-            raise InputError(
-                f"{place}: ground={name!r} is no object of the mesh{did_you_mean(name, set(names) - {''})}"
-            )
+            near = did_you_mean(name, set(names) - {""})
+            raise InputError(f"{place}: ground={name!r} is no object of the mesh{near}")
     is_floor = np.array([name in floor for name in names]) if floor else _lowest(mesh.triangles, place)
     if is_floor.all() or not is_floor.any():
         raise InputError(f"{place}: mesh must have a floor and walls; name the floor's objects under `ground`")
@@ -140,9 +140,8 @@ def _lowest(triangles: Array, place: str) -> NDArray[np.bool_]:
     for column, near in _columns(triangles, centres, np.flatnonzero(flat)):
         pairs += len(column) * len(near)
         if pairs > MOST_PAIRS:
-            raise InputError(
-                f"{place}: level faces of the mesh overlap too often; name the floor's objects under `ground`"
-            )
+            sentence = "level faces of the mesh overlap too often; name the floor's objects under `ground`"
+            raise InputError(f"{place}: {sentence}")
         step = 1 + PAIRS_AT_ONCE // len(near)
         for some in (column[k : k + step] for k in range(0, len(column), step)):
             x, y, z = (centres[some, axis, None] for axis in range(3))
@@ -237,10 +236,7 @@ class Camera:
     @property
     def rays(self) -> Array:
         """(H, W, 3) point of each pixel's ray at depth 1 m, (1, left, up) [m, body axes at the camera]."""
-        rays = np.ones((self.height, self.width, 3))
-        rays[:, :, 1] = (0.5 * self.width - 0.5 - np.arange(self.width)) * self.pitch
-        rays[:, :, 2] = ((0.5 * self.height - 0.5 - np.arange(self.height)) * self.pitch)[:, None]
-        return rays
+        return DepthCamera.pinhole(self.width, self.height, self.fov_rad, self.ahead_m).rays
 
 
 @dataclass(frozen=True, eq=False)
@@ -278,6 +274,15 @@ class View:
 FARTHEST_M = 1e5
 """Greatest coordinate of anything in a world [m]; the stack's map and the physics server lose precision beyond."""
 
+
+class ObjMesh(NamedTuple):
+    """A mesh file: the mesh, and for each face the name of its object or group, "" before the first, and its line."""
+
+    mesh: Mesh
+    names: tuple[str, ...]
+    lines: Faces
+
+
 _LINE = re.compile(r"^[^\S\n]*([vfog])(?![^\s#])([^\n]*)", re.MULTILINE)
 """A line that counts; texture coordinates, normals, materials and comments do not."""
 
@@ -297,7 +302,7 @@ class MeshLimits:
     corners: Annotated[int, Bounds(least=1, most=1_000_000)] = 1_000
 
 
-def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = None) -> tuple[Mesh, tuple[str, ...]]:
+def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = None) -> ObjMesh:
     """Read the faces of a Wavefront OBJ file; polygons become fans of triangles.
 
     Args:
@@ -306,23 +311,28 @@ def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = N
         scale: metres per unit of the file.
         limits: limits of the mesh; None = the defaults.
 
-    Returns:
-        The mesh, and for each face the name of its object or group ("" before the first name).
-
     Raises:
         InputError: the file cannot be read, is not a mesh, or exceeds a limit.
     """
     limits = limits or MeshLimits()
+
+    def exceeded(place: str, reason: str, limit: str) -> InputError:
+        return InputError(f"{place}: {reason}; `mesh_limits: {{{limit}: ...}}` beside `mesh` allows more")
+
     try:
         text = read_text(path, limits.size_bytes).replace("\r\n", "\n").replace("\r", "\n")
     except UnreadableError as error:
-        hint = f"; {_raised('size_bytes')}" if "larger" in error.reason else ""
-        raise InputError(f"{place}: mesh={shown(str(path))} cannot be read: {error.reason}{hint}") from error
+        sentence = f"mesh={shown(str(path))} cannot be read: {error.reason}"
+        if "larger" in error.reason:
+            raise exceeded(place, sentence, "size_bytes") from error
+        raise InputError(f"{place}: {sentence}") from error
     vertices: list[tuple[float, ...]] = []
     faces: list[tuple[int, int, int]] = []
     names: list[str] = []
-    name = ""
+    lines: list[int] = []
+    name, number, counted = "", 1, 0
     for line in _LINE.finditer(text):
+        number, counted = number + text.count("\n", counted, line.start(1)), line.start(1)
         # One word more than is allowed shows that there are too many; the rest of a long line is not split.
         word, rest = line[1], line[2].split("#", 1)[0].split(None, max(3, limits.corners))
         try:
@@ -333,36 +343,26 @@ def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = N
                 vertices.append((x, y, z))
             elif word == "f":
                 if len(rest) > limits.corners:
-                    raise _exceeded(path, text, line, f"a face must have at most {limits.corners:,} corners", "corners")
+                    most = f"a face must have at most {limits.corners:,} corners"
+                    raise exceeded(f"{path}:{number}", most, "corners")
                 corners = [_corner(value, len(vertices)) for value in rest]
                 fan = [(corners[0], b, c) for b, c in pairwise(corners[1:])]
                 if not fan:
                     raise ValueError
                 faces += fan
                 names += [name] * len(fan)
+                lines += [number] * len(fan)
             else:
                 name = " ".join(rest)
         except (ValueError, IndexError):
             allowed = f"a vertex `v x y z` within {FARTHEST_M:,.0f} m, or a face of known vertices"
-            raise InputError(f"{path}:{_number(text, line)}: {shown(line[0].strip())} must be {allowed}") from None
+            raise InputError(f"{path}:{number}: {shown(line[0].strip())} must be {allowed}") from None
         if len(faces) > limits.triangles or len(vertices) > 3 * limits.triangles:
             most = f"the mesh must have at most {limits.triangles:,} triangles, and three vertices for each"
-            raise _exceeded(path, text, line, most, "triangles")
+            raise exceeded(f"{path}:{number}", most, "triangles")
     if not faces:
         raise InputError(f"{place}: mesh={shown(str(path))} must have faces (lines `f ...`)")
-    return Mesh(np.array(vertices), np.array(faces, np.int64)), tuple(names)
-
-
-def lines_of_faces(path: Path, limits: MeshLimits) -> NDArray[np.int64]:
-    """(F,) the line of each triangle of a file that `read_obj` can read."""
-    text = read_text(path, limits.size_bytes).replace("\r\n", "\n").replace("\r", "\n")
-    lines: list[int] = []
-    number, counted = 1, 0
-    for line in _LINE.finditer(text):
-        number, counted = number + text.count("\n", counted, line.start(1)), line.start(1)
-        if line[1] == "f":
-            lines += [number] * (len(line[2].split("#", 1)[0].split()) - 2)
-    return np.array(lines, np.int64)
+    return ObjMesh(Mesh(np.array(vertices), np.array(faces, np.int64)), tuple(names), np.array(lines, np.int64))
 
 
 def _corner(text: str, count: int) -> int:
@@ -372,18 +372,6 @@ def _corner(text: str, count: int) -> int:
     if index == 0 or not 0 <= place < count:
         raise IndexError
     return place
-
-
-def _number(text: str, line: re.Match[str]) -> int:
-    return text.count("\n", 0, line.start(1)) + 1
-
-
-def _exceeded(path: Path, text: str, line: re.Match[str], most: str, limit: str) -> InputError:
-    return InputError(f"{path}:{_number(text, line)}: {most}; {_raised(limit)}")
-
-
-def _raised(limit: str) -> str:
-    return f"`mesh_limits: {{{limit}: ...}}` beside `mesh` allows more"
 
 
 WELD_DIGITS = 6
@@ -426,61 +414,50 @@ def surface_flaws(triangles: Array, lines: Faces, path: Path) -> Iterator[Flaw]:
         lines: (F,) line of each triangle in the file.
         path: the file.
     """
+
+    def flaw(face: int, sentence: str, remedy: str, *, grave: bool) -> Flaw:
+        return Flaw(f"{path}:{lines[face]}", sentence, remedy, grave)
+
     sides = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     empty = 0.5 * np.linalg.norm(sides, axis=1) <= LEAST_AREA_M2
     if empty.any():
-        yield Flaw(
-            f"{path}:{lines[empty][0]}",
-            f"{_faces(empty)} without area, the first at this line",
-            "remove them, or merge the vertices that stand at one place",
-            grave=False,
-        )
+        remedy = "remove them, or merge the vertices that stand at one place"
+        yield flaw(int(empty.argmax()), f"{_faces(empty)} without area, the first at this line", remedy, grave=False)
     triangles, lines = triangles[~empty], lines[~empty]
-    if len(triangles):
-        yield from _closed_flaws(triangles, lines, path)
-
-
-def _closed_flaws(triangles: Array, lines: Faces, path: Path) -> Iterator[Flaw]:
+    if not len(triangles):
+        return
     surface = _Surface.of(triangles)
     if surface.one_sided.any():
-        where = f"{path}:{lines[surface.one_sided][0]}"
-        yield Flaw(
-            where, "the surface of this face has one side only", "separate the faces that cross there", grave=True
-        )
+        sentence, remedy = "the surface of this face has one side only", "separate the faces that cross there"
+        yield flaw(int(surface.one_sided.argmax()), sentence, remedy, grave=True)
     if surface.turned.any():
-        first = int(np.flatnonzero(surface.turned)[0])
-        beside = surface.upright_neighbour(first)
-        sentence = (
-            f"{_faces(surface.turned)} wound the other way than their neighbours, the first at this line, beside the"
-            f" face at line {lines[beside]}"
-        )
-        yield Flaw(f"{path}:{lines[first]}", sentence, _TURN, grave=True)
-    yield from _swollen(triangles, lines, path, surface)
+        first = int(surface.turned.argmax())
+        sentence = f"{_faces(surface.turned)} wound the other way than their neighbours, the first at this line"
+        beside = f"beside the face at line {lines[surface.upright_neighbour(first)]}"
+        yield flaw(first, f"{sentence}, {beside}", _TURN, grave=True)
+    for own in _swollen(triangles, surface):
+        sentence = f"this closed surface of {int(own.sum())} faces lies within another and is wound like it"
+        yield flaw(int(own.argmax()), f"{sentence}, so the space in it counts as open", _TURN, grave=True)
     if len(surface.open_edges):
         face, corner = surface.open_edges[0]
-        start, end = triangles[face, corner], triangles[face, (corner + 1) % 3]
-        sentence = (
-            f"the surface has holes: {len(surface.open_edges)} edges have no second face, the first is"
-            f" {_point(start)} to {_point(end)} of the face at this line"
-        )
-        yield Flaw(
-            f"{path}:{lines[face]}", sentence, "close it, and merge the vertices that stand at one place", grave=False
-        )
+        edge = " to ".join(_point(triangles[face, place]) for place in (corner, (corner + 1) % 3))
+        sentence = f"the surface has holes: {len(surface.open_edges)} edges have no second face, the first is {edge}"
+        remedy = "close it, and merge the vertices that stand at one place"
+        yield flaw(face, f"{sentence} of the face at this line", remedy, grave=False)
 
 
-def _swollen(triangles: Array, lines: Faces, path: Path, surface: _Surface) -> Iterator[Flaw]:
+def _swollen(triangles: Array, surface: _Surface) -> Iterator[NDArray[np.bool_]]:
     """Closed surfaces, such as pillars, within another one and wound like it: the space within them counts as open."""
     upright = np.where(surface.turned[:, None, None], triangles[:, ::-1], triangles)
     volumes = np.einsum("ij,ij->i", upright[:, 0], np.cross(upright[:, 1], upright[:, 2])) / 6.0
     by_piece = np.bincount(surface.piece, weights=volumes, minlength=surface.pieces)
     shell = int(np.abs(by_piece).argmax())
     alike = by_piece * by_piece[shell] > 0.0
-    alike[[shell, *surface.open_pieces]] = False
+    alike[[shell, *surface.piece[surface.open_edges[:, 0]]]] = False
     for piece in np.flatnonzero(alike)[:MOST_PIECES]:
         own = surface.piece == piece
         if _lies_within(upright[own], upright[surface.piece == shell]):
-            sentence = f"this closed surface of {int(own.sum())} faces lies within another and is wound like it"
-            yield Flaw(f"{path}:{lines[own][0]}", f"{sentence}, so the space in it counts as open", _TURN, grave=True)
+            yield own
 
 
 def _lies_within(piece: Array, shell: Array) -> bool:
@@ -533,10 +510,8 @@ class _Surface:
         alike = starts[twice[:, 0]] != starts[twice[:, 1]]  # the neighbour runs along the edge the other way
         one, other = pairs[:, 0], pairs[:, 1]
         # each face stands twice, as it is and turned around: what hangs together with a face as it is has its winding
-        rows, columns = (
-            np.concatenate([one, one + count]),
-            np.concatenate([np.where(alike, other, other + count), np.where(alike, other + count, other)]),
-        )
+        rows = np.concatenate([one, one + count])
+        columns = np.concatenate([np.where(alike, other, other + count), np.where(alike, other + count, other)])
         graph: Any = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(2 * count, 2 * count))
         label = connected_components(graph, directed=False)[1]
         as_is, around = label[:count], label[count:]
@@ -545,19 +520,8 @@ class _Surface:
         side = as_is > around
         most = np.bincount(piece, weights=np.where(side, 1.0, -1.0), minlength=pieces) > 0.0
         odd = np.flatnonzero(uses[edge] % 2 == 1)
-        return cls(
-            piece=piece,
-            pieces=pieces,
-            turned=(side != most[piece]) & (as_is != around),
-            one_sided=as_is == around,
-            open_edges=np.stack([odd // 3, odd % 3], axis=1),
-            pairs=pairs,
-        )
-
-    @property
-    def open_pieces(self) -> frozenset[int]:
-        """The pieces with an open edge."""
-        return frozenset(self.piece[self.open_edges[:, 0]].tolist())
+        turned, open_edges = (side != most[piece]) & (as_is != around), np.stack([odd // 3, odd % 3], axis=1)
+        return cls(piece, pieces, turned, as_is == around, open_edges, pairs)
 
     def upright_neighbour(self, face: int) -> int:
         """A face that is not turned beside a turned one, or the nearest such face of the piece in the file."""

@@ -16,21 +16,8 @@ from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
 from scaloft_fi.marks import Bounds, Either, Examples, MoreThanZero, NotNegative, Share, Size
 from scaloft_fi.model import value_of
-from scaloft_fi.sim.mesh import (
-    FARTHEST_M,
-    Array,
-    Faces,
-    Flaw,
-    Mesh,
-    MeshLimits,
-    heights_at,
-    join,
-    lines_of_faces,
-    read_obj,
-    section,
-    split_floor,
-    surface_flaws,
-)
+from scaloft_fi.sim import mesh as meshes
+from scaloft_fi.sim.mesh import FARTHEST_M, Array, Faces, Flaw, Mesh, MeshLimits, join, section
 from scaloft_fi.streams import generator
 
 SLAB_M = 0.5
@@ -137,7 +124,7 @@ class Mine:
 
     def floor_m(self, x: float, y: float) -> float:
         """Height of the floor at (x, y) [m, world]; NaN where there is no floor."""
-        heights = heights_at(self.ground.triangles, x, y)
+        heights = meshes.heights_at(self.ground.triangles, x, y)
         return float(heights.max()) if len(heights) else math.nan
 
 
@@ -219,14 +206,14 @@ class MeshMine(_Rock):
     ground: tuple[str, ...] = ()
     mesh_limits: MeshLimits = field(default_factory=MeshLimits)
 
-    def surface(self, item: Item) -> tuple[Path, Mesh, tuple[str, ...]]:
-        """The file, its faces, and the object that each belongs to.
+    def surface(self, item: Item) -> tuple[Path, meshes.ObjMesh]:
+        """The file, and what it has.
 
         Raises:
             InputError: the mesh is unreadable.
         """
         path = item.path.parent / self.mesh
-        return path, *read_obj(path, item.need("mesh").place, self.scale_m, self.mesh_limits)
+        return path, meshes.read_obj(path, item.need("mesh").place, self.scale_m, self.mesh_limits)
 
     def mine(self, item: Item) -> Mine:
         """The rock of the mesh.
@@ -234,9 +221,9 @@ class MeshMine(_Rock):
         Raises:
             InputError: the mesh is unreadable, or has no floor.
         """
-        _, mesh, names = self.surface(item)
+        _, (mesh, names, _) = self.surface(item)
         place = (item.get("ground") or item.need("mesh")).place
-        wall, ground = split_floor(mesh, names, list(self.ground), place)
+        wall, ground = meshes.split_floor(mesh, names, list(self.ground), place)
         return Mine(wall, ground, False, self.wall_reflectivity, self.ground_reflectivity, (), math.nan)
 
 
@@ -263,8 +250,8 @@ def flaws_of(item: Item) -> tuple[Flaw, ...]:
     rock: GroundPlan | MeshMine = value_of(Rock, item)
     if isinstance(rock, GroundPlan):
         return ()
-    path, mesh, _ = rock.surface(item)
-    return tuple(surface_flaws(mesh.triangles, lines_of_faces(path, rock.mesh_limits), path))
+    path, (mesh, _, lines) = rock.surface(item)
+    return tuple(meshes.surface_flaws(mesh.triangles, lines, path))
 
 
 def _misshapen(points: Ring, item: Item) -> Iterator[InputError]:

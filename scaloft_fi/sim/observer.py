@@ -7,30 +7,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from scaloft_fi.sim.build import BodyIds, blocked, nearest
 from scaloft_fi.sim.contact import Clearances, Contact
 from scaloft_fi.sim.happenings import Surroundings
-from scaloft_fi.sim.log import (
-    CLEARANCE_CAP_M,
-    FAR_M,
-    NEVER_S,
-    SIGNALS,
-    TOUCH_M,
-    truth_signals,
-)
+from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, NEVER_S, SIGNALS, TOUCH_M, truth_signals
 from scaloft_fi.sim.mesh import View
 from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors.camera import pixels_of
 from scaloft_fi.sim.vehicle import STATE_SIZE, Array, Vehicle
 from scaloft_fi.sim.world import GROUND, WALL
-
-if TYPE_CHECKING:
-    pass
-
 
 PASS_M = 0.5
 """A waypoint counts as passed, and home as near, within this horizontal distance [m]."""

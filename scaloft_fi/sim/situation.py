@@ -15,20 +15,21 @@ from __future__ import annotations
 import math
 import re
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from decimal import ROUND_FLOOR, Decimal
 from enum import StrEnum
 from functools import cached_property
 from itertools import pairwise
 from math import inf, isfinite, nextafter
+from statistics import NormalDist
 from typing import Annotated, Any, ClassVar
 
 from scaloft_fi.document import Item
-from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.marks import Bounds, Called, Either, Examples, Given, Key, MoreThanZero, Place, Reads, Size, Whole
+from scaloft_fi.errors import InputError
+from scaloft_fi.marks import Bounds, Called, Either, Examples, Given, Key, MoreThanZero, Reads, Size, Whole
 from scaloft_fi.model import attributes_of
-from scaloft_fi.sim.patch import found, overlap, qualified
+from scaloft_fi.sim.patch import qualified
 
 LEAST_MASS = 1e-6
 """A normal distribution must leave this much of itself between the ends; with less, quantiles are inexact."""
@@ -41,53 +42,6 @@ class Shape(StrEnum):
     LOG_UNIFORM = "log-uniform"
     NORMAL = "normal"
     TRIANGULAR = "triangular"
-
-
-@dataclass(frozen=True)
-class Distribution:
-    """A distribution between `low` and `high`.
-
-    Attributes:
-        shape: one of `Shape`.
-        low, high: the ends, in the unit of the number.
-        centre: mean of the normal distribution before it is truncated, mode of the triangular one.
-        sd: standard deviation of the normal distribution before it is truncated.
-    """
-
-    shape: Shape
-    low: float
-    high: float
-    centre: float = 0.0
-    sd: float = 1.0
-
-    def quantile(self, share: float) -> float:
-        """The number that a draw falls below with the probability `share`, 0 to 1.
-
-        >>> Distribution(Shape.TRIANGULAR, 0.0, 1.0, centre=1.0).quantile(0.25)
-        0.5
-        """
-        if share <= 0.0 or share >= 1.0:
-            return self.low if share <= 0.0 else self.high
-        return min(max(self._inside(share), self.low), self.high)
-
-    def _inside(self, share: float) -> float:
-        low, width = self.low, self.high - self.low
-        match self.shape:
-            case Shape.UNIFORM:
-                return low + share * width
-            case Shape.LOG_UNIFORM:
-                return low * math.exp(share * math.log(self.high / low))
-            case Shape.TRIANGULAR:
-                below = (self.centre - low) / width  # the share of the draws below the mode
-                if share <= below:
-                    return low + math.sqrt(share * below) * width
-                return self.high - math.sqrt((1.0 - share) * (1.0 - below)) * width
-            case Shape.NORMAL:
-                from statistics import NormalDist
-
-                normal = NormalDist(self.centre, self.sd)
-                first, last = normal.cdf(low), normal.cdf(self.high)
-                return normal.inv_cdf(first + share * (last - first))
 
 
 DIGITS = 4
@@ -183,11 +137,27 @@ class Drawn:
         ]
     }
 
-    @cached_property
-    def distribution(self) -> Distribution:
-        """The distribution of the number."""
-        centre = {Shape.NORMAL: self.mean, Shape.TRIANGULAR: self.mode}.get(self.shape)
-        return Distribution(self.shape, self.low, self.high, centre or 0.0, self.sd or 1.0)
+    def quantile(self, share: float) -> float:
+        """The number that a draw falls below with the probability `share`, 0 to 1."""
+        if share <= 0.0 or share >= 1.0:
+            return self.low if share <= 0.0 else self.high
+        low, width = self.low, self.high - self.low
+        match self.shape:
+            case Shape.UNIFORM:
+                number = low + share * width
+            case Shape.LOG_UNIFORM:
+                number = low * math.exp(share * math.log(self.high / low))
+            case Shape.TRIANGULAR:
+                below = ((self.mode or 0.0) - low) / width  # the share of the draws below the mode
+                if share <= below:
+                    number = low + math.sqrt(share * below) * width
+                else:
+                    number = self.high - math.sqrt((1.0 - share) * (1.0 - below)) * width
+            case Shape.NORMAL:
+                normal = NormalDist(self.mean or 0.0, self.sd or 1.0)
+                first, last = normal.cdf(low), normal.cdf(self.high)
+                number = normal.inv_cdf(first + share * (last - first))
+        return min(max(number, self.low), self.high)
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
         """Refuse ends that are none, and a distribution that lacks a number or leaves nothing between them."""
@@ -206,8 +176,6 @@ class Drawn:
         if self.mode is not None and not self.low <= self.mode <= self.high:
             yield item.need("mode").error(f">= {self.low:g} and <= {self.high:g}")
         if self.shape is Shape.NORMAL and self.mean is not None and self.sd is not None:
-            from statistics import NormalDist
-
             normal = NormalDist(self.mean, self.sd)
             if normal.cdf(self.high) - normal.cdf(self.low) < LEAST_MASS:
                 left = f"nearer: sd={self.sd:g} leaves less than {LEAST_MASS:g} of the distribution in the range"
@@ -229,7 +197,7 @@ class Range(Drawn):
     def edges(self) -> tuple[float, ...]:
         """Ends of the bins, ascending, one more than bins; a bin holds its lower end, the last bin both ends."""
         shares = (place / self.bins for place in range(self.bins + 1))
-        return tuple(float(number_text(self.distribution.quantile(share))) for share in shares)
+        return tuple(float(number_text(self.quantile(share))) for share in shares)
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
         """Refuse bins that are empty, and a benign number outside the range."""
@@ -266,7 +234,7 @@ class Range(Drawn):
         low, high = self.ends(bin_)
         place, bins = self.ids.index(bin_), len(self.edges) - 1
         most = high if place == bins - 1 else nextafter(high, -inf)
-        return cut(min(max(self.distribution.quantile((place + share) / bins), low), most))
+        return cut(min(max(self.quantile((place + share) / bins), low), most))
 
     def middle(self, bin_: int) -> float:
         """The number of a bin in the grid: the median of the bin, or the benign number."""
@@ -281,6 +249,11 @@ class Range(Drawn):
         """A number with its unit."""
         return f"{number_text(number)} {self.unit}"
 
+    def value(self, bin_: int, number: float, title: str, realised: str, place: str) -> AxisValue:
+        """The value of an axis that sets the number, which `realised` calls `number`."""
+        formula = _NUMBER.sub(f"{Decimal(number_text(number)):f}", realised)
+        return AxisValue(bin_, title, {self.path: replace(self.item, value=number)}, formula, place)
+
 
 MOST_VALUES = 200
 """Most values of an axis; the world of each is read with the study."""
@@ -293,66 +266,6 @@ _DRAWN = r"=(-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]{1,3})?)"
 _LEVEL = re.compile(rf"([A-Z][a-z]*)(?:([0-9]{{1,9}})(?:{_DRAWN})?|{_DRAWN})")
 _NUMBER = re.compile(r"\bnumber\b")
 """The word in the formula of a range that stands for the number that is flown."""
-
-
-@dataclass(frozen=True, eq=False)
-class AxisValue:
-    """One value of an axis.
-
-    Attributes:
-        id: number in the key; 0 is the benign value.
-        title: name of the value in tables.
-        changes: new values by dotted path, which begins with `world`, `vehicle` or `sensors`.
-        realised: STL formula over the flight log: whether the flight met this value; "" for a benign value, which a
-            flight meets if it meets no other.
-        place: `file:line` of the formula, or of the value without one.
-    """
-
-    id: int
-    title: str
-    changes: Mapping[str, Item]
-    realised: str
-    place: str
-
-
-@dataclass(frozen=True, eq=False)
-class Axis:
-    """One axis of the situation grid.
-
-    Attributes:
-        id: a capital letter, then small letters, as in the key.
-        title: name of the axis in tables.
-        category: category of the axis in the operational domain model.
-        values: values of the axis, of a range its bins; the benign value is first.
-        range: the range of the axis; None for an axis with single values.
-        realised: formula of the range, with the word `number` for the number that is flown; None without a range.
-    """
-
-    id: str
-    title: str
-    category: str
-    values: tuple[AxisValue, ...]
-    range: Range | None = None
-    realised: Item | None = None
-
-    def value(self, level: int, number: float | None = None) -> AxisValue:
-        """The value with this id; with a number the value of that number, which lies in the bin."""
-        if self.range is not None and self.realised is not None and number is not None:
-            return _of_number(self.range, self.realised, level, number, self.range.told(number))
-        return next(value for value in self.values if value.id == level)
-
-    @property
-    def extremes(self) -> tuple[AxisValue, ...]:
-        """The values at both ends of the range; none without a range."""
-        if self.range is None:
-            return ()
-        ids, edges = self.range.ids, self.range.edges
-        return self.value(ids[0], edges[0]), self.value(ids[-1], edges[-1])
-
-    def predicate(self, number: int) -> str:
-        """STL formula: whether a flight met the value; a flight meets the benign value if it meets no other."""
-        own = self.value(number).realised
-        return own or " and ".join(f"(not ({value.realised}))" for value in self.values if value.realised)
 
 
 @dataclass(frozen=True)
@@ -414,18 +327,9 @@ class Situation:
         return self.key
 
 
-def _formula(item: Item) -> Item:
-    item.text()
-    return item
-
-
-Realised = Annotated[
-    Item,
-    Reads(
-        _formula,
-        lambda _names: {"type": "string", "minLength": 1, "examples": ["eventually(person_sight_m <= 3)"]},
-    ),
-]
+Realised = Annotated[str, Examples("eventually(person_sight_m <= 3)")]
+Formula = Annotated[str, Given(lambda item: (item.get("realised") or item).place)]
+"""`file:line` of the formula, or of the entry without one."""
 Changes = Annotated[
     Mapping[str, Item],
     Reads(
@@ -439,8 +343,8 @@ Changes = Annotated[
 ]
 
 
-@dataclass(frozen=True)
-class ValueModel:
+@dataclass(frozen=True, eq=False)
+class AxisValue:
     """A value of an axis; ids count from 0, the benign value, which a flight meets that meets no other.
 
     Attributes:
@@ -448,17 +352,61 @@ class ValueModel:
         title: name of the value in tables.
         changes: what the value changes: new values by path, such as mission.cruise_mps of world.yaml, vehicle.mass_kg.
         realised: formula over the flight log: whether a flight met the value; of every value but the benign one.
+        place: `file:line` of the formula, or of the value without one.
     """
 
     id: Whole
     title: Annotated[str, Examples("dark")]
     changes: Annotated[Changes, Called("set")] = field(default_factory=dict)
-    realised: Realised | None = None
+    realised: Realised = ""
+    place: Formula = ""
     CONDITIONS: ClassVar[Mapping[str, object]] = {
         "if": {"properties": {"id": {"const": 0}}},
         "then": {"properties": {"realised": False}},
         "else": {"required": ["realised"]},
     }
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One axis of the situation grid.
+
+    Attributes:
+        id: a capital letter, then small letters, as in the key.
+        title: name of the axis in tables.
+        category: category of the axis in the operational domain model.
+        values: values of the axis, of a range its bins; the benign value is first.
+        range: the range of the axis; None for an axis with single values.
+        realised: formula of the range, with the word `number` for the number that is flown; "" without a range.
+        place: `file:line` of that formula.
+    """
+
+    id: str
+    title: str
+    category: str
+    values: tuple[AxisValue, ...]
+    range: Range | None = None
+    realised: str = ""
+    place: str = ""
+
+    def value(self, level: int, number: float | None = None) -> AxisValue:
+        """The value with this id; with a number the value of that number, which lies in the bin."""
+        if self.range is not None and number is not None:
+            return self.range.value(level, number, self.range.told(number), self.realised, self.place)
+        return next(value for value in self.values if value.id == level)
+
+    @property
+    def extremes(self) -> tuple[AxisValue, ...]:
+        """The values at both ends of the range; none without a range."""
+        if self.range is None:
+            return ()
+        ids, edges = self.range.ids, self.range.edges
+        return self.value(ids[0], edges[0]), self.value(ids[-1], edges[-1])
+
+    def predicate(self, number: int) -> str:
+        """STL formula: whether a flight met the value; a flight meets the benign value if it meets no other."""
+        own = self.value(number).realised
+        return own or " and ".join(f"(not ({value.realised}))" for value in self.values if value.realised)
 
 
 @dataclass(frozen=True)
@@ -470,6 +418,7 @@ class _Named:
         category: category of the operational design domain.
     """
 
+    id: Key
     title: Annotated[str, Examples("lighting condition")]
     category: Annotated[str, Examples("environment, light level")]
 
@@ -482,35 +431,25 @@ class AxisOfValues(_Named):
         values: the values, the benign one first.
     """
 
-    values: Annotated[tuple[ValueModel, ...], Size(0, MOST_VALUES)]
+    values: Annotated[tuple[AxisValue, ...], Size(0, MOST_VALUES)]
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
         """Refuse ids that do not count from 0, and a value that no formula, or two, can tell from the benign one."""
-        name = item.name
         for number, (value, entry) in enumerate(zip(self.values, item.need("values"), strict=True)):
             if value.id != number:
                 yield entry.need("id").error(f"{number}: ids count from 0, the benign value")
-            elif number == 0 and value.realised is not None:
-                sentence = f"value {name}0 must not have the key 'realised': it changes nothing"
-                yield InputError(f"{value.realised.place}: {sentence}")
-            elif number != 0 and value.realised is None:
-                yield InputError(f"{entry.place}: value {name}{number} lacks the key 'realised': {MET}")
+            elif number == 0 and value.realised:
+                sentence = f"value {self.id}0 must not have the key 'realised': it changes nothing"
+                yield InputError(f"{value.place}: {sentence}")
+            elif number != 0 and not value.realised:
+                yield InputError(f"{entry.place}: value {self.id}{number} lacks the key 'realised': {MET}")
         if len(self.values) < 2:
-            yield InputError(f"{item.need('values').place}: axis {name!r} must have at least 2 values")
+            yield InputError(f"{item.need('values').place}: axis {self.id!r} must have at least 2 values")
 
-    def axis(self, name: str, item: Item) -> Axis:
+    @property
+    def axis(self) -> Axis:
         """The axis."""
-        values = tuple(
-            AxisValue(
-                id=value.id,
-                title=value.title,
-                changes=value.changes,
-                realised=value.realised.text() if value.realised else "",
-                place=(value.realised or entry).place,
-            )
-            for value, entry in zip(self.values, item.need("values"), strict=True)
-        )
-        return Axis(name, self.title, self.category, values)
+        return Axis(self.id, self.title, self.category, self.values)
 
 
 @dataclass(frozen=True)
@@ -524,28 +463,17 @@ class AxisOfRange(_Named):
 
     range: Range
     realised: Realised
+    place: Formula
 
-    def axis(self, name: str, _item: Item) -> Axis:
+    @property
+    def axis(self) -> Axis:
         """The axis."""
-        own = self.range
-        bins = tuple(
-            _of_number(own, self.realised, bin_, own.middle(bin_), own.title(bin_)) for bin_ in sorted(own.ids)
-        )
-        return Axis(name, self.title, self.category, bins, own, self.realised)
+        own, formula = self.range, (self.realised, self.place)
+        bins = tuple(own.value(bin_, own.middle(bin_), own.title(bin_), *formula) for bin_ in sorted(own.ids))
+        return Axis(self.id, self.title, self.category, bins, own, *formula)
 
 
 AxisModel = Annotated[AxisOfValues | AxisOfRange, Either("an axis with either 'values' or 'range'")]
-
-
-def _of_number(range_: Range, realised: Item, bin_: int, number: float, title: str) -> AxisValue:
-    """The value of an axis that sets the number of its range."""
-    item = Item(range_.item.path, range_.item.line, range_.item.name, number)
-    written = f"{Decimal(number_text(number)):f}"
-    return AxisValue(bin_, title, {range_.path: item}, _NUMBER.sub(written, realised.text()), realised.place)
-
-
-MOST_CONSTRAINTS = 100
-"""Each is compared with every point of the grid."""
 
 
 def _value_ids(item: Item) -> frozenset[int]:
@@ -568,55 +496,6 @@ ValueIds = Annotated[
         },
     ),
 ]
-
-
-@dataclass(frozen=True)
-class Constraint:
-    """A combination of axis values that is impossible or of no interest; the grid leaves it out.
-
-    Attributes:
-        excluded: values of two or more axes that do not go together, by axis.
-        reason: why no situation has the combination.
-        place: `file:line` of the constraint.
-    """
-
-    excluded: Annotated[Mapping[str, ValueIds], Called("exclude")]
-    reason: str
-    place: Place
-
-    def contradictions(self, item: Item) -> Iterator[InputError]:
-        """Refuse a combination of fewer than two axes."""
-        if len(self.excluded) < 2:
-            sentence = (
-                "exclude must name the values of at least 2 axes; to exclude a single value, remove it from its axis"
-            )
-            yield InputError(f"{item.need('exclude').place}: {sentence}")
-
-    def forbids(self, levels: Mapping[str, int]) -> bool:
-        """Whether the constraint excludes a point with these values.
-
-        >>> Constraint({"T": frozenset({0}), "W": frozenset({1, 2})}, "no room", "").forbids({"T": 0, "W": 2, "H": 0})
-        True
-        """
-        return all(levels[axis] in values for axis, values in self.excluded.items())
-
-
-def unknown_values(item: Item, chosen: Mapping[str, frozenset[int]], axes: Mapping[str, Axis]) -> Iterator[InputError]:
-    """An error for each axis, or value of one, that an entry names and the grid does not have.
-
-    Args:
-        item: the entry.
-        chosen: values by axis, as they were read from it.
-        axes: the axes by id.
-    """
-    for name, entry in item.mapping().items():
-        if name not in axes:
-            yield InputError(f"{entry.place}: {item.name} names the unknown axis {name!r}{did_you_mean(name, axes)}")
-        elif max(chosen[name]) >= len(axes[name].values):
-            yield entry.error(f"values of axis {name!r}, 0 to {len(axes[name].values) - 1}")
-
-
-MOST_FREE = 50
 
 
 def _single_values(item: Item) -> dict[str, Item]:
@@ -659,7 +538,7 @@ class FreeAxis(Drawn):
 
     def at(self, share: float) -> float:
         """The number below which the share `share` of the draws falls, 0 <= share < 1."""
-        return max(cut(self.distribution.quantile(share)), self.low)
+        return max(cut(self.quantile(share)), self.low)
 
     def drawn(self, share: float) -> float | None:
         """The number of a situation drawn at random; None, the benign value, for most shares 0 <= share < 1."""
@@ -671,95 +550,10 @@ class FreeAxis(Drawn):
 
     def value(self, number: float) -> AxisValue:
         """What a number off the benign value sets."""
-        item = Item(self.item.path, self.item.line, self.item.name, number)
+        item = replace(self.item, value=number)
         return AxisValue(0, self.told(number), {self.path: item, **self.also}, "", self.item.place)
 
     @property
     def extremes(self) -> tuple[AxisValue, AxisValue]:
         """The values at both ends."""
         return self.value(self.low), self.value(self.high)
-
-
-def misfit_free_axes(
-    free: Sequence[FreeAxis], item: Item, axes: Iterable[Axis], documents: Mapping[str, Item]
-) -> Iterator[InputError]:
-    """An error for each free axis that does not fit the grid.
-
-    Its name is that of another axis, a value of another axis does not exist, the benign value is not that of the
-    documents, or two axes set one path.
-
-    Args:
-        free: the free axes.
-        item: their mapping.
-        axes: the axes that span the grid.
-        documents: the documents that the axes change.
-    """
-    spanning = {axis.id: axis for axis in axes}
-    for number, axis in enumerate(free):
-        entry = item.need(axis.id)
-        if axis.id in spanning:
-            own = "a name of its own: a capital letter, then small ones"
-            yield InputError(f"{entry.place}: free axis {axis.id!r} must have {own}")
-        strange = list(unknown_values(only, axis.only_with, spanning)) if (only := entry.get("only_with")) else []
-        yield from strange
-        now = found(documents, axis.path)
-        if now is None:
-            yield InputError(f"{axis.item.place}: no path {axis.path!r} in the study")
-        elif now.value != axis.benign:
-            yield entry.need("benign").error(f"{now.plain()!r}, what the study has at {now.place}")
-        if strange:
-            continue
-        for other in spanning.values():
-            for value in other.values:
-                if axis.goes_with({**dict.fromkeys(spanning, -1), **_first(axis), other.id: value.id}):
-                    yield from _common(axis, value.changes, f"{other.id}{value.id}")
-        for before in free[:number]:
-            if not _apart(axis, before):
-                yield from _common(axis, before.value(before.benign).changes, before.id)
-
-
-def numbers_off(free: Iterable[FreeAxis], levels: Mapping[str, int], numbers: Mapping[str, float]) -> dict[str, float]:
-    """The numbers of free axes that are off their benign values, in the order of the axes.
-
-    Args:
-        free: the free axes.
-        levels: the values of the axes that span the grid.
-        numbers: numbers by axis; those of axes in `levels` are left out.
-
-    Raises:
-        InputError: a free axis is unknown, does not go with these values, or does not hold its number.
-    """
-    known = {axis.id: axis for axis in free}
-    for name, number in numbers.items():
-        if name in levels:
-            continue
-        if name not in known:
-            raise InputError(f"there is no free axis {name!r}{did_you_mean(name, known)}")
-        axis, text = known[name], f"{name}={number_text(number)}"
-        if not axis.goes_with(levels):
-            wanted = " and ".join(f"{other}={sorted(values)}" for other, values in axis.only_with.items())
-            raise InputError(f"{axis.item.place}: {text} goes only with {wanted}")
-        if not axis.holds(number) and number != axis.benign:
-            low, high = number_text(axis.low), number_text(axis.high)
-            raise InputError(f"{axis.item.place}: {text} must be {low} to {high}")
-    return {axis.id: numbers[axis.id] for axis in known.values() if numbers.get(axis.id, axis.benign) != axis.benign}
-
-
-def _first(axis: FreeAxis) -> dict[str, int]:
-    """Values of other axes with which a number of this one goes."""
-    return {name: min(values) for name, values in axis.only_with.items()}
-
-
-def _apart(axis: FreeAxis, other: FreeAxis) -> bool:
-    """Whether no situation has numbers of both."""
-    theirs = other.only_with
-    return any(not values & theirs[name] for name, values in axis.only_with.items() if name in theirs)
-
-
-def _common(axis: FreeAxis, changes: Mapping[str, Item], name: str) -> Iterator[InputError]:
-    """An error for each path that both change, unless both give it the same value."""
-    for path, item in axis.value(axis.benign).changes.items():
-        for other, theirs in changes.items():
-            if overlap(path, other) and not (path == other and path != axis.path and item.value == theirs.value):
-                sentence = f"{axis.item.place}: {axis.id} and {name} both set {other}"
-                yield InputError(f"{sentence}; name under only_with of {axis.id} the values that it goes with")

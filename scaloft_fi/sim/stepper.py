@@ -15,7 +15,7 @@ from typing import Protocol
 import numpy as np
 
 from scaloft_fi.sim import vehicle
-from scaloft_fi.sim.build import connect, set_up
+from scaloft_fi.sim.build import physics_server, set_up
 from scaloft_fi.sim.sensors import body
 from scaloft_fi.sim.sensors.body import ImuSensor, inertial
 from scaloft_fi.sim.vehicle import Airframe, Array, Drive, Vehicle, actuate, free_step
@@ -54,43 +54,26 @@ class ServerStepper:
 STEPS = 240
 """Number of steps that are compared: one second."""
 BLOCK = Vehicle(
-    mass_kg=1.3,
-    inertia_kgm2=(0.011, 0.017, 0.023),
-    hull_m=(0.4, 0.3, 0.1),
-    rotors_m=((0.0, 0.0),) * 4,
-    spins=(1, 1, 1, 1),
-    moment_m=0.01,
-    max_thrust_n=8.0,
-    spin_up_s=0.05,
-    spin_down_s=0.05,
-    drag_ns_per_m=0.0,
-)
+    1.3, (0.011, 0.017, 0.023), (0.4, 0.3, 0.1), ((0.0, 0.0),) * 4, (1, 1, 1, 1),
+    moment_m=0.01, max_thrust_n=8.0, spin_up_s=0.05, spin_down_s=0.05, drag_ns_per_m=0.0,
+)  # fmt: skip
 """The body of the test; no two of its moments of inertia are equal."""
 
 
 @cache
 def agrees() -> bool:
     """Whether a block that tumbles under changing forces has the same state, to the bit, in both."""
-    import pybullet
-
-    client = connect()
-    try:
+    with physics_server() as client:
         set_up(client)
         return _tumbles_alike(Airframe(client, BLOCK, (0.1, -0.2, 5.0), 0.3))
-    finally:
-        pybullet.disconnect(physicsClientId=client)
 
 
 def _tumbles_alike(airframe: Airframe) -> bool:
     state, inverse = airframe.state.copy(), airframe.inverse_attitude().copy()
     pushes = np.random.default_rng(0).normal(0.0, (9.0, 9.0, 9.0, 0.3, 0.3, 0.3), (STEPS, 6))
-    pushed = airframe.pushed
-
-    def drive(step: int) -> None:
-        pushed[:] = pushes[step]
-
     for step in range(STEPS):
-        airframe.step(drive, step, 1)
+        airframe.pushed[:] = pushes[step]
+        airframe.step(lambda _step: None, step, 1)
         free_step(state, inverse, pushes[step], airframe.inertia)
         if state.tobytes() != airframe.state.tobytes():
             return False

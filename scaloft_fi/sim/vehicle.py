@@ -433,21 +433,12 @@ def spawn(client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> int
     shape = pybullet.createCollisionShape(
         pybullet.GEOM_BOX, halfExtents=[0.5 * edge for edge in vehicle.hull_m], physicsClientId=client
     )
+    attitude = [0.0, 0.0, math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)]
     body = pybullet.createMultiBody(
-        baseMass=vehicle.mass_kg,
-        baseCollisionShapeIndex=shape,
-        basePosition=list(position),
-        baseOrientation=[0.0, 0.0, math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)],
-        physicsClientId=client,
+        vehicle.mass_kg, shape, basePosition=list(position), baseOrientation=attitude, physicsClientId=client
     )
-    pybullet.changeDynamics(
-        body,
-        -1,
-        localInertiaDiagonal=list(vehicle.inertia_kgm2),
-        linearDamping=0.0,
-        angularDamping=0.0,
-        activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING,
-        physicsClientId=client,
-    )
+    inertia, awake = list(vehicle.inertia_kgm2), pybullet.ACTIVATION_STATE_DISABLE_SLEEPING
+    still = {"linearDamping": 0.0, "angularDamping": 0.0, "activationState": awake}
+    pybullet.changeDynamics(body, -1, localInertiaDiagonal=inertia, **still, physicsClientId=client)
     pybullet.setCollisionFilterGroupMask(body, -1, VEHICLE_GROUP, WORLD_GROUP, physicsClientId=client)
     return int(body)

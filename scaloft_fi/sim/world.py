@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import Annotated, Any, Literal
 
@@ -21,9 +21,12 @@ from scaloft_fi.document import Item
 from scaloft_fi.errors import Faults, InputError, did_you_mean
 from scaloft_fi.marks import (
     Bounds,
+    Called,
     Choices,
     Either,
     Examples,
+    Given,
+    Key,
     MoreThanZero,
     NotNegative,
     Pattern,
@@ -34,7 +37,7 @@ from scaloft_fi.marks import (
 from scaloft_fi.model import read, schema_of, value_of
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim import mesh
-from scaloft_fi.sim.happenings import Happening, Occurrence, Surroundings, happenings_schema, misfits, read_happenings
+from scaloft_fi.sim.happenings import Happening, Surroundings, happenings_schema, misfits, read_happenings
 from scaloft_fi.sim.log import SIGNALS, truth_signals
 from scaloft_fi.sim.mesh import FARTHEST_M, Mesh, Scene
 from scaloft_fi.sim.mine import Metres, Mine, Rock, flaws_of, read_mine
@@ -96,31 +99,6 @@ Point = tuple[float, float, float]
 _ROUTE = "a list of waypoints, where the mission lands at the last one"
 
 
-@dataclass(frozen=True, eq=False)
-class Body:
-    """A body in the mine.
-
-    Attributes:
-        name: unique name, also in `struck`.
-        role: name of its role in `ROLES`.
-        mesh: its triangles [m, world].
-        core: the same shape, smaller by `MARGIN_M` on all sides; the physics server adds that margin to it.
-        centre: its centre [m, world].
-        reflectivity: reflected share of infrared light, 0..1.
-        present: whether the body is in the mine.
-        optional: whether flights without the body have no signal of it.
-    """
-
-    name: str
-    role: str
-    mesh: Mesh
-    core: Mesh
-    centre: Point
-    reflectivity: float
-    present: bool
-    optional: bool = False
-
-
 @dataclass(frozen=True)
 class Nominal:
     """Speeds of the nominal flight; the time limit follows from them.
@@ -166,31 +144,162 @@ class MissionPlan:
         return math.radians(self.yaw_deg)
 
 
+def _place(allowed: str, hint: Any) -> Any:
+    """Reads two or three coordinates."""
+
+    def find(item: Item) -> tuple[float, ...]:
+        numbers: tuple[float, ...] = value_of(tuple[hint, ...], item)
+        if len(numbers) not in (2, 3):
+            raise item.error(allowed)
+        return numbers
+
+    size = {"minItems": 2, "maxItems": 3, "examples": [[0.0, 7.0], [0.0, 7.0, 1.4]]}
+    return Reads(find, lambda _names: {"type": "array", "items": schema_of(hint), **size})
+
+
 @dataclass(frozen=True, eq=False)
-class World:
-    """The world of a flight without the vehicle.
+class Body:
+    """A body in the mine.
 
     Attributes:
-        mine: the rock.
-        bodies: bodies by name, absent bodies included.
-        waypoints: (x, y, z) by name [m, world]; `home` comes from the mission.
-        mission: the mission.
-        light: brightness of visible light, 0..1.
-        signals: names of the optional signals that flights in this world record.
-        happenings: what happens during a flight.
+        name: unique name, also in `struck`.
+        role: how detector, observer and map treat it.
+        position: x, y of its foot, and the height of the foot where it stands on something [m, world].
+        reflectivity: share of infrared light that it reflects; dark bodies vanish in the dark.
+        present: whether it is there; an axis may set this.
+        optional: whether flights without it have no signal of it.
     """
 
-    mine: Mine
-    bodies: Mapping[str, Body]
-    waypoints: Mapping[str, Point]
+    name: Key
+    role: Annotated[str, Choices(lambda: {name: role.meaning for name, role in ROLES.items()}, named="roles")]
+    position: Annotated[tuple[float, ...], _place("[x, y] or [x, y, z of the foot]", Metres)]
+    reflectivity: Annotated[Share, Examples(0.3)]
+    present: bool
+    optional: bool = field(default=False, kw_only=True)
+
+    def form(self, less_m: float) -> tuple[Mesh, float]:
+        """Its triangles about its centre, smaller by `less_m` on all sides [m], and its whole height [m]."""
+        raise NotImplementedError
+
+    @cached_property
+    def centre(self) -> Point:
+        """Its centre [m, world]."""
+        foot_m = self.position[2] if len(self.position) == 3 else 0.0
+        return (self.position[0], self.position[1], foot_m + 0.5 * self.form(0.0)[1])
+
+    @cached_property
+    def mesh(self) -> Mesh:
+        """Its triangles [m, world]."""
+        return self.form(0.0)[0].moved(self.centre)
+
+    @cached_property
+    def core(self) -> Mesh:
+        """The same shape, smaller by `MARGIN_M` on all sides; the physics server adds that margin to it."""
+        return self.form(MARGIN_M)[0].moved(self.centre)
+
+
+Edge = Annotated[float, Bounds(least=LEAST_M, most=FARTHEST_M)]
+
+
+@dataclass(frozen=True, eq=False)
+class Box(Body):
+    """A box.
+
+    Attributes:
+        shape: a box about the vertical.
+        size_m: edges x, y, z of the box [m].
+    """
+
+    shape: Literal["box"]
+    size_m: Annotated[tuple[Edge, Edge, Edge], Examples((0.5, 0.5, 1.8))]
+
+    def form(self, less_m: float) -> tuple[Mesh, float]:
+        """The box, and its edge z [m]."""
+        return mesh.box([edge - 2.0 * less_m for edge in self.size_m]), self.size_m[2]
+
+
+@dataclass(frozen=True, eq=False)
+class Turned(Body):
+    """A cylinder, or a capsule.
+
+    Attributes:
+        shape: an upright cylinder, or one with round ends.
+        radius_m: radius [m].
+        height_m: height; of a capsule at least twice the radius [m].
+    """
+
+    shape: Literal["cylinder", "capsule"]
+    radius_m: Annotated[Edge, Examples(0.25)]
+    height_m: Annotated[float, Bounds(least=LEAST_M, most=2.0 * FARTHEST_M), Examples(1.7)]
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a capsule whose round ends would overlap."""
+        if self.shape == "capsule" and self.height_m < 2.0 * self.radius_m:
+            yield item.need("height_m").error(f">= {2.0 * self.radius_m:g} and <= {2.0 * FARTHEST_M:g}")
+
+    def form(self, less_m: float) -> tuple[Mesh, float]:
+        """The solid, and its height [m]."""
+        turned = mesh.cylinder if self.shape == "cylinder" else mesh.capsule
+        return turned(self.radius_m - less_m, self.height_m - 2.0 * less_m), self.height_m
+
+
+Waypoint = Annotated[tuple[float, ...], _place("[x, y] or [x, y, z]", float)]
+_BODY = "a name of letters, digits and _ other than 'wall' and 'ground'"
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """The mine, its bodies, the mission and what happens during a flight.  World axes: x east, y north, z up.
+
+    Attributes:
+        rock: the rock: a ground plan, or a mesh of your own.
+        mine: the rock as it was read.
+        bodies: the bodies by name; each has a clearance in the log.
+        places: the places of the mission by name; without z at the mission's altitude [m, world].
+        mission: what the drone has to fly.
+        light: brightness of visible light: 0 dark, 1 full.
+        signals: optional signals that every flight records; `scaloft-fi signals` lists them.
+        happenings: what happens during a flight, by name.
+    """
+
+    rock: Annotated[Item, Called("mine"), Reads(lambda item: item, lambda _names: schema_of(Rock))]
+    mine: Annotated[Mine, Given(lambda item: read_mine(item.need("mine")))]
+    bodies: Annotated[
+        Mapping[str, Annotated[Box | Turned, Either(by="shape")]],
+        Size(0, MOST_BODIES),
+        Pattern(r"(?!(?:wall|ground)$)[^\W\d]\w*", _BODY),
+    ]
+    places: Annotated[Mapping[str, Waypoint], Called("waypoints"), Size(0, MOST_WAYPOINTS)]
     mission: MissionPlan
-    light: float
-    signals: tuple[str, ...] = ()
-    happenings: tuple[Happening, ...] = ()
+    light: Annotated[Share, Examples(0.9, 0.003)]
+    signals: tuple[Annotated[str, Choices(_optional_signals, named="signals")], ...] = ()
+    happenings: Annotated[tuple[Happening, ...], Reads(read_happenings, happenings_schema)] = ()
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a home among the waypoints, unknown places of the route, and signals that are recorded anyway."""
+        waypoints, route = item.need("waypoints"), item.need("mission").need("route")
+        if (own := waypoints.get("home")) is not None:
+            yield InputError(f"{own.place}: home is no waypoint of its own; it is set under mission")
+        known = ["home", *self.places]
+        for name, entry in zip(self.mission.route, route, strict=True):
+            if name not in known:
+                yield InputError(f"{entry.place}: no waypoint {name!r}{did_you_mean(name, known)}")
+        recorded = {signal.name for signal in truth_signals((WALL, GROUND, *self.bodies))}
+        for name, entry in zip(self.signals, item.get("signals") or (), strict=True):
+            if name in recorded:
+                yield InputError(f"{entry.place}: signal {name!r} is recorded already; list it once, or not at all")
+            recorded.add(name)
+
+    @cached_property
+    def waypoints(self) -> Mapping[str, Point]:
+        """(x, y, z) by name [m, world]; `home` comes from the mission."""
+        z_m = self.mission.altitude_m
+        places = {"home": self.mission.home, **self.places}
+        return {name: (at[0], at[1], at[2] if len(at) == 3 else z_m) for name, at in places.items()}
 
     @cached_property
     def present(self) -> tuple[Body, ...]:
-        """The bodies that are present."""
+        """The bodies that are present; `bodies` has the absent ones too."""
         return tuple(body for body in self.bodies.values() if body.present)
 
     @property
@@ -215,16 +324,16 @@ class World:
     @cached_property
     def scene(self) -> Scene:
         """All triangles of the world."""
-        mine = self.mine
-        meshes = [mine.wall, mine.ground, *(body.mesh for body in self.present)]
+        mine, bodies = self.mine, self.present
+        meshes = [mine.wall, mine.ground, *(body.mesh for body in bodies)]
         whole = mesh.join(meshes)
         return Scene(
             vertices=np.ascontiguousarray(whole.vertices),
             faces=np.ascontiguousarray(whole.faces),
             owner=np.repeat(np.arange(len(meshes)), [len(part.faces) for part in meshes]).astype(np.int16),
-            names=(WALL, GROUND, *(body.name for body in self.present)),
+            names=(WALL, GROUND, *(body.name for body in bodies)),
             reflectivity=np.array(
-                [mine.wall_reflectivity, mine.ground_reflectivity, *(body.reflectivity for body in self.present)]
+                [mine.wall_reflectivity, mine.ground_reflectivity, *(b.reflectivity for b in bodies)]
             ),
         )
 
@@ -239,185 +348,32 @@ class World:
         return Surroundings(self.scene, self.light, places, self.happenings)
 
 
-def _place(allowed: str, hint: Any) -> Any:
-    """Reads two or three coordinates."""
-
-    def find(item: Item) -> tuple[float, ...]:
-        numbers: tuple[float, ...] = value_of(tuple[hint, ...], item)
-        if len(numbers) not in (2, 3):
-            raise item.error(allowed)
-        return numbers
-
-    size = {"minItems": 2, "maxItems": 3, "examples": [[0.0, 7.0], [0.0, 7.0, 1.4]]}
-    return Reads(find, lambda _names: {"type": "array", "items": schema_of(hint), **size})
-
-
-@dataclass(frozen=True)
-class _Shape:
-    """What every body has.
-
-    Attributes:
-        role: how detector, observer and map treat it.
-        position: x, y of its foot, and the height of the foot where it stands on something [m, world].
-        reflectivity: share of infrared light that it reflects; dark bodies vanish in the dark.
-        present: whether it is there; an axis may set this.
-        optional: whether flights without it have no signal of it.
-    """
-
-    role: Annotated[str, Choices(lambda: {name: role.meaning for name, role in ROLES.items()}, named="roles")]
-    position: Annotated[tuple[float, ...], _place("[x, y] or [x, y, z of the foot]", Metres)]
-    reflectivity: Annotated[Share, Examples(0.3)]
-    present: bool
-    optional: bool = field(default=False, kw_only=True)
-
-    def forms(self) -> tuple[Mesh, Mesh, float]:
-        """Its triangles about its centre, those of its core, and its height [m]."""
-        raise NotImplementedError
-
-    def body(self, name: str) -> Body:
-        """The body in the mine."""
-        form, core, height_m = self.forms()
-        foot_m = self.position[2] if len(self.position) == 3 else 0.0
-        centre = (self.position[0], self.position[1], foot_m + 0.5 * height_m)
-        meshes = form.moved(centre), core.moved(centre)
-        return Body(name, self.role, *meshes, centre, self.reflectivity, self.present, self.optional)
-
-
-Edge = Annotated[float, Bounds(least=LEAST_M, most=FARTHEST_M)]
-
-
-@dataclass(frozen=True)
-class Box(_Shape):
-    """A box.
-
-    Attributes:
-        shape: a box about the vertical.
-        size_m: edges x, y, z of the box [m].
-    """
-
-    shape: Literal["box"]
-    size_m: Annotated[tuple[Edge, Edge, Edge], Examples((0.5, 0.5, 1.8))]
-
-    def forms(self) -> tuple[Mesh, Mesh, float]:
-        """The box, its core, and its edge z [m]."""
-        return mesh.box(self.size_m), mesh.box([edge - 2.0 * MARGIN_M for edge in self.size_m]), self.size_m[2]
-
-
-@dataclass(frozen=True)
-class Turned(_Shape):
-    """A cylinder, or a capsule.
-
-    Attributes:
-        shape: an upright cylinder, or one with round ends.
-        radius_m: radius [m].
-        height_m: height; of a capsule at least twice the radius [m].
-    """
-
-    shape: Literal["cylinder", "capsule"]
-    radius_m: Annotated[Edge, Examples(0.25)]
-    height_m: Annotated[float, Bounds(least=LEAST_M, most=2.0 * FARTHEST_M), Examples(1.7)]
-
-    def contradictions(self, item: Item) -> Iterator[InputError]:
-        """Refuse a capsule whose round ends would overlap."""
-        if self.shape == "capsule" and self.height_m < 2.0 * self.radius_m:
-            yield item.need("height_m").error(f">= {2.0 * self.radius_m:g} and <= {2.0 * FARTHEST_M:g}")
-
-    def forms(self) -> tuple[Mesh, Mesh, float]:
-        """The solid, its core, and its height [m]."""
-        turned = mesh.cylinder if self.shape == "cylinder" else mesh.capsule
-        core = turned(self.radius_m - MARGIN_M, self.height_m - 2.0 * MARGIN_M)
-        return turned(self.radius_m, self.height_m), core, self.height_m
-
-
-Solid = Annotated[Box | Turned, Either(by="shape")]
-Waypoint = Annotated[tuple[float, ...], _place("[x, y] or [x, y, z]", float)]
-_BODY = "a name of letters, digits and _ other than 'wall' and 'ground'"
-
-
-@dataclass(frozen=True)
-class WorldModel:
-    """The mine, its bodies, the mission and what happens during a flight.  World axes: x east, y north, z up.
-
-    Attributes:
-        mine: the rock: a ground plan, or a mesh of your own.
-        bodies: the bodies by name; each has a clearance in the log.
-        waypoints: the places of the mission by name; without z at the mission's altitude [m, world].
-        mission: what the drone has to fly.
-        light: brightness of visible light: 0 dark, 1 full.
-        signals: optional signals that every flight records; `scaloft-fi signals` lists them.
-        happenings: what happens during a flight, by name.
-    """
-
-    mine: Annotated[Item, Reads(lambda item: item, lambda _names: schema_of(Rock))]
-    bodies: Annotated[Mapping[str, Solid], Size(0, MOST_BODIES), Pattern(r"(?!(?:wall|ground)$)[^\W\d]\w*", _BODY)]
-    waypoints: Annotated[Mapping[str, Waypoint], Size(0, MOST_WAYPOINTS)]
-    mission: MissionPlan
-    light: Annotated[Share, Examples(0.9, 0.003)]
-    signals: tuple[Annotated[str, Choices(_optional_signals, named="signals")], ...] = ()
-    happenings: Annotated[tuple[Occurrence, ...], Reads(read_happenings, happenings_schema)] = ()
-
-    def contradictions(self, item: Item) -> Iterator[InputError]:
-        """Refuse a home among the waypoints, unknown places of the route, and signals that are recorded anyway."""
-        waypoints, route = item.need("waypoints"), item.need("mission").need("route")
-        if (own := waypoints.get("home")) is not None:
-            yield InputError(f"{own.place}: home is no waypoint of its own; it is set under mission")
-        known = ["home", *self.waypoints]
-        for name, entry in zip(self.mission.route, route, strict=True):
-            if name not in known:
-                yield InputError(f"{entry.place}: no waypoint {name!r}{did_you_mean(name, known)}")
-        listed = item.get("signals")
-        recorded = {signal.name for signal in truth_signals((WALL, GROUND, *self.bodies))}
-        for name, entry in zip(self.signals, listed or (), strict=True):
-            if name in recorded:
-                yield InputError(f"{entry.place}: signal {name!r} is recorded already; list it once, or not at all")
-            recorded.add(name)
-
-    def world(self, mine: Mine) -> World:
-        """The world around a mine."""
-        altitude_m = self.mission.altitude_m
-        return World(
-            mine=mine,
-            bodies={name: solid.body(name) for name, solid in self.bodies.items()},
-            waypoints={
-                "home": (*self.mission.home, altitude_m),
-                **{n: (at[0], at[1], at[2] if len(at) == 3 else altitude_m) for n, at in self.waypoints.items()},
-            },
-            mission=self.mission,
-            light=self.light,
-            signals=self.signals,
-            happenings=tuple(one.happening for one in self.happenings),
-        )
-
-
 def read_world(item: Item, mine: Mine | None = None) -> World:
     """Read and check a world; `mine` is its mine, if that was read already.
 
     Raises:
         InputError: a value is not allowed, a key is unknown, a waypoint is not in open space.
     """
-    world, happenings = assembled(item, mine)
-    faults = Faults()
-    faults.add(*misplaced(world, item), *misfits(world, happenings))
+    world, faults = assembled(item, mine), Faults()
+    faults.add(*misplaced(world, item), *misfits(world))
     faults.end()
     return world
 
 
-def assembled(item: Item, mine: Mine | None = None) -> tuple[World, tuple[Occurrence, ...]]:
+def assembled(item: Item, mine: Mine | None = None) -> World:
     """Read a world and its active happenings, without a check that they fit together.
 
     Raises:
         InputError: a value is not allowed, or a key is unknown.
     """
-    faults, model = Faults(), None
+    faults = Faults()
     with faults.collecting():
-        model = read(WorldModel, item)
+        world = read(World, item, fixed={"mine": mine})
     if mine is None and "mine" in item.mapping():
         with faults.collecting():
-            mine = read_mine(item.need("mine"))
+            found = read_mine(item.need("mine"))
     faults.end()
-    assert model is not None
-    assert mine is not None
-    return model.world(mine), model.happenings
+    return world if mine is not None else replace(world, mine=found)
 
 
 ON_FLOOR_M = 0.05
@@ -432,21 +388,25 @@ def misplaced(world: Any, item: Item) -> Iterator[InputError]:
         world: the `sim.world.World`.
         item: the document that it was read from.
     """
-    mission = item.need("mission")
-    home = mission.need("home")
+    home, mine = item.need("mission").need("home"), world.mine
     places = {"home": home, **item.need("waypoints").mapping()}
+    scaled = "" if mine.footprint else ": z must be up, and `scale_m` is metres per unit of the file"
+    reach = f"; the mine reaches from {mine.extents_text} m{scaled}"
     if not abs(world.floor_m) < 0.1:  # where the stack takes off
         actual = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
-        sentence = f"home={list(world.mission.home)!r} must have the floor at z=0, but {actual}"
-        yield InputError(f"{home.place}: {sentence}; the mine reaches from {world.mine.extents_text} m{_scaled(world)}")
+        yield InputError(
+            f"{home.place}: home={list(world.mission.home)!r} must have the floor at z=0, but {actual}{reach}"
+        )
         del places["home"]
-    flaws = cache(lambda: _mesh_flaws(item))
+    flaws = cache(lambda: sorted(flaws_of(item.need("mine")), key=lambda flaw: not flaw.grave))
     for name, place in places.items():
-        why = _obstructed(world, name)
-        if why == _ROCK:
-            why += _beyond(world, name) or flaws()
+        why, point = _obstructed(world, name), world.waypoints[name]
+        if why == _ROCK and not ((point >= mine.extents[0]) & (point <= mine.extents[1])).all():
+            why += reach
+        elif why == _ROCK and flaws():  # for which open space may pass for rock
+            why += f"; the mesh may be the cause: {flaws()[0]}"
         if why:
-            yield InputError(f"{place.place}: {name}={list(world.waypoints[name][:2])!r} must be in {why}")
+            yield InputError(f"{place.place}: {name}={list(point[:2])!r} must be in {why}")
 
 
 def _obstructed(world: Any, name: str) -> str:
@@ -461,23 +421,3 @@ def _obstructed(world: Any, name: str) -> str:
             if body.mesh.encloses(point):
                 return f"open space, not inside {body.name!r}"
     return ""
-
-
-def _beyond(world: Any, name: str) -> str:
-    """How far the mine reaches, where the waypoint is outside the box around it; else ""."""
-    low, high = world.mine.extents
-    point = world.waypoints[name]
-    if all(least <= value <= most for least, value, most in zip(low, point, high, strict=True)):
-        return ""
-    return f"; the mine reaches from {world.mine.extents_text} m{_scaled(world)}"
-
-
-def _scaled(world: Any) -> str:
-    """What a mesh of another program often lacks; "" for an extruded mine."""
-    return "" if world.mine.footprint else ": z must be up, and `scale_m` is metres per unit of the file"
-
-
-def _mesh_flaws(item: Item) -> str:
-    """What is wrong with the mesh of the mine, for which open space may pass for rock; "" for a sound one."""
-    flaws = sorted(flaws_of(item.need("mine")), key=lambda flaw: not flaw.grave)
-    return f"; the mesh may be the cause: {flaws[0]}" if flaws else ""

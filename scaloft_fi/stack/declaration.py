@@ -68,26 +68,9 @@ class PlainWire:
         return sample
 
 
-UNITS: Mapping[str, str] = MappingProxyType(
-    {
-        "s": "s",
-        "m": "m",
-        "mps": "m/s",
-        "mps2": "m/s2",
-        "rad": "rad",
-        "radps": "rad/s",
-        "deg": "deg",
-        "hz": "Hz",
-        "n": "N",
-        "v": "V",
-        "ev": "EV",
-    }
-)
+_UNITS = {"mps": "m/s", "mps2": "m/s2", "radps": "rad/s", "hz": "Hz", "n": "N", "v": "V", "ev": "EV"}
+UNITS: Mapping[str, str] = MappingProxyType({"s": "s", "m": "m", "rad": "rad", "deg": "deg", **_UNITS})
 """Units by the ending of a field's name, as in `range_m`."""
-
-
-def _whole(sample: Any) -> Any:
-    return sample
 
 
 @dataclass(frozen=True)
@@ -110,7 +93,7 @@ class Seam:
     message: type
     rate_hz: float
     edge: str
-    effect: Callable[[Any], Any] = _whole
+    effect: Callable[[Any], Any] = lambda sample: sample
     units: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:

@@ -14,10 +14,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cache
-from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Generic, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
+
+M = TypeVar("M")
 
 
 class Imu(NamedTuple):
@@ -105,54 +107,37 @@ class Thrust(NamedTuple):
     rotors: Array
 
 
+class Entry(Generic[M]):
+    """An attribute that is an entry of its owner, by name."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __get__(self, owner: Any, _kind: type) -> M:
+        entry: M = owner[self._name]
+        return entry
+
+
 @dataclass(frozen=True)
 class SensorFrames:
     """All that the sensors deliver at one 20 Hz tick.
 
     Attributes:
         by_sensor: message by the sensor's name in `sensors.yaml`, None where nothing is due.
+        fix, depth, detections, metering, battery: messages of the sensors that every study has.
+        bumper: of the touch sensor, at every tick.
     """
 
     by_sensor: Mapping[str, Any]
+    fix = Entry[Fix | None]("positioning")
+    depth = Entry[DepthFrame | None]("depth")
+    detections = Entry[Detections | None]("detector")
+    metering = Entry[Metering | None]("metering")
+    battery = Entry[Battery | None]("battery")
+    bumper = Entry[Bumper]("bumper")
 
     def __getitem__(self, sensor: str) -> Any:
         return self.by_sensor[sensor]
-
-    @property
-    def fix(self) -> Fix | None:
-        """Of the positioning system."""
-        fix: Fix | None = self.by_sensor["positioning"]
-        return fix
-
-    @property
-    def depth(self) -> DepthFrame | None:
-        """Of the depth camera."""
-        frame: DepthFrame | None = self.by_sensor["depth"]
-        return frame
-
-    @property
-    def detections(self) -> Detections | None:
-        """Of the person detector."""
-        detections: Detections | None = self.by_sensor["detector"]
-        return detections
-
-    @property
-    def metering(self) -> Metering | None:
-        """Of the colour camera's light meter."""
-        metering: Metering | None = self.by_sensor["metering"]
-        return metering
-
-    @property
-    def battery(self) -> Battery | None:
-        """Of the battery."""
-        battery: Battery | None = self.by_sensor["battery"]
-        return battery
-
-    @property
-    def bumper(self) -> Bumper:
-        """Of the touch sensor, at every tick."""
-        bumper: Bumper = self.by_sensor["bumper"]
-        return bumper
 
 
 Array = NDArray[np.float64]
@@ -182,22 +167,22 @@ def field_names(message: type) -> tuple[str, ...]:
 
 def number_fields(message: type) -> tuple[str, ...]:
     """Fields that are a number, a tuple of numbers, or an array of numbers."""
-    return _sorted(message).numbers
+    return _sorted(message)["numbers"]
 
 
 def stamp_fields(message: type) -> tuple[str, ...]:
     """Fields that are time stamps."""
-    return _sorted(message).stamps
+    return _sorted(message)["stamps"]
 
 
 def image_fields(message: type) -> tuple[str, ...]:
     """Fields that are images."""
-    return _sorted(message).images
+    return _sorted(message)["images"]
 
 
 def vector_fields(message: type) -> tuple[str, ...]:
     """Fields with the components x, y, z."""
-    return _sorted(message).vectors
+    return _sorted(message)["vectors"]
 
 
 def field_type(message: type, field: str) -> Any:
@@ -205,27 +190,21 @@ def field_type(message: type, field: str) -> Any:
     return get_type_hints(message)[field]
 
 
-class _Fields(NamedTuple):
-    numbers: tuple[str, ...]
-    vectors: tuple[str, ...]
-    images: tuple[str, ...]
-    stamps: tuple[str, ...]
-
-
 @cache
-def _sorted(message: type) -> _Fields:
+def _sorted(message: type) -> Mapping[str, tuple[str, ...]]:
     """The fields of a message by kind, cached because operators look them up at every sample."""
     types, kinds = get_type_hints(message), get_type_hints(message, include_extras=True)
 
     def of(kind: Kind) -> tuple[str, ...]:
         return tuple(name for name in field_names(message) if kind in getattr(kinds[name], "__metadata__", ()))
 
-    return _Fields(
-        numbers=tuple(name for name in field_names(message) if _numeric(types[name])),
-        vectors=tuple(name for name in field_names(message) if types[name] == Point or name in of(Kind.VECTOR)),
-        images=of(Kind.IMAGE),
-        stamps=of(Kind.STAMP),
-    )
+    vectors, points = of(Kind.VECTOR), [name for name in types if types[name] == Point]
+    return {
+        "numbers": tuple(name for name in field_names(message) if _numeric(types[name])),
+        "vectors": tuple(name for name in field_names(message) if name in (*vectors, *points)),
+        "images": of(Kind.IMAGE),
+        "stamps": of(Kind.STAMP),
+    }
 
 
 def _numeric(hint: Any) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 from scaloft_fi.marks import Called, Choices
-from scaloft_fi.sim.situation import Distribution, Shape, number_text
+from scaloft_fi.sim.situation import Drawn, Shape, number_text
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.listing import Entry, Listing
 from scaloft_fi.verbs.names import axes
@@ -197,18 +197,17 @@ def _spanning(axis: Axis) -> ListedAxis:
         kind=RANGE,
         keys=(*told.keys, f"{axis.id}{middle}={number_text(own.middle(middle))}"),
         benign=own.told(own.benign),
-        summary=f"{low} to {high} {own.unit}, {_shape(own.distribution)}, {len(own.ids)} bins",
+        summary=f"{low} to {high} {own.unit}, {_shape(own)}, {len(own.ids)} bins",
         unit=own.unit,
         low=own.edges[0],
         high=own.edges[-1],
-        distribution=_shape(own.distribution),
+        distribution=_shape(own),
         path=own.path,
-        realised=axis.realised.text() if axis.realised else "",
+        realised=axis.realised,
     )
 
 
 def _free(axis: FreeAxis) -> ListedAxis:
-    own = axis.distribution
     return ListedAxis(
         name=axis.id,
         title=axis.title,
@@ -216,11 +215,11 @@ def _free(axis: FreeAxis) -> ListedAxis:
         kind=FREE,
         keys=(f"{axis.id}={number_text(axis.at(0.5))}",),
         benign=f"{number_text(axis.benign)} {axis.unit}",
-        summary=f"{number_text(own.low)} to {number_text(own.high)} {axis.unit}, {_shape(own)}",
+        summary=f"{number_text(axis.low)} to {number_text(axis.high)} {axis.unit}, {_shape(axis)}",
         unit=axis.unit,
-        low=own.low,
-        high=own.high,
-        distribution=_shape(own),
+        low=axis.low,
+        high=axis.high,
+        distribution=_shape(axis),
         path=axis.path,
         also=_changes(axis.also),
         only_with=tuple(Companion(name, tuple(map(str, sorted(ids)))) for name, ids in axis.only_with.items()),
@@ -231,10 +230,10 @@ def _changes(items: Mapping[str, Item]) -> tuple[Change, ...]:
     return tuple(Change(path, item.plain()) for path, item in items.items())
 
 
-def _shape(own: Distribution) -> str:
+def _shape(own: Drawn) -> str:
     if own.shape is Shape.NORMAL:
-        return f"{own.shape} (mean {own.centre:g}, sd {own.sd:g})"
-    return f"{own.shape} (mode {own.centre:g})" if own.shape is Shape.TRIANGULAR else str(own.shape)
+        return f"{own.shape} (mean {own.mean:g}, sd {own.sd:g})"
+    return f"{own.shape} (mode {own.mode:g})" if own.shape is Shape.TRIANGULAR else str(own.shape)
 
 
 Names = Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=axes)]

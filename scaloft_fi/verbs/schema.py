@@ -38,7 +38,7 @@ from scaloft_fi.sim.sensors.sensor import SENSORS
 from scaloft_fi.sim.sensors.suite import sensors_model
 from scaloft_fi.sim.stacks import STACKS
 from scaloft_fi.sim.vehicle import Vehicle
-from scaloft_fi.sim.world import ROLES, WorldModel
+from scaloft_fi.sim.world import ROLES, World
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.study import DispositionModel, ScoreModel, Study
 from scaloft_fi.verbs.names import documents
@@ -161,7 +161,7 @@ SOURCES = Annotated[
 def _grid(names: Names) -> Schema:
     """The schema of a further grid, which may have entries of other documents."""
     made = schema(FurtherGridModel, names)
-    parts = {"world": schema(WorldModel, names), "vehicle": schema(Vehicle), "sensors": _sensors(names)}
+    parts = {"world": schema(World, names), "vehicle": schema(Vehicle), "sensors": _sensors(names)}
     added = {part: _loosened(parts[part], f"new entries of sim/{part}.yaml") for part in PARTS}
     own = {"type": "object", "properties": added, "required": [], "additionalProperties": False}
     for key, more in (("adds", own), ("sources", schema_of(SOURCES))):
@@ -233,7 +233,7 @@ DOCUMENTS: Mapping[str, Document] = {
         Document("matrix", "hazop/matrix/*.yaml", _cells),
         Document("score", "hazop/score.yaml", _model(ScoreModel)),
         Document("dispositions", "hazop/dispositions.yaml", _model(DISPOSITIONS)),
-        Document("world", "sim/world.yaml", _model(WorldModel)),
+        Document("world", "sim/world.yaml", _model(World)),
         Document("vehicle", "sim/vehicle.yaml", _model(Vehicle)),
         Document("sensors", "sim/sensors.yaml", _sensors),
         Document("stack", "sim/stack.yaml", _stack),

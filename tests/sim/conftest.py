@@ -6,9 +6,12 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from scaloft_fi.sim.build import physics_server
 from scaloft_fi.sim.load import SimConfig, load
+from scaloft_fi.sim.scenario import Scenario
 
 SIM = Path(__file__).parents[2] / "sim"
 
@@ -16,6 +19,12 @@ SIM = Path(__file__).parents[2] / "sim"
 @pytest.fixture(scope="session")
 def config() -> SimConfig:
     return load(SIM)
+
+
+@pytest.fixture(scope="session")
+def scenario(config: SimConfig) -> Callable[[str], Scenario]:
+    """The scenario of a key."""
+    return lambda key: config.scenario(config.grid.situation(key))
 
 
 @pytest.fixture
@@ -41,7 +50,17 @@ def edited(study: Path) -> Callable[[str, str, str], Path]:
 @pytest.fixture
 def client():
     """An empty physics server."""
-    pybullet = pytest.importorskip("pybullet")
-    number = pybullet.connect(pybullet.DIRECT)
-    yield number
-    pybullet.disconnect(physicsClientId=number)
+    with physics_server() as number:
+        yield number
+
+
+def turned_by(q):
+    """The rotation matrix of a quaternion x, y, z, w, body to world, beside those of the kernels."""
+    x, y, z, w = q
+    across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + 2 * w * across + 2 * across @ across
+
+
+def state_at(position=(0, 0, 0), attitude=(0, 0, 0, 1), velocity=(0, 0, 0), rate=(0, 0, 0)):
+    """The state of a vehicle, (13,)."""
+    return np.array([*position, *np.array(attitude) / np.linalg.norm(attitude), *velocity, *rate], dtype=float)

@@ -1,50 +1,51 @@
+"""Situations of the study's own grid, of ranges, of further grids and of free axes around them."""
+
 from __future__ import annotations
 
 import itertools
+import shutil
 
 import pytest
+from finding import SMALL, small_study
 from ranges import CRUISE, with_range
 
+from scaloft_fi.campaign.runs.request import choose_situations
 from scaloft_fi.errors import InputError
+from scaloft_fi.judge.space import Realisation, Space
+from scaloft_fi.sim.grids import grid_names, load_grid, own_name
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.situation import Situation
+from scaloft_fi.study import Study
+from tests.sim.conftest import SIM
+
+ROOT = SIM.parent
+
+
+def keys(situations):
+    return [situation.key for situation in situations]
 
 
 def test_the_reference_grid_has_32_situations_in_order(config):
-    keys = [situation.key for situation in config.grid.situations]
-    assert len(config.grid) == len(set(keys)) == 32
-    assert keys == sorted(keys)
-    assert keys[0] == "T0O0W0D0H0"
+    found = keys(config.grid.situations)
+    assert len(config.grid) == len(set(found)) == 32
+    assert found == sorted(found)
 
 
-def test_situations_of_the_paper_go_by_their_numbers(config):
+def test_globs_keys_and_numbers_of_the_paper_select_together_in_the_order_of_the_grid(config):
     grid = config.grid
-    assert [grid.situation(number).key for number in ("1", "2", "3", "32")] == [
-        "T0O0W0D0H1",
-        "T0O0W0D1H0",
-        "T0O0W1D0H0",
-        "T1O1W1D1H0",
-    ]
+    named = {"1": "T0O0W0D0H1", "2": "T0O0W0D1H0", "3": "T0O0W1D0H0", "32": "T1O1W1D1H0"}
+    assert {number: grid.situation(number).key for number in named} == named
     assert grid.aliases_of(grid.situation("T1O1W1D1H0")) == ("32",)
-
-
-def test_globs_keys_and_aliases_select_together_in_the_order_of_the_grid(config):
-    selected = config.grid.select(["T1O1W1D*H0", "3", "T0O0W1D0H0"])
-    assert [s.key for s in selected] == ["T0O0W1D0H0", "T1O1W1D0H0", "T1O1W1D1H0"]
-    assert len(config.grid.select([])) == 32
-    assert len(config.grid.select(["T1*"])) == 16
-    assert len(config.grid.select(["T?O0W0D[0]H*"])) == 4
+    assert keys(grid.select(["T1O1W1D*H0", "3", "T0O0W1D0H0"])) == ["T0O0W1D0H0", "T1O1W1D0H0", "T1O1W1D1H0"]
+    assert [len(grid.select(patterns)) for patterns in ([], ["T1*"], ["T?O0W0D[0]H*"])] == [32, 16, 4]
+    titles = grid.titles(grid.situation("T1O0W0D1H1"))
+    assert titles == ("corner", "free path", "open space", "dark", "human")
 
 
 @pytest.mark.parametrize("name", ["T2*", "T0O0W0D0H2", "t0o0w0d0h0", "99", "", "T0O0W0D0"])
 def test_a_situation_that_is_none_is_refused_with_the_nearest(config, name):
     with pytest.raises(InputError, match=r"^no situation .* did you mean 'T.O.W.D.H.'\?$"):
         config.grid.select([name])
-
-
-def test_titles_say_a_situation_in_words(config):
-    titles = config.grid.titles(config.grid.situation("T1O0W0D1H1"))
-    assert titles == ("corner", "free path", "open space", "dark", "human")
 
 
 AIR = """
@@ -63,12 +64,11 @@ AIR = """
 
 def test_a_users_axis_with_three_values_joins_the_grid(edited):
     config = load(edited("situations.yaml", "\naliases:", f"{AIR}\naliases:"))
-    grid = config.grid
-    assert len(grid) == 96
-    dusty = config.scenario(grid.situation("T1O0W0D0H0Air2"))
-    assert (dusty.sensors.depth.max_m, dusty.vehicle.mass_kg, dusty.world.mission.cruise_mps) == (4.5, 1.6, 0.3)
-    clear = config.scenario(grid.situation("T1O0W0D0H0Air0"))
-    assert (clear.sensors.depth.max_m, clear.vehicle.mass_kg, clear.world.mission.cruise_mps) == (8.0, 1.5, 0.5)
+    grid, changed = config.grid, []
+    for value in (2, 0):
+        one = config.scenario(grid.situation(f"T1O0W0D0H0Air{value}"))
+        changed.append((one.sensors.depth.max_m, one.vehicle.mass_kg, one.world.mission.cruise_mps))
+    assert (len(grid), changed) == (96, [(4.5, 1.6, 0.3), (8.0, 1.5, 0.5)])
     assert grid.axes[-1].predicate(0) == "(not (always(speed_mps <= 0.9))) and (not (always(speed_mps <= 0.5)))"
     assert grid.situation("32").key == "T1O1W1D1H0Air0"  # the paper's numbers outlive a new axis
 
@@ -77,9 +77,8 @@ def test_values_that_do_not_go_together_are_refused_when_their_scenario_is_asked
     config = load(edited("world.yaml", "position: [-0.15, 5.0]", "position: [0.865, 7.0]"))
     config.scenario(config.grid.situation("T0O1W0D0H0"))
     sentence = (
-        r"situations.yaml:\d+: corner=.* not inside 'obstacle': O1 and W1 cannot be combined, "
-        r"as in situation T0O1W1D0H0; "
-        r"exclude them under constraints: \{exclude: \{O: 1, W: 1\}, reason: ...\}"
+        r"situations.yaml:\d+: corner=.* not inside 'obstacle': O1 and W1 cannot be combined, as in situation "
+        r"T0O1W1D0H0; exclude them under constraints: \{exclude: \{O: 1, W: 1\}, reason: ...\}"
     )
     with pytest.raises(InputError, match=sentence):
         config.scenario(config.grid.situation("T0O1W1D0H0"))
@@ -95,100 +94,35 @@ def test_values_that_do_not_go_together_are_refused_when_their_scenario_is_asked
 )
 def test_two_axes_that_set_one_path_are_refused_until_a_constraint_excludes_them(edited, first, second, path):
     axes = "".join(
-        f"""
-  {name}:
-    title: air
-    category: environment
-    values: [{{id: 0, title: a}}, {{id: 1, title: b, set: {{{change}}}, realised: always(light >= 0)}}]"""
+        f"\n  {name}: {{title: air, category: environment, values: "
+        f"[{{id: 0, title: a}}, {{id: 1, title: b, set: {{{change}}}, realised: always(light >= 0)}}]}}"
         for name, change in (("Q", first), ("R", second))
     )
-    folder = edited("situations.yaml", "\naliases:", f"{axes}\naliases:")
-    pairs = "[{exclude: {Q: 1, R: 1}, reason: never}, {exclude: {D: 1, Q: 1}, reason: never}"
-    pairs += ", {exclude: {D: 1, R: 1}, reason: never}]"
-    sentence = rf"situations.yaml:\d+: Q1 and R1 both set {path}.*, in situation T0O0W0D0H0Q1R1; exclude them under"
-    edited("situations.yaml", "\naliases:", f"\nconstraints: {pairs.replace('Q: 1, R: 1', 'T: 1, O: 1')}\naliases:")
+    pairs = "".join(f"\n  - {{exclude: {{{pair}}}, reason: never}}" for pair in ("D: 1, Q: 1", "D: 1, R: 1"))
+    folder = edited("situations.yaml", "\naliases:", f"{axes}\nconstraints:{pairs}\naliases:")
     edited("situations.yaml", '\n  "32": T1O1W1D1H0', "")
+    sentence = rf"situations.yaml:\d+: Q1 and R1 both set {path}.*, in situation T0O0W0D0H0Q1R1; exclude them under"
     with pytest.raises(InputError, match=sentence):
         load(folder)
-    edited("situations.yaml", "T: 1, O: 1", "Q: 1, R: 1")
+    edited("situations.yaml", "D: 1, R: 1", "D: 1, R: 1}, reason: never}\n  - {exclude: {Q: 1, R: 1")
     assert load(folder).grid.situation("T0O0W0D0H0Q1R0").key
 
 
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        ("vehicle.mass_kg: -1", "mass_kg=-1 must be >= 1e-06"),
-        ("sensors.depth.max_m: 0.1", "max_m=0.1 must be"),
-        ("stack.planner.range_m: 3", "'stack.planner.range_m' belongs to the stack under test"),
-    ],
-)
-def test_a_value_that_vehicle_or_sensors_refuse_is_refused_when_the_study_is_read(edited, change, sentence):
-    folder = edited("situations.yaml", "set: {light: 0.003}", f"set: {{light: 0.003, {change}}}")
-    with pytest.raises(InputError, match=rf"situations.yaml:\d+: {sentence}"):
-        load(folder)
-
-
-CONSTRAINT = """
-constraints:
-  - exclude: {T: 0, W: 1}
-    reason: no wall is near a straight corridor's waypoint
-  - {exclude: {D: 1, H: 1}, reason: people carry lamps}
-
-aliases:"""
-
-
-@pytest.fixture
-def constrained(edited):
+def test_no_situation_has_an_excluded_combination(edited):
+    constraints = "[{exclude: {T: 0, W: 1}, reason: no wall is near}, {exclude: {D: 1, H: 1}, reason: lamps}]"
     edited("situations.yaml", '\n  "32": T1O1W1D1H0', "")
     edited("situations.yaml", '\n  "3": T0O0W1D0H0', "")
-    return load(edited("situations.yaml", "\naliases:", CONSTRAINT)).grid
-
-
-def test_no_situation_has_an_excluded_combination(constrained):
-    wanted = [
-        s.key
-        for s in itertools.product(range(2), repeat=5)
-        for s in [Situation.of(dict(zip("TOWDH", s, strict=True)))]
-        if not (s["T"] == 0 and s["W"] == 1) and not (s["D"] == 1 and s["H"] == 1)
-    ]
-    assert [situation.key for situation in constrained.situations] == wanted
-    assert len(constrained) == 18
-
-
-def test_an_excluded_situation_is_refused_with_its_reason(constrained):
+    grid = load(edited("situations.yaml", "\naliases:", f"\nconstraints: {constraints}\naliases:")).grid
+    every = [Situation.of(dict(zip("TOWDH", point, strict=True))) for point in itertools.product(range(2), repeat=5)]
+    wanted = [s.key for s in every if (s["T"], s["W"]) != (0, 1) and (s["D"], s["H"]) != (1, 1)]
+    assert (keys(grid.situations), len(grid)) == (wanted, 18)
     with pytest.raises(InputError, match=r"'T0O0W1D0H0' is excluded by .*situations.yaml:\d+: no wall is near"):
-        constrained.situation("T0O0W1D0H0")
-
-
-@pytest.mark.parametrize(
-    ("constraint", "sentence"),
-    [
-        ("{exclude: {T: 0, X: 1}, reason: r}", "exclude names the unknown axis 'X'"),
-        ("{exclude: {T: 0, W: 2}, reason: r}", "W=2 must be values of axis 'W', 0 to 1"),
-        ("{exclude: {T: 0, W: []}, reason: r}", r"W=\[...\] must be the id of a value"),
-        ("{exclude: {T: 0}, reason: r}", "exclude must name the values of at least 2 axes"),
-        ("{exclude: {T: 0, W: 1}}", "lacks the key 'reason'"),
-        ("{exclude: {T: 0, W: 1}, reason: r, why: x}", "unknown key 'why'"),
-        ("{exclude: {T: 1, W: [0, 1]}, reason: r}", "must leave every value a situation, T1 has none"),
-    ],
-)
-def test_a_constraint_that_means_nothing_is_refused(edited, constraint, sentence):
-    study = edited("situations.yaml", "\naliases:", f"\nconstraints:\n  - {constraint}\naliases:")
-    with pytest.raises(InputError, match=rf"situations.yaml:\d+: .*{sentence}"):
-        load(study)
-
-
-def test_an_alias_of_an_excluded_situation_is_refused(edited):
-    with pytest.raises(InputError, match="alias '3': situation 'T0O0W1D0H0' is excluded by"):
-        load(edited("situations.yaml", "\naliases:", CONSTRAINT))
+        grid.situation("T0O0W1D0H0")
 
 
 def test_axes_that_make_too_many_situations_are_refused(edited):
-    many = "".join(
-        f"\n  A{chr(97 + i)}: {{title: t, category: c, values: [{{id: 0, title: a}}, "
-        "{id: 1, title: b, realised: always(light <= 1)}]}"
-        for i in range(16)
-    )
+    values = "[{id: 0, title: a}, {id: 1, title: b, realised: always(light <= 1)}]"
+    many = "".join(f"\n  A{chr(97 + i)}: {{title: t, category: c, values: {values}}}" for i in range(16))
     with pytest.raises(InputError, match=r"axes make 2097152 situations, they must make at most 1000000"):
         load(edited("situations.yaml", "\naliases:", f"{many}\n\naliases:"))
 
@@ -199,27 +133,22 @@ def ranged(study):
 
 
 def test_a_grid_has_a_range_as_bins_with_the_benign_one_first(ranged):
-    grid = ranged.grid
-    assert len(grid) == 128
-    values = grid.axes[-1].values
-    assert [(value.id, value.title) for value in values] == [
-        (0, "0.4 to 0.6 m/s"),
-        (1, "0.6 to 0.8 m/s"),
-        (2, "0.8 to 1 m/s"),
-        (3, "1 to 1.2 m/s"),
-    ]
+    values = ranged.grid.axes[-1].values
+    titles = ["0.4 to 0.6 m/s", "0.6 to 0.8 m/s", "0.8 to 1 m/s", "1 to 1.2 m/s"]
+    assert [(value.id, value.title) for value in values] == list(enumerate(titles))
     flown = [value.changes["world.mission.cruise_mps"].value for value in values]
     assert flown == pytest.approx([0.5, 0.7, 0.9, 1.1], abs=0.001)
     assert values[0].realised == "eventually(speed_mps >= 0.8 * 0.5)"
-    assert grid.situation("32").key == "T1O1W1D1H0C0"
+    assert (len(ranged.grid), ranged.grid.situation("32").key) == (128, "T1O1W1D1H0C0")
 
 
-def test_a_drawn_situation_flies_its_number(ranged):
-    drawn = ranged.grid.situation("T1O0W0D0H0C2=0.871")
-    assert ranged.grid.titles(drawn)[-1] == "0.871 m/s"
-    assert ranged.scenario(drawn).world.mission.cruise_mps == 0.871
-    assert ranged.grid.world(drawn).mission.cruise_mps == 0.871
-    assert ranged.grid.values(drawn)["C"].realised == "eventually(speed_mps >= 0.8 * 0.871)"
+def test_a_drawn_situation_flies_its_number_and_is_selected_by_key_after_its_bin(ranged):
+    grid, drawn = ranged.grid, ranged.grid.situation("T1O0W0D0H0C2=0.871")
+    assert grid.titles(drawn)[-1] == "0.871 m/s"
+    assert ranged.scenario(drawn).world.mission.cruise_mps == grid.world(drawn).mission.cruise_mps == 0.871
+    assert grid.values(drawn)["C"].realised == "eventually(speed_mps >= 0.8 * 0.871)"
+    asked = [f"T0O0W0D0H0C{value}" for value in ("2=0.9", "2=0.85", "*", "2=0.9")]
+    assert keys(grid.select(asked)) == [f"T0O0W0D0H0C{value}" for value in ("0", "1", "2", "2=0.85", "2=0.9", "3")]
 
 
 def test_an_alias_may_name_a_drawn_number(study, edited):
@@ -229,18 +158,6 @@ def test_an_alias_may_name_a_drawn_number(study, edited):
     assert grid.aliases_of(grid.situation("fast")) == ("fast",)
     with pytest.raises(InputError, match=r"alias 'fast': .*situations.yaml:\d+: situation .* must have 'C3=1.15'"):
         load(edited("situations.yaml", "C3=1.15", "C2=1.15"))
-
-
-def test_drawn_situations_are_selected_by_key_after_their_bin(ranged):
-    keys = ["T0O0W0D0H0C2=0.9", "T0O0W0D0H0C2=0.85", "T0O0W0D0H0C*", "T0O0W0D0H0C2=0.9"]
-    assert [situation.key for situation in ranged.grid.select(keys)] == [
-        "T0O0W0D0H0C0",
-        "T0O0W0D0H0C1",
-        "T0O0W0D0H0C2",
-        "T0O0W0D0H0C2=0.85",
-        "T0O0W0D0H0C2=0.9",
-        "T0O0W0D0H0C3",
-    ]
 
 
 @pytest.mark.parametrize(
@@ -262,27 +179,204 @@ def test_a_number_that_cannot_be_is_refused(ranged, name, sentence):
 
 
 def test_a_drawn_number_in_an_excluded_bin_is_refused_with_the_reason(study, edited):
-    constraint = "constraints: [{exclude: {T: 1, C: 2}, reason: too fast to turn}]"
     with_range(study)
+    constraint = "constraints: [{exclude: {T: 1, C: 2}, reason: too fast to turn}]"
     config = load(edited("situations.yaml", "\naliases:", f"\n{constraint}\naliases:"))
     with pytest.raises(InputError, match=r"excluded by .*situations.yaml:\d+: too fast to turn"):
         config.grid.situation("T1O0W0D0H0C2=0.871")
 
 
-def test_a_number_between_the_ends_that_the_world_refuses_is_named(study, edited):
-    edited("world.yaml", "end: [-3.0, 8.0]", "end: [-1.9, 8.0]")  # the bar stands at [-1.9, 7.7]
-    axis = CRUISE.replace("mission.cruise_mps", "waypoints.end.1").replace("bins: 4", "bins: 2")
-    axis = axis.replace("from: 0.4", "from: 7.2").replace("to: 1.2", "to: 8.6").replace("benign: 0.5", "benign: 8")
-    config = load(with_range(study, axis))
-    sentence = "C1=7.7 is not possible, as in situation T0O0W0D0H0C1=7.7; the range at .*situations.yaml:"
-    with pytest.raises(InputError, match=rf"not inside 'bar': {sentence}"):
-        config.scenario(config.grid.situation("T0O0W0D0H0C1=7.7"))
-
-
-def test_a_number_that_another_axis_excludes_is_named_with_it(study):
-    axis = CRUISE.replace("mission.cruise_mps", "bodies.obstacle.position.1").replace("bins: 4", "bins: 2")
-    axis = axis.replace("from: 0.4", "from: 4").replace("to: 1.2", "to: 8.6").replace("benign: 0.5", "benign: 5")
-    config = load(with_range(study, axis))
-    sentence = r"O1 and C1=7 cannot be combined, .*constraints: \{exclude: \{O: 1, C: 1\}, reason: ...\}"
+@pytest.mark.parametrize(
+    ("path", "low", "benign", "key", "sentence"),
+    [
+        # the bar stands at [-1.9, 7.7]
+        ("waypoints.end.1", 7.2, 8, "T0O0W0D0H0C1=7.7", r"C1=7.7 is not possible, .*; the range at .*situations.yaml:"),
+        ("bodies.obstacle.position.1", 4, 5, "T0O1W0D0H0C1=7", r"O1 and C1=7 cannot be combined, .*\{O: 1, C: 1\}"),
+    ],
+)
+def test_a_number_that_the_world_or_another_axis_refuses_is_named(edited, study, path, low, benign, key, sentence):
+    axis = CRUISE.replace("mission.cruise_mps", path).replace("bins: 4", "bins: 2").replace("from: 0.4", f"from: {low}")
+    edited("world.yaml", "end: [-3.0, 8.0]", "end: [-1.9, 8.0]")
+    config = load(with_range(study, axis.replace("to: 1.2", "to: 8.6").replace("benign: 0.5", f"benign: {benign}")))
     with pytest.raises(InputError, match=sentence):
-        config.scenario(config.grid.situation("T0O1W0D0H0C1=7"))
+        config.scenario(config.grid.situation(key))
+
+
+LIGHT = """
+axes:
+  L:
+    title: light
+    category: environment, light level
+    values:
+      - {id: 0, title: bright}
+      - {id: 1, title: dim, set: {light: 0.2}, realised: always(light <= 0.3)}
+"""
+
+
+@pytest.fixture(scope="module")
+def wide():
+    return load(SIM, grid=load_grid(SIM, "wide"))
+
+
+def test_the_reference_study_has_the_grid_of_the_paper_two_further_ones_and_that_of_the_finds(study):
+    assert grid_names(SIM) == ("paper", "search", "wide", "paper+found")
+    grids = [load_grid(SIM), load_grid(SIM, "wide")]
+    assert [(grid.name, grid.choose) for grid in grids] == [("paper", "all"), ("wide", "3-way")]
+    assert Study.open(ROOT, "wide").catalogue == Study.open(ROOT).catalogue
+
+
+def test_a_further_grid_has_its_own_axes_over_the_same_world(study):
+    (study / "grids" / "light.yaml").write_text(LIGHT)
+    grid = load_grid(study, "light")
+    assert keys(grid.situations) == ["L0", "L1"]
+    assert grid.world(grid.situation("L1")).light == 0.2
+    assert grid.world().bodies.keys() == load_grid(study).world().bodies.keys()
+
+
+def test_the_name_of_the_own_grid_is_a_name_or_situations(edited):
+    path = edited("situations.yaml", "name: paper", "")
+    assert own_name(path) == load_grid(path).name == "situations"
+    with pytest.raises(InputError, match="must be a name of letters, digits, - and _"):
+        grid_names(edited("situations.yaml", "axes:", "name: ../paper\naxes:"))
+
+
+def test_files_that_are_no_grids_are_passed_over_and_a_name_is_used_once(study):
+    for name in (".hidden", "my grid", "..", "light"):
+        (study / "grids" / f"{name}.yaml").write_text(LIGHT)
+    (study / "grids" / "folder.yaml").mkdir()
+    assert set(grid_names(study)) - {"light"} == set(grid_names(SIM)) - {"paper+found"}
+    path = study / "grids" / "paper.yaml"
+    path.write_text(LIGHT)
+    with pytest.raises(InputError, match=rf"^{path}: the grid of situations\.yaml is called 'paper' already"):
+        grid_names(study)
+
+
+def test_what_only_a_further_grid_adds_and_other_files_leave_the_own_grid_as_it_was(study):
+    own = Study.open(ROOT)
+    assert ["belt" in one.grid.world().bodies for one in (own, Study.open(ROOT, "wide"))] == [False, True]
+    assert own.inputs == Study.open(ROOT, "paper").inputs
+    assert own.inputs["sim"] != Study.open(ROOT, "wide").inputs["sim"]
+    for name in ("hazop", "mutants"):
+        shutil.copytree(ROOT / name, study.parent / name)
+    (study / "grids" / "notes.txt").write_text("about the grids")
+    assert Study.open(study.parent).inputs == own.inputs
+    shutil.rmtree(study / "grids")
+    assert Study.open(study.parent).inputs == own.inputs
+
+
+def test_every_number_of_the_wide_grid_has_a_source_and_every_source_a_number(wide, config, study):
+    assert [path for path in wide.numbers if wide.source_of(path) is None] == []
+    more = [path for path in wide.sources if path not in config.sources or path.startswith("situations.")]
+    assert more
+    assert [path for path in more if not any(f"{number}.".startswith(f"{path}.") for number in wide.numbers)] == []
+    assert wide.source_of("situations.axes.D.values.1.set.light") is not config.sources["situations.axes"]
+    shutil.copy(study / "grids" / "wide.yaml", study / "grids" / "situations.yaml")
+    same = load(study, grid=load_grid(study, "situations"))
+    assert [path for path in same.numbers if same.source_of(path) is None] == []
+
+
+def test_the_wide_grid_has_what_the_paper_s_grid_lacks(wide):
+    grid = wide.grid
+    paths = {path for axis in grid.axes for value in axis.values for path in value.changes}
+    happenings = {path for path in paths if path.startswith("world.happenings")}
+    assert {f"world.happenings.{name}.active" for name in ("lamp", "miner", "draught", "wander")} == happenings
+    assert {"world.mission.cruise_mps", "sensors.battery.charge", "world.bodies.obstacle.position"} <= paths
+    assert {1.0, 1.2} == {grid.world_of(grid.documents_with([v])).mission.cruise_mps for v in grid.axes[5].values[1:]}
+
+
+def test_a_predicate_may_name_a_signal_of_a_happening_and_fails_where_it_does_not_happen(wide):
+    grid, study = wide.grid, Study.open(ROOT, "wide")
+    realisation = Realisation.read(grid, (*study.signals, *grid.passing_signals))
+    still, windy = "T0O0W0D0H0C0V0P0B0G0", "T0O0W0D0H0C0V1P0B0G0"
+    assert {still, windy} <= set(Space.of(grid).point)
+    log = {name: [0.0, 0.0] for name in study.signals} | {"takeoff_charge": [0.95, 0.95]}
+    assert "wind_x_mps" not in log
+    met = [dict(realisation.of(key, one))["V"] for one in (log, log | {"wind_x_mps": [0, 2]}) for key in (still, windy)]
+    assert met == [True, False, False, True]
+
+
+@pytest.fixture(scope="module")
+def searched():
+    return Study.open(ROOT, "search")
+
+
+def test_a_free_axis_at_its_benign_value_is_left_out_and_changes_nothing(searched):
+    own = Study.open(ROOT)
+    for situation in own.grid.situations:
+        same = searched.grid.situation(situation.key)
+        assert (same, searched.changes(same)) == (situation, own.changes(situation))
+    assert searched.grid.at({"T": 0, "O": 0, "W": 0, "D": 0, "H": 1}, {"Cs": 0.5}).key == "T0O0W0D0H1"
+
+
+BELT = """
+  Be:
+    title: belt conveyor of height
+    category: environment, static obstacle
+    set: bodies.belt.size_m.2
+    from: 0.4
+    to: 1.2
+    unit: m
+    distribution: uniform
+    benign: 0.9
+    also: {bodies.belt.present: true}
+adds:
+  world:
+    bodies:
+      belt:
+        role: structure
+        shape: box
+        size_m: [0.7, 5.0, 0.9]
+        position: [0.15, 4.0]
+        reflectivity: 0.3
+        present: false
+        optional: true
+"""
+
+
+def test_an_optional_body_has_a_signal_only_where_it_stands(tmp_path):
+    own = small_study(tmp_path)
+    (tmp_path / "sim" / "grids" / "belt.yaml").write_text(SMALL + BELT, encoding="utf-8")
+    belt = Study.open(tmp_path, "belt")
+    without, with_ = (belt.scenario(belt.grid.situation(f"T0D0H0{number}")) for number in ("", "Be=0.8"))
+    assert "belt" not in without.world.surfaces
+    assert with_.world.surfaces[-1] == "belt"
+    assert belt.signals == own.signals
+    assert "clearance_belt_m" in belt.grid.passing_signals
+
+
+def test_another_number_stands_at_the_end_of_the_key_and_is_flown(searched):
+    situation = searched.grid.situation("T1O1W0D2H1Cs=0.87Vy=2")
+    assert Situation.parse(situation.key) == situation
+    assert situation.point.key == "T1O1W0D2H1"
+    world = searched.scenario(situation).world
+    assert world.mission.cruise_mps == 0.87
+    assert [happening.name for happening in world.happenings] == ["lamp", "draught"]
+    assert searched.grid.titles(situation)[-2:] == ("cruise speed 0.87 m/s", "wind along the corridor 2 m/s")
+    assert searched.space.words_of(situation.key) == searched.grid.titles(situation)
+    assert searched.space.point[situation.key] == searched.space.point["T1O1W0D2H1"]
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ("T0O1W0D0H0Vy=2Cs=0.8", "must be written 'T0O1W0D0H0Cs=0.8Vy=2'"),
+        ("T0O0W0D0H0Ox=1", r"search.yaml:\d+: Ox=1 goes only with O=\[1\]"),
+        ("T0O0W0D0H0Cs=0.5", "must be written 'T0O0W0D0H0'"),
+        ("T0O0W0D0H0Cs=0.2", r"search.yaml:\d+: Cs=0.2 must be 0.3 to 1.2"),
+        ("T0O0W0D0H0Zs=0.2", "there is no free axis 'Zs'; did you mean"),
+    ],
+)
+def test_a_number_that_the_grid_does_not_have_is_refused_with_what_it_must_be(searched, key, message):
+    with pytest.raises(InputError, match=message):
+        searched.grid.situation(key)
+    assert key not in searched.space.point or "must be written" in message
+
+
+@pytest.mark.parametrize("how", ["random:40", "sobol:40", "draws:40"])
+def test_a_choice_draws_numbers_of_free_axes_and_leaves_most_of_them_benign(searched, how):
+    drawn, again = (
+        choose_situations(how, searched.grid.situations, (0,), 0, searched.space).situations for _ in range(2)
+    )
+    assert drawn == again
+    assert all(searched.grid.situation(situation.key) == situation for situation in drawn)
+    assert 2 < sum(len(situation.numbers) for situation in drawn) / len(drawn) < len(searched.grid.free) / 2

@@ -1,18 +1,22 @@
+"""Shapes, OBJ files with their limits, and the flaws of a surface."""
+
 from __future__ import annotations
 
 import math
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from items import build
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim import mesh
+from scaloft_fi.sim.mesh import MeshLimits, box, cylinder, read_obj, surface_flaws
 
 sizes = st.floats(0.1, 3.0)
-
 SHAPES = {
     "box": mesh.box((0.5, 0.4, 1.8)),
     "cylinder": mesh.cylinder(0.03, 2.7),
@@ -21,37 +25,28 @@ SHAPES = {
 }
 
 
-def volume(form: mesh.Mesh) -> float:
+def volume(form):
     a, b, c = (form.triangles[:, i] for i in range(3))
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_every_shape_is_closed_and_wound_outwards(name):
+def test_every_shape_is_closed_wound_outwards_and_without_faces_that_have_no_area(name):
     form = SHAPES[name]
     edges = Counter((a, b) for face in form.faces.tolist() for a, b in zip(face, face[1:] + face[:1], strict=True))
     assert all(edges[b, a] == count == 1 for (a, b), count in edges.items())
+    a, b, c = (form.triangles[:, i] for i in range(3))
+    assert np.linalg.norm(np.cross(b - a, c - a), axis=1).min() > 1e-6
     assert volume(form) > 0
 
 
-@pytest.mark.parametrize("name", SHAPES)
-def test_no_face_of_a_shape_is_without_area(name):
-    a, b, c = (SHAPES[name].triangles[:, i] for i in range(3))
-    assert np.linalg.norm(np.cross(b - a, c - a), axis=1).min() > 1e-6
-
-
 @given(sizes, sizes, sizes)
-def test_a_box_has_its_size_and_volume(x, y, z):
-    form = mesh.box((x, y, z))
+def test_boxes_and_capsules_have_their_size(x, y, z):
+    form, capsule = mesh.box((x, y, z)), mesh.capsule(x, 2 * x + y)
     assert np.allclose(np.ptp(form.vertices, axis=0), (x, y, z))
     assert math.isclose(volume(form), x * y * z, rel_tol=1e-9)
-
-
-@given(sizes, sizes)
-def test_a_capsule_has_its_height_over_all(radius, waist):
-    form = mesh.capsule(radius, 2 * radius + waist)
-    assert math.isclose(np.ptp(form.vertices[:, 2]), 2 * radius + waist)
-    assert math.isclose(np.linalg.norm(form.vertices[:, :2], axis=1).max(), radius)
+    assert math.isclose(np.ptp(capsule.vertices[:, 2]), 2 * x + y)
+    assert math.isclose(np.linalg.norm(capsule.vertices[:, :2], axis=1).max(), x)
 
 
 @given(st.tuples(sizes, sizes, sizes), st.tuples(*[st.floats(-2, 2)] * 3))
@@ -64,19 +59,11 @@ def test_the_winding_number_tells_inside_from_outside(size, point):
     assert mesh.box(size).encloses(point) == inside
 
 
-def test_heights_are_those_where_the_upright_line_meets_the_surface():
-    heights = mesh.heights_at(mesh.box((1, 1, 2)).triangles, 0.1, 0.3)
-    assert sorted(set(np.round(heights, 9))) == [-1, 1]
-    assert len(mesh.heights_at(mesh.box((1, 1, 2)).triangles, 0.6, 0.3)) == 0
-
-
-def test_a_section_of_a_box_runs_along_its_four_sides():
-    segments = mesh.section(mesh.box((2, 1, 1)).triangles, 0.1)
-    length = sum(math.dist(p, q) for p, q in segments)
-    assert math.isclose(length, 6)
-
-
-def test_joining_keeps_every_triangle():
+def test_heights_sections_and_joins_are_those_of_the_triangles():
+    form = mesh.box((1, 1, 2)).triangles
+    assert sorted(set(np.round(mesh.heights_at(form, 0.1, 0.3), 9))) == [-1, 1]
+    assert len(mesh.heights_at(form, 0.6, 0.3)) == 0
+    assert math.isclose(sum(math.dist(*ends) for ends in mesh.section(mesh.box((2, 1, 1)).triangles, 0.1)), 6)
     parts = list(SHAPES.values())
     assert np.array_equal(mesh.join(parts).triangles, np.concatenate([part.triangles for part in parts]))
 
@@ -88,16 +75,17 @@ def test_without_a_name_the_floor_is_what_is_level_and_has_nothing_below():
     assert np.all(floor.vertices[:, 2] == -1.5)
 
 
-def test_a_floor_name_that_the_mesh_lacks_is_refused_with_the_nearest():
+@pytest.mark.parametrize(
+    ("asked", "sentence"),
+    [
+        ("flor", r"world.yaml:3: ground='flor' is no object of the mesh; did you mean 'floor'"),
+        ("floor", "must have a floor and walls"),
+    ],
+)
+def test_a_floor_that_the_mesh_lacks_and_a_mesh_that_is_all_floor_are_refused(asked, sentence):
     form = mesh.box((4, 4, 3))
-    with pytest.raises(InputError, match=r"world.yaml:3: ground='flor' is no object of the mesh; did you mean 'floor'"):
-        mesh.split_floor(form, ["floor"] * len(form.faces), ["flor"], "world.yaml:3")
-
-
-def test_a_mesh_that_is_all_floor_is_refused():
-    form = mesh.box((4, 4, 3))
-    with pytest.raises(InputError, match="must have a floor and walls"):
-        mesh.split_floor(form, ["floor"] * len(form.faces), ["floor"], "world.yaml:3")
+    with pytest.raises(InputError, match=sentence):
+        mesh.split_floor(form, ["floor"] * len(form.faces), [asked], "world.yaml:3")
 
 
 def test_the_lowest_level_faces_are_the_floor_however_many_columns_there_are(monkeypatch):
@@ -105,13 +93,152 @@ def test_the_lowest_level_faces_are_the_floor_however_many_columns_there_are(mon
     layers = [mesh.box((8, 8, 0.1)).moved((0, 0, z)) for z in (0.0, 3.0)]
     bumps = [mesh.box(rng.uniform(0.1, 3.0, 3)).moved(rng.uniform(-4, 4, 3)) for _ in range(60)]
     form = mesh.join([*layers, *bumps])
-    names = [""] * len(form.faces)
-    monkeypatch.setattr(mesh, "COLUMNS", 1)
-    whole = mesh.split_floor(form, names, [], "")
-    for columns in (2, 7, 128):
+    names, floors = [""] * len(form.faces), []
+    for columns in (1, 2, 7, 128):
         monkeypatch.setattr(mesh, "COLUMNS", columns)
-        for part, same in zip(mesh.split_floor(form, names, [], ""), whole, strict=True):
-            assert np.array_equal(part.triangles, same.triangles)
+        floors.append(mesh.split_floor(form, names, [], "")[1].triangles)
+    assert all(np.array_equal(floor, floors[0]) for floor in floors)
     monkeypatch.setattr(mesh, "MOST_PAIRS", 1000)
     with pytest.raises(InputError, match="overlap too often; name the floor's objects under `ground`"):
         mesh.split_floor(form, names, [], "world.yaml:3")
+
+
+SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n# two triangles\nf 1 2 3 4\n"
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Read a text as an OBJ file."""
+
+    def make(content, scale=1.0, limits=None):
+        if content is not None:
+            (tmp_path / "mine.obj").write_bytes(content if isinstance(content, bytes) else content.encode())
+        return read_obj(tmp_path / "mine.obj", "world.yaml:3", scale, limits)
+
+    return make
+
+
+def test_an_obj_file_is_read_with_quads_negative_indices_objects_and_lines(read):
+    text = (
+        "# a square and a triangle\r\no floor\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1/1/1 2/2/1 3/3/1 4/4/1 # two\n"
+        "g roof top\nv 0 0 1\nf -1 1 2\n"
+    )
+    form, names, lines = read(text, 2.0)
+    assert names == ("floor", "floor", "roof top")
+    assert np.array_equal(form.triangles[2], [[0, 0, 2], [0, 0, 0], [2, 0, 0]])
+    assert lines.tolist() == [7, 7, 10]
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("v 0 0\nf 1 1 1\n", ":1: 'v 0 0' must be a vertex"),
+        ("v 0 0 nan\n", ":1: 'v 0 0 nan' must be"),
+        ("v 0 0 0\nf 1 2 3\n", ":2: 'f 1 2 3' must be"),
+        ("v 0 0 0\nv 0 0 1\nf 1 2\n", ":3: 'f 1 2' must be"),
+        ("v 0 0 0\nf 0 1 1\n", ":2: 'f 0 1 1' must be"),
+        ("v 0 0 0\n", "world.yaml:3: mesh="),
+        (None, "world.yaml:3: mesh="),
+        (b"\xff\xfe\x00", "cannot be read"),
+    ],
+)
+def test_a_broken_obj_file_is_refused_with_its_line_or_the_place_that_names_it(read, text, sentence):
+    with pytest.raises(InputError) as error:
+        read(text)
+    assert sentence in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("limits", "sentence"),
+    [
+        (MeshLimits(triangles=1), ":4: the mesh must have at most 1 triangles"),
+        (MeshLimits(corners=3), ":6: a face must have at most 3 corners"),
+        (MeshLimits(size_bytes=len(SQUARE) - 1), f"larger than {len(SQUARE) - 1} bytes"),
+    ],
+)
+def test_a_limit_is_told_with_the_setting_that_raises_it(read, limits, sentence):
+    with pytest.raises(InputError, match=rf"{sentence}.*`mesh_limits: \{{"):
+        read(SQUARE, 1.0, limits)
+
+
+def test_a_mesh_at_its_limits_is_read_with_line_ends_of_any_system(read):
+    limits = build(MeshLimits, {"size_bytes": 100, "triangles": 2, "corners": 4})
+    assert [len(read(SQUARE.replace("\n", end), 1.0, limits).mesh.faces) for end in ("\n", "\r\n", "\r")] == [2, 2, 2]
+
+
+ROOM, PILLAR = box((4.0, 6.0, 3.0)).triangles, cylinder(0.3, 1.0).triangles
+
+
+def flaws(*parts):
+    """The flaws of triangles whose lines count from 100."""
+    triangles = np.concatenate(parts)
+    return list(surface_flaws(triangles, np.arange(100, 100 + len(triangles)), Path("room.obj")))
+
+
+def turned(triangles, *which):
+    changed = triangles.copy()
+    for face in which or range(len(changed)):
+        changed[face] = changed[face, ::-1]
+    return changed
+
+
+def room_beyond(share):
+    """A room that overlaps the first one, beyond it with this share."""
+    alcove = box((1.0, 1.0, 1.0)).triangles
+    east_m = ROOM[:, :, 0].max() - alcove[:, :, 0].max() + share
+    return alcove + np.array([east_m, 0.0, ROOM[:, :, 2].min() - alcove[:, :, 2].min() + 0.5])
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        (ROOM,),
+        (turned(ROOM),),
+        (ROOM + 1e-8,),  # vertices that stand at one place are one
+        (ROOM, turned(PILLAR)),
+        (ROOM, ROOM + np.array([10.0, 0.0, 0.0])),
+        *((ROOM, room_beyond(share)) for share in (0.4, 0.5, 0.9)),
+    ],
+)
+def test_a_sound_surface_has_no_flaw_whichever_way_it_is_wound(parts):
+    assert flaws(*parts) == []
+
+
+@pytest.mark.parametrize("room", [ROOM, turned(ROOM)])
+def test_the_fewer_faces_are_the_turned_ones_and_a_neighbour_is_named(room):
+    (flaw,) = flaws(turned(room, 3, 7))
+    assert (flaw.grave, flaw.place) == (True, "room.obj:103")
+    assert flaw.sentence.startswith(
+        "2 of 12 faces are wound the other way than their neighbours, the first at this line"
+    )
+    assert flaw.sentence.endswith("at line 104")
+
+
+@pytest.mark.parametrize("top_first", [False, True])
+@pytest.mark.parametrize(("low_m", "high_m"), [(1.0, 2.0), (0.0, 1.0), (-0.05, 1.0), (0.0, 3.0), (-0.05, 3.05)])
+def test_a_pillar_is_wound_against_the_room_around_it_that_it_may_touch_or_enter(low_m, high_m, top_first):
+    pillar = box((0.5, 0.5, high_m - low_m)).triangles
+    moved = pillar + np.array([0.4, 0.3, ROOM[:, :, 2].min() + low_m - pillar[:, :, 2].min()])
+    height_m = moved[:, :, 2].mean(axis=1)
+    moved = moved[np.argsort(-height_m if top_first else height_m)]  # whichever face the file names first
+    assert flaws(ROOM, turned(moved)) == []
+    (flaw,) = flaws(ROOM, moved)
+    assert (flaw.grave, flaw.place) == (True, "room.obj:112")
+    assert "lies within another and is wound like it" in flaw.sentence
+
+
+def test_a_hole_and_faces_without_area_are_told_and_not_grave():
+    (hole,) = flaws(ROOM[1:])
+    assert hole.sentence.startswith("the surface has holes: 3 edges have no second face")
+    (point,) = flaws(ROOM, np.zeros((1, 3, 3)))
+    assert [hole.grave, point.grave, point.place] == [False, False, "room.obj:112"]
+    assert flaws(np.zeros((1, 3, 3)))[0].sentence.startswith("1 of 1 faces is without area")
+
+
+def test_a_surface_with_one_side_is_told():
+    turn = np.linspace(0.0, 2.0 * np.pi, 13)
+    middle = np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)
+    half = np.stack([np.cos(turn) * np.cos(turn / 2), np.sin(turn) * np.cos(turn / 2), np.sin(turn / 2)], axis=1) * 0.3
+    one, other = middle + half, middle - half
+    strip = [f for i in range(12) for f in ((one[i], other[i], one[i + 1]), (other[i], other[i + 1], one[i + 1]))]
+    assert any("one side only" in flaw.sentence for flaw in flaws(np.array(strip)))

@@ -20,6 +20,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.requirement import Reading, Requirement, judge_signals
 from scaloft_fi.judge.stl import tokenize
 from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.mutants.wire import SeamCount
 from scaloft_fi.outside.command import (
     FAULT,
     FLIGHT_FOLDER,
@@ -35,8 +36,8 @@ from scaloft_fi.outside.command import (
     run_command,
 )
 from scaloft_fi.outside.records.record_map import RECORDS, RecordMap, kind_of, load_record_map, own_map
-from scaloft_fi.outside.records.recorded import Known, RecordCount, flight_log, lacking
-from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, Count, FlightLog
+from scaloft_fi.outside.records.recorded import Known, flight_log, lacking
+from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, FlightLog
 from scaloft_fi.sim.patch import leaves
 from scaloft_fi.study import Study
 
@@ -142,10 +143,10 @@ def _read(study: Study, folder: Path, command: FlightCommand, mapping: RecordMap
 def _counts(
     command: FlightCommand,
     flight: Flight,
-    recorded: Mapping[str, Count],
-    relayed: Mapping[str, Count],
+    recorded: Mapping[str, SeamCount],
+    relayed: Mapping[str, SeamCount],
     told: Told,
-) -> Mapping[str, Count]:
+) -> Mapping[str, SeamCount]:
     """How many samples the fault altered: by the relays, the last line of output, or else by the record.
 
     Raises:
@@ -158,7 +159,7 @@ def _counts(
         return {name: count for name, count in relayed.items() if name in command.relays}
     if told.altered is not None:
         carried = max(told.carried or 0, told.altered)
-        return {seam: RecordCount(carried, told.altered, told.first_altered_s)}
+        return {seam: SeamCount(carried, told.altered, told.first_altered_s)}
     if recorded or flight.mutant == PLACEBO:
         return recorded
     raise CommandError('neither a last line {"altered": COUNT} nor the record says how many samples the fault altered')

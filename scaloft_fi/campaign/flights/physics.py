@@ -42,12 +42,13 @@ class Physics:
         with stderr_silenced():
             import pybullet  # noqa: F401 - its first import writes to standard error
         from scaloft_fi.sim import flight
+        from scaloft_fi.sim.build import physics_server
 
         notice = Timer(NOTICE_S, say, ["compiling kernels (first run only)"])
         notice.start()
         try:
             first = study.grid.situations[0]
-            with flight.physics_server() as client:
+            with physics_server() as client:
                 rehearsed = study.stack.rehearsed
                 trial = flight.FlightLoop(client, study.sim, study.scenario(first), 0, PlainWire(), rehearsed)
                 trial.step()

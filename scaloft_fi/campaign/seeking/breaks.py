@@ -90,7 +90,8 @@ def recalled(study: Study, flight: Flight, violations: Sequence[Violation]) -> T
     Raises:
         ScaloftError: the flight cannot be flown, or a claim of the stack fails.
     """
-    from scaloft_fi.sim.flight import FlightLoop, physics_server
+    from scaloft_fi.sim.build import physics_server
+    from scaloft_fi.sim.flight import FlightLoop
 
     claims = claims_of(study.stack, study.signals)
     wire = ListeningWire(claim.seam for claim in claims if claim.seam)

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.mutants.wire import SeamCount
 from scaloft_fi.outside.records.record_map import (
     Keep,
     MappedSignal,
@@ -26,7 +27,7 @@ from scaloft_fi.outside.records.record_map import (
     Threshold,
     kind_of,
 )
-from scaloft_fi.sim.log import NEVER_S, SAMPLE_HZ, Count, Ending, FlightLog, clearance_name
+from scaloft_fi.sim.log import NEVER_S, SAMPLE_HZ, Ending, FlightLog, clearance_name
 from scaloft_fi.stack.messages import Array, Point
 
 PASS_M = 0.5
@@ -179,15 +180,6 @@ PLACE = ("x_m", "y_m", "z_m")
 LANDED, CLEARANCE = "landed", "clearance_m"
 
 
-@dataclass(frozen=True)
-class RecordCount:
-    """What the record says of the fault's seam; see `sim.log.Count`."""
-
-    carried: int
-    altered: int
-    first_altered_s: float | None
-
-
 def flight_log(
     path: Path,
     mapping: RecordMap,
@@ -244,7 +236,7 @@ def flight_log(
         carried = altered if mapping.carried is None else of("carried", mapping.carried)[: last + 1]
         first, count = np.flatnonzero(altered > 0.0), int(altered[-1])
         first_s = float(at_s[first[0]]) if len(first) else None
-        counts["record"] = RecordCount(max(int(carried[-1]), count), count, first_s)
+        counts["record"] = SeamCount(max(int(carried[-1]), count), count, first_s)
     struck = _struck(signals, known) if ending is Ending.STRUCK else ""
     return FlightLog(
         signals=signals,

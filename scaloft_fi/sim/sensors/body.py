@@ -13,7 +13,7 @@ from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
 from scaloft_fi.marks import Bounds, Count, NotNegative, Share
 from scaloft_fi.sim.build import GRAVITY_MPS2
-from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Latency, Moment, SensorKind
+from scaloft_fi.sim.sensors.sensor import OWN_LATENCY, SENSORS, FlightSetting, Latency, Moment, SensorKind
 from scaloft_fi.stack.declaration import STEP_S, TICK_S
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Battery, Bumper, Fix, Imu
@@ -72,16 +72,7 @@ class Positioning:
         )
 
 
-SENSORS.declare(
-    "positioning",
-    SensorKind(
-        Positioning,
-        Fix,
-        PositioningConfig,
-        latency_s=lambda config: config.latency_s,
-        required=True,
-    ),
-)
+SENSORS.declare("positioning", SensorKind(Positioning, Fix, PositioningConfig, latency_s=OWN_LATENCY, required=True))
 
 
 PERIOD_TICKS = 20

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import cached_property
 from typing import Annotated
 
@@ -33,7 +33,7 @@ from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
 from scaloft_fi.marks import Bounds, NotNegative, Positive, Share
 from scaloft_fi.sim.mesh import Array, Camera, Faces, Scene, Segments, View
-from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Latency, Moment, SensorKind
+from scaloft_fi.sim.sensors.sensor import OWN_LATENCY, SENSORS, FlightSetting, Latency, Moment, SensorKind
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import DepthFrame
 from scaloft_fi.streams import key_words
@@ -59,16 +59,9 @@ def look(scene: Scene, camera: Camera, position: Array, attitude: Array) -> View
 
 @jit
 def draw(
-    vertices: Array,
-    faces: Faces,
-    owner: Segments,
-    position: Array,
-    attitude: Array,
-    ahead_m: float,
-    pitch: float,
-    depth: Array,
-    segments: Segments,
-) -> None:
+    vertices: Array, faces: Faces, owner: Segments, position: Array, attitude: Array, ahead_m: float, pitch: float,
+    depth: Array, segments: Segments,
+) -> None:  # fmt: skip
     """Draw all triangles into `depth` (H, W) [m] and `segments` (H, W); see `look`."""
     height, width = depth.shape
     x, y, z, w = attitude[0], attitude[1], attitude[2], attitude[3]
@@ -243,19 +236,8 @@ class DepthConfig:
 
     def numbers(self) -> Array:
         """Argument of `sense`, (9,)."""
-        return np.array(
-            [
-                self.min_m,
-                self.max_m,
-                self.sigma_per_m,
-                self.best,
-                self.snr_half,
-                self.snr_width,
-                self.passive,
-                self.passive_range_m,
-                self.active,
-            ]
-        )
+        # the fields from min_m to active, in their order
+        return np.array(astuple(self)[4:-1])
 
 
 class DepthSensor:
@@ -289,16 +271,9 @@ def word(key: np.uint64, counter: np.uint64) -> np.uint64:
 
 @jit
 def sense(
-    depth: Array,
-    segments: NDArray[np.int16],
-    reflectivity: Array,
-    light: float,
-    haze_per_m: float,
-    numbers: Array,
-    key: np.uint64,
-    frame: np.uint64,
-    out: Array,
-) -> None:
+    depth: Array, segments: Segments, reflectivity: Array, light: float, haze_per_m: float, numbers: Array,
+    key: np.uint64, frame: np.uint64, out: Array,
+) -> None:  # fmt: skip
     """Write the measured depth into `out` (H, W) [m], 0 where a pixel has no depth.
 
     Args:
@@ -312,14 +287,8 @@ def sense(
         frame: number of the frame.
         out: (H, W) receives the result.
     """
-    min_m, max_m, sigma_per_m, best, half, width = (
-        numbers[0],
-        numbers[1],
-        numbers[2],
-        numbers[3],
-        numbers[4],
-        numbers[5],
-    )
+    min_m, max_m, sigma_per_m, best = numbers[0], numbers[1], numbers[2], numbers[3]
+    half, width = numbers[4], numbers[5]
     passive, passive_range_m, active = numbers[6] * light, numbers[7], numbers[8]
     height, columns = depth.shape
     counter = frame * np.uint64(2 * height * columns)
@@ -359,13 +328,4 @@ def sense(
                 row[i] = 0.0 if uniform[i] >= chance else value[i]
 
 
-SENSORS.declare(
-    "depth",
-    SensorKind(
-        DepthSensor,
-        DepthFrame,
-        DepthConfig,
-        latency_s=lambda config: config.latency_s,
-        required=True,
-    ),
-)
+SENSORS.declare("depth", SensorKind(DepthSensor, DepthFrame, DepthConfig, latency_s=OWN_LATENCY, required=True))

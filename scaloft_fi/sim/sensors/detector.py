@@ -16,7 +16,7 @@ import numpy as np
 
 from scaloft_fi.marks import Bounds, NotNegative, Positive, Share
 from scaloft_fi.sim.mesh import View
-from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Latency, Moment, SensorKind
+from scaloft_fi.sim.sensors.sensor import OWN_LATENCY, SENSORS, FlightSetting, Latency, Moment, SensorKind
 from scaloft_fi.stack.messages import Detections, Exposure, Metering, Person
 from scaloft_fi.streams import Table
 
@@ -81,17 +81,13 @@ class Detector:
 
     def __init__(self, config: DetectorConfig, flight: FlightSetting) -> None:
         stream, names = flight.stream, flight.scene.names
+        chance = (*stream, "detector chance")
         self._config, self._bearing_sigma_rad = config, math.radians(config.bearing_sigma_deg)
         self._metering = flight.settings["metering"]
         self._camera = flight.settings["depth"].camera
         self._rays = self._camera.rays
         self._bodies = [
-            (
-                names.index(name),
-                label,
-                Table(3, *stream, "detector", name),
-                Table(1, *stream, "detector chance", name, uniform=True),
-            )
+            (names.index(name), label, Table(3, *stream, "detector", name), Table(1, *chance, name, uniform=True))
             for name, label in flight.labels.items()
         ]
         self._ghosts = Table(4, *stream, "detector ghosts", uniform=True)
@@ -122,35 +118,18 @@ class Detector:
             if float(chance.row(picture)[0]) >= probability:
                 continue
             draw = noise.row(picture)
-            persons.append(
-                Person(
-                    label,
-                    config.score(probability, float(draw[0])),
-                    math.atan(float(np.mean(left))) + self._bearing_sigma_rad * float(draw[1]),
-                    max(0.1, range_m * (1.0 + config.range_sigma * float(draw[2]))),
-                )
-            )
+            score = config.score(probability, float(draw[0]))
+            bearing_rad = math.atan(float(np.mean(left))) + self._bearing_sigma_rad * float(draw[1])
+            range_m = max(0.1, range_m * (1.0 + config.range_sigma * float(draw[2])))
+            persons.append(Person(label, score, bearing_rad, range_m))
         chance_of_ghost, where, far, sure = self._ghosts.row(picture)
         if chance_of_ghost < config.false_positives:
-            persons.append(
-                Person(
-                    GHOST, 0.5 + 0.4 * float(sure), (0.5 - float(where)) * self._camera.fov_rad, 1.0 + 5.0 * float(far)
-                )
-            )
+            bearing_rad = (0.5 - float(where)) * self._camera.fov_rad
+            persons.append(Person(GHOST, 0.5 + 0.4 * float(sure), bearing_rad, 1.0 + 5.0 * float(far)))
         return Detections(stamp_s, tuple(persons)) if persons else None
 
 
-SENSORS.declare(
-    "detector",
-    SensorKind(
-        Detector,
-        Detections,
-        DetectorConfig,
-        period_ticks=PERIOD_TICKS,
-        latency_s=lambda config: config.latency_s,
-        required=True,
-    ),
-)
+SENSORS.declare("detector", SensorKind(Detector, Detections, DetectorConfig, PERIOD_TICKS, OWN_LATENCY, required=True))
 
 
 LIMIT_EV = 16.0

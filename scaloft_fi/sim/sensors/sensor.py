@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Annotated, Any, NamedTuple, Protocol
 
 from scaloft_fi.marks import Bounds
@@ -106,5 +107,7 @@ class SensorKind:
 
 Latency = Annotated[float, Bounds(least=0.0, most=3_600.0)]
 """From measurement to delivery [s], an hour at most."""
+OWN_LATENCY = attrgetter("latency_s")
+"""The latency that settings name."""
 
 SENSORS = Registry[SensorKind]("sensor")

@@ -21,7 +21,7 @@ from scaloft_fi.sim.sensors.camera import DepthConfig, look
 from scaloft_fi.sim.sensors.detector import DetectorConfig, MeteringConfig
 from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, Sensor, SensorKind
 from scaloft_fi.stack.declaration import TICK_HZ, TICK_S
-from scaloft_fi.stack.messages import Exposure, Imu, SensorFrames, Stamps
+from scaloft_fi.stack.messages import Entry, Exposure, Imu, SensorFrames, Stamps
 from scaloft_fi.streams import Array
 
 M = TypeVar("M")
@@ -34,40 +34,20 @@ class SensorsConfig:
     Attributes:
         imu: settings of the inertial sensor, which measures at every physics step and is not in the registry.
         by_name: settings of the declared sensors of the study; None for a sensor without settings.
+        depth, positioning, metering, detector, battery: settings of those that every study has.
     """
 
     imu: ImuConfig
     by_name: Mapping[str, Any]
 
-    @property
-    def depth(self) -> DepthConfig:
-        """Settings of the depth camera."""
-        config: DepthConfig = self.by_name["depth"]
-        return config
+    depth = Entry[DepthConfig]("depth")
+    positioning = Entry[PositioningConfig]("positioning")
+    metering = Entry[MeteringConfig]("metering")
+    detector = Entry[DetectorConfig]("detector")
+    battery = Entry[BatteryConfig]("battery")
 
-    @property
-    def positioning(self) -> PositioningConfig:
-        """Settings of the positioning system."""
-        config: PositioningConfig = self.by_name["positioning"]
-        return config
-
-    @property
-    def metering(self) -> MeteringConfig:
-        """Settings of the light meter."""
-        config: MeteringConfig = self.by_name["metering"]
-        return config
-
-    @property
-    def detector(self) -> DetectorConfig:
-        """Settings of the person detector."""
-        config: DetectorConfig = self.by_name["detector"]
-        return config
-
-    @property
-    def battery(self) -> BatteryConfig:
-        """Settings of the battery."""
-        config: BatteryConfig = self.by_name["battery"]
-        return config
+    def __getitem__(self, sensor: str) -> Any:
+        return self.by_name[sensor]
 
 
 @dataclass(frozen=True)

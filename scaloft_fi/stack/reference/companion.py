@@ -56,16 +56,11 @@ class PoseBuffer:
         if not self._poses or stamp_s < self._poses[0].stamp_s or stamp_s > self._poses[-1].stamp_s + self.reach_s:
             return None
         after = self._poses[-1]
-        if stamp_s >= after.stamp_s:
-            ahead_s = stamp_s - after.stamp_s
-            return (
-                after
-                if ahead_s == 0.0
-                else after._replace(stamp_s=stamp_s, position=after.position + ahead_s * after.velocity)
-            )
+        if stamp_s > after.stamp_s:
+            return after._replace(stamp_s=stamp_s, position=after.position + (stamp_s - after.stamp_s) * after.velocity)
         for before in reversed(self._poses):
             if before.stamp_s <= stamp_s:
-                return _between(before, after, stamp_s)
+                return before if before is after else _between(before, after, stamp_s)
             after = before
         return None
 
@@ -78,13 +73,10 @@ def _between(before: PoseEstimate, after: PoseEstimate, stamp_s: float) -> PoseE
     # Neighbours are 50 ms apart, so a normalised blend of the quaternions is within 1e-4 rad of the great circle.
     sign = 1.0 if float(before.attitude @ after.attitude) >= 0.0 else -1.0
     attitude = (1.0 - share) * before.attitude + share * sign * after.attitude
-    return PoseEstimate(
-        stamp_s,
-        before.position + share * (after.position - before.position),
-        before.velocity + share * (after.velocity - before.velocity),
-        before.yaw_rad + share * turned,
-        attitude / float(attitude @ attitude) ** 0.5,
-    )
+    attitude /= float(attitude @ attitude) ** 0.5
+    position = before.position + share * (after.position - before.position)
+    velocity = before.velocity + share * (after.velocity - before.velocity)
+    return PoseEstimate(stamp_s, position, velocity, before.yaw_rad + share * turned, attitude)
 
 
 @dataclass(frozen=True)
@@ -196,7 +188,9 @@ class Companion:
             self._pose_s = now_s
         self._see(now_s, frames)
         self._look_for_people(now_s, frames)
-        self._expose(now_s, frames)
+        order = cross("exposure", now_s, self.stages.exposure.meter(cross("metering", now_s, frames.metering)))
+        if order is not None:
+            self.exposure = order
 
         mission = self.stages.mission
         telemetry = cross("battery", now_s, frames.battery)
@@ -212,8 +206,7 @@ class Companion:
         self._replan(now_s, believed)
         if mission.phase == "land" or now_s - self._depth_s > self.config.depth_land_s:
             control.land(self.limit.limit_mps)
-        order = self._command(now_s, believed) if mission.phase == "fly" else None
-        delivered = cross("velcmd", now_s, order)
+        delivered = cross("velcmd", now_s, self._command(now_s, believed) if mission.phase == "fly" else None)
         if delivered is not None:
             self.order = delivered
             recoiling = self.stages.recoil.order(now_s, believed, self.limit.limit_mps) is not None
@@ -224,12 +217,11 @@ class Companion:
     def _see(self, now_s: float, frames: SensorFrames) -> None:
         """Feed depth image and bumper into memory and proximity monitor."""
         cross, stages = self._wire.cross, self.stages
-        frame = self._fresh(now_s, cross("depth", now_s, frames.depth))
+        frame, pose, clearing = cross("depth", now_s, frames.depth), None, None
         bumper = cross("bumper", now_s, frames.bumper)
-        pose = self._poses.at(frame.stamp_s) if frame is not None else None
-        if pose is None:
-            frame = None
-        clearing = None
+        # a frame whose stamp is too old or too far in the future is not used
+        if frame is not None and -self.config.pose_reach_s <= now_s - frame.stamp_s <= self.config.depth_hover_s:
+            pose = self._poses.at(frame.stamp_s)
         if frame is not None and pose is not None:
             self._depth_s = frame.stamp_s
             clearing = stages.memory.observe(frame, pose)
@@ -241,12 +233,6 @@ class Companion:
         believed = self._poses.newest
         if believed is not None and flying:
             stages.recoil.trigger(now_s, flag, believed)
-
-    def _fresh(self, now_s: float, frame: DepthFrame | None) -> DepthFrame | None:
-        """The frame; None when its stamp is too old or too far in the future."""
-        if frame is None or not -self.config.pose_reach_s <= now_s - frame.stamp_s <= self.config.depth_hover_s:
-            return None
-        return frame
 
     def _near(self, frame: DepthFrame | None, pose: PoseEstimate | None, bumper: Bumper | None) -> Proximity | None:
         """Input of the proximity monitor: the frame's sectors joined with the touch sensor."""
@@ -262,12 +248,6 @@ class Companion:
         delivered = self._wire.cross("speedlimit", now_s, limit)
         if delivered is not None:
             self.limit = delivered
-
-    def _expose(self, now_s: float, frames: SensorFrames) -> None:
-        metering = self._wire.cross("metering", now_s, frames.metering)
-        order = self._wire.cross("exposure", now_s, self.stages.exposure.meter(metering))
-        if order is not None:
-            self.exposure = order
 
     def _replan(self, now_s: float, pose: PoseEstimate) -> None:
         due = self._ticks % self.config.plan_every == 0
@@ -309,12 +289,5 @@ class Companion:
         reported = now_s <= self.told_until_s
         order = self.order
         command = (0.0, 0.0, 0.0, 0.0) if order is None else (*order.velocity.tolist(), order.yaw_rad)
-        return (
-            float(reported),
-            self.told_range_m if reported else NOBODY_M,
-            self.limit.limit_mps,
-            float(self.flagged),
-            float(self.stages.mission.index),
-            float(self.map_points),
-            *command,
-        )
+        person = (float(reported), self.told_range_m if reported else NOBODY_M, self.limit.limit_mps)
+        return (*person, float(self.flagged), float(self.stages.mission.index), float(self.map_points), *command)

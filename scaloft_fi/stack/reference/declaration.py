@@ -13,10 +13,6 @@ from scaloft_fi.stack.reference import messages as own
 from scaloft_fi.stack.reference.messages import BELIEFS
 
 
-def _reached(sample: own.GoalCheck) -> bool:
-    return sample.reached
-
-
 def _alarm(sample: own.Proximity) -> tuple[Any, ...]:
     """What the proximity monitor would conclude: which watched sectors are inside the trigger distance, the nearest.
 
@@ -28,20 +24,12 @@ def _alarm(sample: own.Proximity) -> tuple[Any, ...]:
     return (sample.touched, *map(bool, near), float(bearing_rad))
 
 
-def _forgotten(sample: own.Clearing) -> Any:
-    return sample.forget
-
-
 def _seen(sample: own.ObstacleMap) -> Any:
     """Points and inflation; how much nothing is inflated does not matter."""
     return (sample.points, sample.inflation if len(sample.points) else 1.0)
 
 
-_POSE_UNITS = {"position": "m", "velocity": "m/s"}
-
-
-_SECTOR_UNITS = {"sectors": "m", "bearings": "rad"}
-
+_POSE_UNITS, _SECTOR_UNITS = {"position": "m", "velocity": "m/s"}, {"sectors": "m", "bearings": "rad"}
 
 SEAMS = (
     Seam("imu", m.Imu, STEP_HZ, "inertial sensor -> estimator", units={"rate": "rad/s", "force": "m/s2"}),
@@ -54,27 +42,14 @@ SEAMS = (
     Seam("battery", m.Battery, TICK_HZ, "battery -> battery monitor"),
     Seam("failsafe", own.Failsafe, TICK_HZ, "battery monitor -> mission"),
     Seam("bumper", m.Bumper, TICK_HZ, "touch sensor -> proximity monitor"),
-    Seam(
-        "pose",
-        own.PoseEstimate,
-        TICK_HZ,
-        "estimator -> memory, mission, planner",
-        units={"position": "m", "velocity": "m/s"},
-    ),
-    Seam(
-        "proximity",
-        own.Proximity,
-        TICK_HZ,
-        "proximity sectors -> proximity monitor",
-        _alarm,
-        units={"sectors": "m", "bearings": "rad"},
-    ),
+    Seam("pose", own.PoseEstimate, TICK_HZ, "estimator -> memory, mission, planner", units=_POSE_UNITS),
+    Seam("proximity", own.Proximity, TICK_HZ, "proximity sectors -> proximity monitor", _alarm, _SECTOR_UNITS),
     Seam("collision", own.CollisionFlag, TICK_HZ, "proximity monitor -> recoil"),
     Seam("route", own.Route, TICK_HZ, "mission plan -> mission", units={"points": "m"}),
-    Seam("goal", own.GoalCheck, TICK_HZ, "position -> goal test of the mission", _reached, units={"offset": "m"}),
+    Seam("goal", own.GoalCheck, TICK_HZ, "position -> goal test of the mission", lambda s: s.reached, {"offset": "m"}),
     Seam("target", own.Target, TICK_HZ, "mission -> planner", units={"point": "m"}),
     Seam("speedlimit", own.SpeedLimit, TICK_HZ, "speed limit -> speed limiter"),
-    Seam("clearing", own.Clearing, TICK_HZ, "view -> obstacle memory", _forgotten),
+    Seam("clearing", own.Clearing, TICK_HZ, "view -> obstacle memory", lambda sample: sample.forget),
     Seam("map", own.ObstacleMap, TICK_HZ, "obstacle memory -> planner", _seen, {"points": "m", "origin": "m"}),
     Seam("velcmd", own.VelocityCommand, TICK_HZ, "planner, recoil -> flight control", units={"velocity": "m/s"}),
     Seam("thrust", m.Thrust, STEP_HZ, "flight control -> rotors", units={"rotors": "N"}),
@@ -93,17 +68,10 @@ UNMAPPED_M = 1.0
 """Greatest error of the obstacle map [m]; the planner gives obstacles farther away than this little weight."""
 
 
-def _position(now: Instant) -> float:
-    return _apart(now, ("est_x_m", "est_y_m", "est_z_m"), ("x_m", "y_m", "z_m"))
-
-
-def _velocity(now: Instant) -> float:
-    return _apart(now, ("est_vx_mps", "est_vy_mps", "est_vz_mps"), ("vx_mps", "vy_mps", "vz_mps"))
-
-
-def _apart(now: Instant, believed: tuple[str, ...], true: tuple[str, ...]) -> float:
-    offsets = [now.signals[one][-1] - now.signals[other][-1] for one, other in zip(believed, true, strict=True)]
-    return float(np.linalg.norm(offsets))
+def _apart(now: Instant, vector: str) -> float:
+    """How far an estimate is from the truth, a vector whose signals have this name with an axis for `*`."""
+    names = [vector.replace("*", axis) for axis in "xyz"]
+    return float(np.linalg.norm([now.signals[f"est_{name}"][-1] - now.signals[name][-1] for name in names]))
 
 
 def _person(now: Instant) -> float:
@@ -126,8 +94,10 @@ def _obstacles(now: Instant) -> float:
 
 
 CLAIMS = (
-    Claim("position estimate", "m", 0.15, _position),  # the radius in which a waypoint counts as reached
-    Claim("velocity estimate", "m/s", 0.1, _velocity),  # some three standard deviations in a clean flight
+    # the radius in which a waypoint counts as reached
+    Claim("position estimate", "m", 0.15, lambda now: _apart(now, "*_m")),
+    # some three standard deviations in a clean flight
+    Claim("velocity estimate", "m/s", 0.1, lambda now: _apart(now, "v*_mps")),
     Claim("person detection", "m", 0.5, _person, about=("person_sight_m", "person_range_m")),
     Claim("obstacle map", "m", 0.2, _obstacles, seam="map"),  # half the diagonal of a cell, and the walls' roughness
 )

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any, cast
 
 import numpy as np
@@ -32,11 +33,10 @@ from scaloft_fi.stack.reference.messages import PoseEstimate
 GRAVITY_MPS2 = 9.81
 
 # Layout of the nominal state.
-POSITION, VELOCITY, ATTITUDE, RATE_BIAS, FORCE_BIAS, STATE_SIZE = 0, 3, 6, 10, 13, 16
+POSITION, VELOCITY, ATTITUDE, RATE_BIAS, STATE_SIZE = 0, 3, 6, 10, 16
 
 # Layout of the numbers that a sample changes: state, its rotation matrix, integrated force, last rate, two times.
-_ROTATION, _FORCE, _RATE, _TIMES = STATE_SIZE, STATE_SIZE + 9, STATE_SIZE + 12, STATE_SIZE + 15
-NUMBERS = STATE_SIZE + 17
+_ROTATION, _FORCE, _RATE, _TIMES, NUMBERS = accumulate((STATE_SIZE, 9, 3, 3, 2))
 
 # Layout of the times.
 STAMP_S, USED_S = 0, 1
@@ -56,15 +56,9 @@ def parts_of(numbers: Array) -> tuple[Array, Array, Array, Array, Array]:
 def rotation(q: Array, r: Array) -> None:
     """Write the rotation matrix of quaternion `q` (4,) [x, y, z, w], body to world, into `r` (3, 3)."""
     x, y, z, w = q[0], q[1], q[2], q[3]
-    r[0, 0] = 1.0 - 2.0 * (y * y + z * z)
-    r[0, 1] = 2.0 * (x * y - z * w)
-    r[0, 2] = 2.0 * (x * z + y * w)
-    r[1, 0] = 2.0 * (x * y + z * w)
-    r[1, 1] = 1.0 - 2.0 * (x * x + z * z)
-    r[1, 2] = 2.0 * (y * z - x * w)
-    r[2, 0] = 2.0 * (x * z - y * w)
-    r[2, 1] = 2.0 * (y * z + x * w)
-    r[2, 2] = 1.0 - 2.0 * (x * x + y * y)
+    r[0, 0], r[0, 1], r[0, 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)
+    r[1, 0], r[1, 1], r[1, 2] = 2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)
+    r[2, 0], r[2, 1], r[2, 2] = 2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)
 
 
 @jit
@@ -281,27 +275,15 @@ class ErrorFilter(KalmanFilter):  # type: ignore[misc]
         self.K, self.x, self.P = corrected(self.P, self.R, inverse, z)
 
 
-def error_filter(
-    force_noise: float,
-    rate_noise: float,
-    rate_bias_walk: float,
-    force_bias_walk: float,
-    fix_sigma_m: float,
-    fix_yaw_sigma_rad: float,
-) -> ErrorFilter:
-    """The filter before take-off; the noises are those of `EstimatorConfig`."""
+def error_filter(config: EstimatorConfig) -> ErrorFilter:
+    """The filter before take-off."""
     kf = ErrorFilter(dim_x=SIZE, dim_z=len(MEASURED))
     kf.x = np.zeros(SIZE)
-    kf.P = np.diag([1e-4] * 3 + [1e-4] * 3 + [1e-4] * 3 + [1e-5] * 3 + [1e-3] * 3)
-    kf.Q = np.diag(
-        [1e-10] * 3
-        + [force_noise**2 * TICK_S] * 3
-        + [rate_noise**2 * TICK_S] * 3
-        + [rate_bias_walk**2 * TICK_S] * 3
-        + [force_bias_walk**2 * TICK_S] * 3
-    )
+    kf.P = np.diag(np.repeat([1e-4, 1e-4, 1e-4, 1e-5, 1e-3], 3))
+    noises = (config.force_noise, config.rate_noise, config.rate_bias_walk, config.force_bias_walk)
+    kf.Q = np.diag(np.repeat([1e-10, *(noise**2 * TICK_S for noise in noises)], 3))
     kf.H = np.eye(SIZE)[list(MEASURED)]
-    kf.R = np.diag([fix_sigma_m**2] * 3 + [fix_yaw_sigma_rad**2])
+    kf.R = np.diag([config.fix_sigma_m**2] * 3 + [config.fix_yaw_sigma_rad**2])
     return kf
 
 
@@ -342,76 +324,30 @@ def plausible(error: Array, covariance: Array, noise: Array, gate_sigma: float) 
     return True
 
 
-_ROWS = 64
-
-
 class History:
     """Estimates of the last `span_s` seconds, as rows of time [s], position x, y, z [m, world] and heading [rad]."""
 
     def __init__(self, span_s: float) -> None:
-        self._span_s = span_s
-        self._rows = np.empty((_ROWS, 5))
-        self._first = self._end = 0
-
-    def __len__(self) -> int:
-        return self._end - self._first
+        self._span_s, self.rows = span_s, np.empty((0, 5))
 
     def add(self, now_s: float, position: Array, yaw_rad: float) -> None:
         """Add the estimate of `now_s` and drop estimates that are older than the span."""
-        if self._end == len(self._rows):
-            kept = self._rows[self._first :].copy()
-            if 2 * len(kept) > len(self._rows):
-                self._rows = np.empty((2 * len(self._rows), 5))
-            self._rows[: len(kept)] = kept
-            self._first, self._end = 0, len(kept)
-        self._first = _add(self._rows, self._first, self._end, now_s, position, yaw_rad, self._span_s)
-        self._end += 1
+        kept = self.rows[now_s - self.rows[:, 0] <= self._span_s]
+        self.rows = np.vstack([kept, (now_s, *position, yaw_rad)])
 
     def at(self, stamp_s: float) -> tuple[Array, float]:
         """Position (3,) and heading at `stamp_s`, interpolated; outside the history those of its last or first row."""
-        position = np.empty(3)
-        share, yaw_rad, later_rad = _at(self._rows, self._first, self._end, stamp_s, position)
-        if share > 0.0:
-            yaw_rad += share * math.remainder(later_rad - yaw_rad, 2.0 * math.pi)
-        return position, yaw_rad
+        place = max(int(np.searchsorted(self.rows[:, 0], stamp_s, side="right")) - 1, 0)
+        row, later = self.rows[place], self.rows[min(place + 1, len(self.rows) - 1)]
+        if not row[0] < stamp_s or not row[0] < later[0]:
+            return row[1:4], float(row[4])
+        share = min(1.0, (stamp_s - row[0]) / (later[0] - row[0]))
+        turned = math.remainder(later[4] - row[4], 2.0 * math.pi)
+        return row[1:4] + share * (later[1:4] - row[1:4]), float(row[4] + share * turned)
 
     def shift(self, position: Array, yaw_rad: float) -> None:
         """Apply a correction to the recent past as well; otherwise late fixes would correct the same error twice."""
-        _shift(self._rows, self._first, self._end, position, yaw_rad)
-
-
-@jit
-def _add(rows: Array, first: int, end: int, now_s: float, position: Array, yaw_rad: float, span_s: float) -> int:
-    """Write row `end`; returns the number of the first row that is not older than the span."""
-    rows[end, 0], rows[end, 4] = now_s, yaw_rad
-    for k in range(3):
-        rows[end, 1 + k] = position[k]
-    while now_s - rows[first, 0] > span_s:
-        first += 1
-    return first
-
-
-@jit
-def _at(rows: Array, first: int, end: int, stamp_s: float, position: Array) -> tuple[float, float, float]:
-    """Interpolate `position` (3,); returns the share of the later one of two rows, and their headings."""
-    i = end - 1
-    while i > first and not rows[i, 0] <= stamp_s:
-        i -= 1
-    later = min(i + 1, end - 1)
-    span_s = rows[later, 0] - rows[i, 0]
-    share = min(1.0, (stamp_s - rows[i, 0]) / span_s) if span_s > 0.0 and rows[i, 0] <= stamp_s else 0.0
-    for k in range(1, 4):
-        position[k - 1] = rows[i, k] + share * (rows[later, k] - rows[i, k]) if share > 0.0 else rows[i, k]
-    return share, rows[i, 4], rows[later, 4]
-
-
-@jit
-def _shift(rows: Array, first: int, end: int, position: Array, yaw_rad: float) -> None:
-    """Add to position (3,) and heading of the rows from `first` to before `end`."""
-    for i in range(first, end):
-        for k in range(3):
-            rows[i, 1 + k] += position[k]
-        rows[i, 4] += yaw_rad
+        self.rows[:, 1:] += (*position, yaw_rad)
 
 
 @dataclass(frozen=True)
@@ -467,19 +403,7 @@ class Estimator:
         self._predicted_s = 0.0
         rotation(self.state[ATTITUDE:RATE_BIAS], self.rotation)
         self._history = History(config.history_s)
-        self._filter = error_filter(
-            config.force_noise,
-            config.rate_noise,
-            config.rate_bias_walk,
-            config.force_bias_walk,
-            config.fix_sigma_m,
-            config.fix_yaw_sigma_rad,
-        )
-
-    @property
-    def stamp_s(self) -> float:
-        """Stamp of the last inertial sample [s]."""
-        return float(self._times[STAMP_S])
+        self._filter = error_filter(config)
 
     @property
     def last_imu_s(self) -> float:
@@ -497,13 +421,8 @@ class Estimator:
         if fix is not None:
             self._correct(now_s, fix)
         attitude = self.state[ATTITUDE:RATE_BIAS].copy()
-        return PoseEstimate(
-            now_s,
-            self.state[POSITION:VELOCITY].copy(),
-            self.state[VELOCITY:ATTITUDE].copy(),
-            yaw_of(attitude),
-            attitude,
-        )
+        position, velocity = self.state[POSITION:VELOCITY].copy(), self.state[VELOCITY:ATTITUDE].copy()
+        return PoseEstimate(now_s, position, velocity, yaw_of(attitude), attitude)
 
     def _predict(self, now_s: float) -> None:
         dt_s = now_s - self._predicted_s

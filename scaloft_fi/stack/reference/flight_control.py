@@ -3,13 +3,14 @@
 Gains are PX4's defaults where PX4 has them (MPC_XY_P 0.95, MPC_XY_VEL_P/I_ACC 1.8/0.4, MPC_Z_P 1, MPC_Z_VEL_P/I_ACC
 4/2, MC_ROLL_P 6.5, MC_YAW_P 2.8, MPC_YAWRAUTO_MAX 45 deg/s).
 
-It calls the same kernels on the same numbers as `FlightControl.step`, in the same order.
+The compiled step calls the same kernels on the same numbers as `FlightControl.step`, in the same order.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 
@@ -21,15 +22,16 @@ from scaloft_fi.stack.reference import estimator
 from scaloft_fi.stack.reference.estimator import GRAVITY_MPS2, Estimator
 from scaloft_fi.stack.reference.messages import VelocityCommand
 
-VELOCITY_MODE, HOLD_MODE, LAND_MODE, LEVEL_MODE = 0, 1, 2, 3
+VELOCITY_MODE, HOLD_MODE, LAND_MODE, LEVEL_MODE, STOPPED_MODE = 0, 1, 2, 3, 4
 
-# Layout of the controller's memory: slewed velocity setpoint, integrators, slewed heading setpoint.
-SETPOINT, INTEGRAL, HEADING, MEMORY_SIZE = 0, 3, 6, 7
+# In the controller's memory stand the slewed velocity setpoint, the integrators, and here the slewed heading setpoint.
+HEADING = 6
 
-# Layout of the numbers of flight control: velocity, hold, memory, gains, allocation, thrust.
-_HOLD, _MEMORY, _GAINS = 3, 6, 6 + MEMORY_SIZE
-_ALLOCATION = _GAINS + 19
-_THRUST, NUMBERS = _ALLOCATION + 16, _ALLOCATION + 20
+# Layout of the orders: mode, heading to take, greatest change of the velocity setpoint.
+_MODE, _YAW, _ACCEL = 0, 1, 2
+
+# Layout of the numbers of flight control: velocity, hold, memory, gains, allocation, orders, thrust.
+_HOLD, _MEMORY, _GAINS, _ALLOCATION, _ORDERS, _THRUST, NUMBERS = accumulate((3, 3, 7, 19, 16, 3, 4))
 
 
 @dataclass(frozen=True)
@@ -74,21 +76,9 @@ class ControlConfig:
 
     def gains(self) -> Array:
         """(19,) masses, limits and gains in the order in which `control` reads them."""
-        return np.array(
-            [
-                self.mass_kg,
-                *self.inertia,
-                self.max_thrust_n,
-                *self.position_p,
-                *self.velocity_p,
-                *self.velocity_i,
-                *self.attitude_p,
-                *self.rate_p,
-                self.tilt_accel_mps2,
-                self.yaw_rate_radps,
-                *self.hold_mps,
-            ]
-        )
+        body = (self.mass_kg, *self.inertia, self.max_thrust_n)
+        loops = (*self.position_p, *self.velocity_p, *self.velocity_i, *self.attitude_p, *self.rate_p)
+        return np.array((*body, *loops, self.tilt_accel_mps2, self.yaw_rate_radps, *self.hold_mps))
 
     def allocation(self) -> Array:
         """(4, 4) rotor thrusts [N] from collective thrust [N] and body torques [N m]."""
@@ -98,47 +88,33 @@ class ControlConfig:
 
 
 @jit
-def parts_of(numbers: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
-    """Velocity and hold (3,), memory (7,), gains (19,), allocation (4, 4), thrust (4,) as views of `numbers` (52,)."""
-    return (
-        numbers[:_HOLD],
-        numbers[_HOLD:_MEMORY],
-        numbers[_MEMORY:_GAINS],
-        numbers[_GAINS:_ALLOCATION],
-        numbers[_ALLOCATION:_THRUST].reshape((4, 4)),
-        numbers[_THRUST:NUMBERS],
-    )
+def parts_of(numbers: Array) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
+    """Velocity, hold (3,), memory (7,), gains (19,), allocation (4, 4), orders (3,), thrust (4,) in `numbers` (55,)."""
+    velocity, hold, memory = numbers[:_HOLD], numbers[_HOLD:_MEMORY], numbers[_MEMORY:_GAINS]
+    gains, allocation = numbers[_GAINS:_ALLOCATION], numbers[_ALLOCATION:_ORDERS].reshape((4, 4))
+    return velocity, hold, memory, gains, allocation, numbers[_ORDERS:_THRUST], numbers[_THRUST:NUMBERS]
 
 
 @jit
-def control(
-    state: Array,
-    r: Array,
-    rate: Array,
-    mode: int,
-    velocity_sp: Array,
-    hold: Array,
-    yaw_sp: float,
-    accel_mps2: float,
-    dt_s: float,
-    gains: Array,
-    allocation: Array,
-    memory: Array,
-    thrust: Array,
-) -> bool:
-    """One 240 Hz step of the cascade; writes `memory` and `thrust`.
+@joined(estimator.parts_of)
+def control(estimate: Array, numbers: Array) -> None:
+    """One 240 Hz step of the cascade; writes memory and thrust, and stops where a thrust is no finite number.
+
+    In VELOCITY_MODE it follows the velocity (3,) [m/s, world]; in HOLD_MODE it flies to and holds `hold` (3,)
+    [m, world]; in LAND_MODE it sinks above `hold`, in LEVEL_MODE it sinks level and drifts, both at the vertical
+    velocity; in STOPPED_MODE there is no thrust.
 
     Args:
-        state: (16,) estimator state. r: (3, 3) its rotation matrix. rate: (3,) body rate [rad/s].
-        mode: VELOCITY_MODE follows `velocity_sp` (3,) [m/s, world]; HOLD_MODE flies to and holds `hold` (3,)
-            [m, world]; LAND_MODE sinks above `hold`, LEVEL_MODE sinks level and
-            drifts, both at the vertical velocity of `velocity_sp`.
-        yaw_sp: heading to take [rad]. accel_mps2: greatest change of the velocity setpoint [m/s2].
-        thrust: (4,) receives the rotor thrusts [N].
-
-    Returns:
-        Whether all thrusts are finite numbers.
+        estimate: (33,) numbers of the estimator.
+        numbers: (55,) see `parts_of`; the orders are the mode, the heading to take [rad], and the greatest change of
+            the velocity setpoint [m/s2].
     """
+    state, r, _, rate, _ = estimator.parts_of(estimate)
+    velocity_sp, hold, memory, gains, allocation, orders, thrust = parts_of(numbers)
+    mode, yaw_sp, accel_mps2, dt_s = int(orders[_MODE]), orders[_YAW], orders[_ACCEL], 1.0 / STEP_HZ
+    if mode == STOPPED_MODE:
+        thrust[:] = 0.0
+        return
     mass = gains[0]
     target = np.zeros(3)
     if mode == VELOCITY_MODE:
@@ -200,7 +176,24 @@ def control(
         t = allocation[i, 0] * collective + allocation[i, 1] * tx + allocation[i, 2] * ty + allocation[i, 3] * tz
         finite = finite and math.isfinite(t)
         thrust[i] = min(gains[4], max(0.0, t))
-    return finite
+    if not finite:
+        orders[_MODE] = STOPPED_MODE
+        thrust[:] = 0.0
+
+
+@jit
+@joined(estimator.integrate, control)
+def stabilise(now_s: float, stamp_s: float, rate: Array, force: Array, numbers: Numbers) -> Array:
+    """One 240 Hz step: integrate the inertial sample; returns the thrust of each rotor (4,) [N].
+
+    Args:
+        now_s, stamp_s, rate, force: of `estimator.integrate`.
+        numbers: (33,) of the estimator, (55,) of flight control.
+    """
+    estimate, controlled = numbers
+    estimator.integrate(now_s, stamp_s, rate, force, estimate)
+    control(estimate, controlled)
+    return controlled[_THRUST:NUMBERS]
 
 
 @dataclass(frozen=True)
@@ -224,27 +217,26 @@ class FailsafeConfig:
 class FlightControl:
     """Follows velocity commands, holds, takes off, lands; falls back to a fail-safe when its inputs stop.
 
+    It is its own fast path: estimator and control as one kernel.
+
     Attributes:
         mode: its present mode, one of "takeoff", "offboard", "hold", "land", "level", "stopped".
-        kernel_mode, yaw_rad, accel_mps2: arguments of the kernel `control`.
-        numbers: (52,) the other arguments of `control`, see `control.parts_of`.
+        numbers: (55,) argument of `control`, see `parts_of`.
+        seams: the seams that the kernel skips.
+        kernel: the compiled step.
     """
 
+    seams = ("imu", "thrust")
+    kernel = staticmethod(stabilise)
+
     def __init__(self, config: ControlConfig, failsafe: FailsafeConfig, estimator: Estimator, yaw_rad: float) -> None:
-        self.config = config
-        self.failsafe = failsafe
-        self.estimator = estimator
-        self.mode = "takeoff"
+        self.config, self.failsafe, self.estimator = config, failsafe, estimator
         self.numbers = np.zeros(NUMBERS)
-        self._velocity, self._hold, self._memory, self._gains, self._allocation, _ = parts_of(self.numbers)
-        self._gains[:], self._allocation[:] = config.gains(), config.allocation()
-        self._memory[HEADING] = yaw_rad
-        self._hold[:] = estimator.state[:3]
-        self.yaw_rad = yaw_rad
-        self.accel_mps2 = config.accel_mps2
-        self.kernel_mode = HOLD_MODE
-        self._commanded_s = 0.0
-        self._stopped = np.zeros(4)
+        self._velocity, self._hold, memory, gains, allocation, self._orders, self._thrust = parts_of(self.numbers)
+        gains[:], allocation[:] = config.gains(), config.allocation()
+        memory[HEADING] = self._orders[_YAW] = yaw_rad
+        self.mode, self._commanded_s = "takeoff", 0.0
+        self._enter("takeoff", HOLD_MODE)
 
     def take_off(self, altitude_m: float) -> None:
         """Climb to `altitude_m` above the start and hold there."""
@@ -262,9 +254,8 @@ class FlightControl:
             return
         self._commanded_s = now_s
         self._velocity[:] = order.velocity
-        self.yaw_rad = order.yaw_rad
-        self.accel_mps2 = accel_mps2
-        self.mode, self.kernel_mode = "offboard", VELOCITY_MODE
+        self._orders[:] = VELOCITY_MODE, order.yaw_rad, accel_mps2
+        self.mode = "offboard"
 
     def watch(self, now_s: float) -> None:
         """Check the time-outs, at 20 Hz."""
@@ -276,98 +267,31 @@ class FlightControl:
         if self.mode not in ("level", "stopped") and now_s - self.estimator.last_fix_s > self.failsafe.fix_level_s:
             self._sink("level", LEVEL_MODE, self.config.land_mps)
 
-    def step(self, now_s: float, imu: Imu | None, dt_s: float) -> Thrust:
+    def step(self, now_s: float, imu: Imu | None) -> Thrust:
         """One 240 Hz step: integrate the inertial sample, if one arrived, and return the thrust."""
         estimator = self.estimator
         if imu is not None:
             estimator.inertial(now_s, imu)
         elif now_s - estimator.last_imu_s > self.failsafe.imu_stop_s:
+            self._orders[_MODE] = STOPPED_MODE
+        control(estimator.numbers, self.numbers)
+        self.end()
+        return Thrust(self._thrust.copy())
+
+    def begin(self) -> Numbers:
+        """The arrays of estimator and flight control, not copies of them."""
+        return self.estimator.numbers, self.numbers
+
+    def end(self) -> None:
+        """Note whether a step stopped the rotors."""
+        if self._orders[_MODE] == STOPPED_MODE:
             self.mode = "stopped"
-        if self.mode == "stopped":
-            return Thrust(self._stopped)
-        thrust = np.empty(4)
-        finite = control(
-            estimator.state,
-            estimator.rotation,
-            estimator.rate,
-            self.kernel_mode,
-            self._velocity,
-            self._hold,
-            self.yaw_rad,
-            self.accel_mps2,
-            dt_s,
-            self._gains,
-            self._allocation,
-            self._memory,
-            thrust,
-        )
-        if not finite:
-            self.mode = "stopped"
-            return Thrust(self._stopped)
-        return Thrust(thrust)
 
     def _sink(self, mode: str, kernel_mode: int, limit_mps: float) -> None:
         self._enter(mode, kernel_mode)
         self._velocity[:] = 0.0, 0.0, -min(limit_mps, self.config.land_mps)
 
     def _enter(self, mode: str, kernel_mode: int) -> None:
-        self.mode, self.kernel_mode = mode, kernel_mode
+        self.mode = mode
+        self._orders[_MODE], self._orders[_ACCEL] = kernel_mode, self.config.accel_mps2
         self._hold[:] = self.estimator.state[:3]
-        self.accel_mps2 = self.config.accel_mps2
-
-
-STOPPED_MODE = -1
-
-# Layout of the orders, which hold for a tick: mode of `control` or STOPPED_MODE, heading, change of the velocity.
-_MODE, _YAW, _ACCEL, _ORDERS = 0, 1, 2, 3
-
-
-@jit
-@joined(estimator.integrate, control)
-def stabilise(now_s: float, stamp_s: float, rate: Array, force: Array, numbers: Numbers) -> Array:
-    """One 240 Hz step: integrate the inertial sample; returns the thrust of each rotor (4,) [N].
-
-    Args:
-        now_s, stamp_s, rate, force: of `strapdown.integrate`.
-        numbers: (33,) of the estimator, (52,) of flight control, (3,) orders.
-    """
-    estimate, controlled, orders = numbers
-    state, r, _, body_rate, _ = estimator.parts_of(estimate)
-    velocity_sp, hold, memory, gains, allocation, thrust = parts_of(controlled)
-    estimator.integrate(now_s, stamp_s, rate, force, estimate)
-    mode = int(orders[_MODE])
-    if mode == STOPPED_MODE or not control(
-        state, r, body_rate, mode, velocity_sp, hold, orders[_YAW], orders[_ACCEL], 1.0 / STEP_HZ,
-        gains, allocation, memory, thrust,
-    ):  # fmt: skip
-        orders[_MODE] = STOPPED_MODE
-        thrust[:] = 0.0
-    return thrust
-
-
-class InnerLoop:
-    """Estimator and flight control as one kernel.
-
-    Attributes:
-        seams: the seams that the kernel skips.
-        kernel: the compiled step.
-    """
-
-    seams = ("imu", "thrust")
-    kernel = staticmethod(stabilise)
-
-    def __init__(self, estimator: Estimator, flight_control: FlightControl) -> None:
-        self._control, self._orders = flight_control, np.empty(_ORDERS)
-        self._numbers = (estimator.numbers, flight_control.numbers, self._orders)
-
-    def begin(self) -> Numbers:
-        """The arrays of estimator and flight control, not copies of them, and the orders of this tick."""
-        control = self._control
-        mode = STOPPED_MODE if control.mode == "stopped" else control.kernel_mode
-        self._orders[:] = mode, control.yaw_rad, control.accel_mps2
-        return self._numbers
-
-    def end(self) -> None:
-        """Stop flight control if the kernel stopped the rotors."""
-        if self._orders[_MODE] == STOPPED_MODE:
-            self._control.mode = "stopped"

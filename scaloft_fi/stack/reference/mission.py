@@ -49,11 +49,8 @@ class SpeedLimitStage:
 
     def _nearest(self, detections: Detections) -> Person | None:
         config = self.config
-        near = [
-            p
-            for p in detections.persons
-            if p.label == config.label and p.score >= config.min_score and p.range_m <= config.max_range_m
-        ]
+        sure = [p for p in detections.persons if p.label == config.label and p.score >= config.min_score]
+        near = [p for p in sure if p.range_m <= config.max_range_m]
         return min(near, key=lambda p: p.range_m, default=None)
 
 

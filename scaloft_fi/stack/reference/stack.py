@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaloft_fi.stack.declaration import STEP_HZ, Task, Wire
+from scaloft_fi.stack.declaration import Task, Wire
 from scaloft_fi.stack.messages import Array, Exposure, Imu, SensorFrames, Stamps, Thrust
 from scaloft_fi.stack.reference.companion import Companion, CompanionConfig, ExposureConfig, ExposureControl, Stages
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
-from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl, InnerLoop
+from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl
 from scaloft_fi.stack.reference.memory import MemoryConfig, ObstacleMemory
 from scaloft_fi.stack.reference.messages import MODES, Route
 from scaloft_fi.stack.reference.mission import (
@@ -75,7 +75,7 @@ class ReferenceStack:
             task.yaw_rad,
         )
         self._control.take_off(task.altitude_m)
-        self.fast_path = InnerLoop(self._estimator, self._control)
+        self.fast_path = self._control
         self._pose = self._estimator.tick(0.0, None)
         self._last_stamps = Stamps(0.0, 0.0, 0.0)
 
@@ -101,7 +101,7 @@ class ReferenceStack:
     def step(self, now_s: float, imu: Imu) -> Thrust | None:
         """One step of flight control."""
         cross = self._wire.cross
-        return cross("thrust", now_s, self._control.step(now_s, cross("imu", now_s, imu), 1.0 / STEP_HZ))
+        return cross("thrust", now_s, self._control.step(now_s, cross("imu", now_s, imu)))
 
     def beliefs(self, now_s: float) -> Array:
         """The values of the declared beliefs."""

@@ -1,68 +1,86 @@
-import numpy as np
+"""Waypoints, the speed limit for people, the battery monitor."""
+
 import pytest
 
-from scaloft_fi.stack.reference.messages import Failsafe, PoseEstimate, Route
-from scaloft_fi.stack.reference.mission import Mission, MissionConfig
+from scaloft_fi.stack.messages import Battery, Detections, Person
+from scaloft_fi.stack.reference.messages import Failsafe, Route
+from scaloft_fi.stack.reference.mission import BatteryMonitor, Mission, SpeedLimitStage
+from tests.stack.conftest import pose_at
 
-CONFIG = MissionConfig(goal_radius_m=0.15, goal_axes=(1.0, 1.0, 0.0), settled_m=0.1, dwell_s=0.5)
 ROUTE = Route(((0.0, 7.0, 1.65), (0.0, 0.0, 1.65)))
 
 
-def pose(x, y, z=1.65, v=(0.0, 0.0, 0.0)):
-    return PoseEstimate(0.0, np.array([x, y, z]), np.array(v), 0.0, np.array([0.0, 0.0, 0.0, 1.0]))
+@pytest.fixture
+def mission(config):
+    return Mission(config.mission, (0.0, 0.0, 1.65))
 
 
-def flying():
-    mission = Mission(CONFIG, (0.0, 0.0, 1.65))
+@pytest.fixture
+def flying(mission):
     mission.plan(ROUTE)
-    mission.climb(0.0, pose(0, 0))
-    mission.climb(0.5, pose(0, 0))
+    for now_s in (0.0, 0.5):
+        mission.climb(now_s, pose_at(z=1.65))
     return mission
 
 
-def test_it_leaves_only_after_the_altitude_was_held_for_the_dwell():
-    mission = Mission(CONFIG, (0.0, 0.0, 1.65))
-    mission.climb(0.0, pose(0, 0, 1.0))
-    assert mission.phase == "takeoff"
-    mission.climb(1.0, pose(0, 0, 1.6))
-    mission.climb(1.4, pose(0, 0, 1.6))
-    assert mission.phase == "takeoff"
-    mission.climb(1.5, pose(0, 0, 1.6))
-    assert mission.phase == "fly"
-
-
-def test_it_hands_out_one_waypoint_at_a_time_and_lands_after_the_last():
-    mission = flying()
-    assert mission.target().point == ROUTE.points[0]
-    mission.advance(mission.check(pose(0, 6.8)))
-    assert mission.index == 0
-    mission.advance(mission.check(pose(0, 6.9)))
-    assert mission.target().point == ROUTE.points[1]
-    mission.advance(mission.check(pose(0, 0.1)))
-    assert mission.phase == "land"
-    assert mission.target() is None
-    assert mission.check(pose(0, 0)) is None
-
-
-def test_height_does_not_count_for_the_goal():
-    assert flying().check(pose(0, 7, z=0.5)).reached
-
-
-def test_the_goal_check_tells_the_closing_speed():
-    assert flying().check(pose(0, 5, v=(0.0, 0.4, 0.0))).speed_mps == pytest.approx(0.4)
-
-
-def test_without_a_route_it_has_no_target():
-    mission = Mission(CONFIG, (0.0, 0.0, 1.65))
-    mission.climb(0.0, pose(0, 0))
-    mission.climb(0.5, pose(0, 0))
-    assert mission.phase == "fly"
+def test_it_leaves_only_after_the_altitude_was_held_for_the_dwell_and_has_no_target_without_a_route(mission):
+    phases = []
+    for now_s, z in ((0.0, 1.0), (1.0, 1.6), (1.4, 1.6), (1.5, 1.6)):
+        mission.climb(now_s, pose_at(z=z))
+        phases.append(mission.phase)
+    assert phases == ["takeoff", "takeoff", "takeoff", "fly"]
     assert mission.target() is None
 
 
-def test_the_battery_monitor_sends_it_home_or_down():
-    mission = flying()
-    mission.follow(Failsafe(1.0, "return"))
-    assert mission.target().point == (0.0, 0.0, 1.65)
-    mission.follow(Failsafe(2.0, "land"))
-    assert mission.phase == "land"
+def test_it_hands_out_one_waypoint_at_a_time_and_lands_after_the_last(flying):
+    assert flying.target().point == ROUTE.points[0]
+    flying.advance(flying.check(pose_at(y=6.8)))
+    assert flying.index == 0
+    flying.advance(flying.check(pose_at(y=6.9)))
+    assert flying.target().point == ROUTE.points[1]
+    flying.advance(flying.check(pose_at(y=0.1)))
+    assert (flying.phase, flying.target(), flying.check(pose_at())) == ("land", None, None)
+
+
+def test_height_does_not_count_for_the_goal_whose_check_tells_the_closing_speed(flying):
+    assert flying.check(pose_at(y=7, z=0.5)).reached
+    assert flying.check(pose_at(y=5, velocity=(0.0, 0.4, 0.0))).speed_mps == pytest.approx(0.4)
+
+
+def test_the_battery_monitor_sends_it_home_or_down(flying):
+    flying.follow(Failsafe(1.0, "return"))
+    assert flying.target().point == (0.0, 0.0, 1.65)
+    flying.follow(Failsafe(2.0, "land"))
+    assert flying.phase == "land"
+
+
+@pytest.mark.parametrize(
+    ("battery", "action"),
+    [
+        (Battery(0.0, 0.9, 16.0, 4), None),
+        (Battery(0.0, 0.15, 14.8, 4), "return"),
+        (Battery(0.0, 0.05, 14.0, 4), "land"),
+        (Battery(0.0, 0.9, 12.0, 4), "land"),
+        (Battery(0.0, 0.9, 16.0, 6), "land"),
+    ],
+)
+def test_the_battery_monitor_asks_for_what_the_telemetry_calls_for(config, battery, action):
+    asked = BatteryMonitor(config.battery).update(0.0, battery)
+    assert (asked.action if asked else None) == action
+
+
+def test_lost_telemetry_counts_as_an_empty_pack_and_each_action_is_asked_once(config):
+    monitor = BatteryMonitor(config.battery)
+    asked = [monitor.update(now_s, None) for now_s in (5.0, 5.05, 5.1)]
+    assert asked == [None, Failsafe(5.05, "land"), None]
+
+
+def test_cruise_is_announced_once_and_the_slow_limit_with_every_person(config):
+    stage = SpeedLimitStage(config.speed_limit, 0.5, 0.2)
+    assert stage.update(0.0, None)[0].limit_mps == 0.5
+    assert stage.update(0.1, None) == (None, None)
+    for t in (0.2, 0.4):
+        limit, person = stage.update(t, Detections(0.0, (Person("person", 0.9, 0.0, 3.0),)))
+        assert (limit.limit_mps, person.range_m) == (0.2, 3.0)
+    for doubtful in (("chair", 0.9, 0.0, 3.0), ("person", 0.4, 0.0, 3.0), ("person", 0.9, 0.0, 5.0)):
+        assert stage.update(0.6, Detections(0.0, (Person(*doubtful),))) == (None, None)

@@ -1,29 +1,41 @@
+"""The local planner; its compiled parts beside slow ones that say the same; the velocity along a plan."""
+
 import copy
 import math
 
 import numpy as np
 import pytest
+from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.stack.reference.messages import ObstacleMap
-from scaloft_fi.stack.reference.planner import Planner, dilation_bins
+from scaloft_fi.stack.reference import planner as compiled
+from scaloft_fi.stack.reference.messages import ObstacleMap, SpeedLimit
+from scaloft_fi.stack.reference.planner import BIN_DEG, COLUMNS, ROWS, LocalPlan, Planner, dilation_bins, shape_velocity
+from tests.stack.conftest import pose_at
 
+F = np.float32
 NOTHING = np.empty((0, 3))
+AHEAD = (5.0, 0.0, 1.5)
 
 
-@pytest.fixture
-def planner(planner_config):
-    return Planner(planner_config)
+@pytest.fixture(scope="session")
+def planned(config):
+    """The plan of a new planner."""
+
+    def plan(points, goal=AHEAD, inflation=1.0, **pose):
+        return Planner(config.planner).plan(told(points, inflation), goal, pose_at(**pose))
+
+    return plan
 
 
 def told(points, inflation=1.0):
     return ObstacleMap(0.0, np.asarray(points, dtype=float), inflation, np.zeros(3))
 
 
-def panel(x, left, right, low=0.6, high=2.4, pitch=0.1):
+def panel(x, left, right):
     """A flat obstacle across the way, `x` ahead, from `right` to `left`."""
-    y, z = np.meshgrid(np.arange(right, left + 1e-9, pitch), np.arange(low, high, pitch))
+    y, z = np.meshgrid(np.arange(right, left + 1e-9, 0.1), np.arange(0.6, 2.4, 0.1))
     return np.column_stack([np.full(y.size, x), y.ravel(), z.ravel()])
 
 
@@ -31,117 +43,229 @@ def bearing(plan):
     return math.degrees(math.atan2(plan.direction[1], plan.direction[0]))
 
 
-@settings(deadline=None)
 @given(st.floats(-math.pi, math.pi), st.floats(0.5, 9.0), st.floats(-0.3, 0.3))
-def test_free_flight_is_straight_to_the_goal(planner_config, pose_at, azimuth, distance, slope):
-    goal = distance * np.array([math.cos(azimuth), math.sin(azimuth), slope]) + [0.0, 0.0, 1.5]
-    plan = Planner(planner_config).plan(told(NOTHING), tuple(goal), pose_at())
-    way = goal - [0.0, 0.0, 1.5]
+def test_free_flight_is_straight_to_the_goal(planned, azimuth, distance, slope):
+    way = distance * np.array([math.cos(azimuth), math.sin(azimuth), slope])
+    plan = planned(NOTHING, tuple(way + np.array([0.0, 0.0, 1.5])))
     assert plan.distance_m == pytest.approx(np.linalg.norm(way))
     assert plan.direction @ way / plan.distance_m > 1 - 1e-5
     assert np.linalg.norm(plan.direction) == pytest.approx(1.0, abs=1e-5)
     assert not plan.blocked
 
 
-def test_a_wall_ahead_turns_the_vehicle_aside(planner, pose_at):
-    plan = planner.plan(told(panel(1.3, 0.5, -0.5)), (5.0, 0.0, 1.5), pose_at())
-    assert 25 < abs(bearing(plan)) < 100
-    assert abs(plan.direction[2]) < 0.3
+def test_it_turns_aside_from_a_wall_to_the_side_that_is_open_and_from_a_thin_bar(planned):
+    assert 25 < abs(bearing(planned(panel(1.3, 0.5, -0.5)))) < 100
+    assert bearing(planned(panel(1.3, 0.2, -1.5))) > 15
+    assert bearing(planned(panel(1.3, 1.5, -0.2))) < -15
+    bar = np.column_stack([np.full(20, 1.2), np.full(20, 0.02), np.linspace(0.2, 2.6, 20)])
+    assert abs(bearing(planned(bar, (4.0, 0.0, 1.5)))) > 15
 
 
-def test_it_turns_to_the_side_that_is_open(planner_config, pose_at):
-    left = Planner(planner_config).plan(told(panel(1.3, 0.2, -1.5)), (5.0, 0.0, 1.5), pose_at())
-    right = Planner(planner_config).plan(told(panel(1.3, 1.5, -0.2)), (5.0, 0.0, 1.5), pose_at())
-    assert bearing(left) > 15
-    assert bearing(right) < -15
+def test_mirrored_obstacles_give_a_mirrored_way(planned):
+    points, mirror = np.vstack([panel(1.4, 0.33, -1.41), panel(2.6, 1.23, 0.51)]), [1, -1, 1]
+    plan, mirrored = planned(points, (5.0, 0.13, 1.5)), planned(points * mirror, (5.0, -0.13, 1.5))
+    assert mirrored.direction == pytest.approx(plan.direction * mirror, abs=1e-5)
 
 
-def test_mirrored_obstacles_give_a_mirrored_way(planner_config, pose_at):
-    points = np.vstack([panel(1.4, 0.33, -1.41), panel(2.6, 1.23, 0.51)])
-    goal = (5.0, 0.13, 1.5)
-    plan = Planner(planner_config).plan(told(points), goal, pose_at())
-    mirrored = Planner(planner_config).plan(told(points * [1, -1, 1]), (5.0, -0.13, 1.5), pose_at())
-    assert mirrored.direction == pytest.approx(plan.direction * [1, -1, 1], abs=1e-5)
+def test_what_is_far_or_behind_the_goal_does_not_matter(planned, config):
+    far = planned(panel(8.0 + config.planner.range_m, 0.5, -0.5), (20.0, 0.0, 1.5))
+    behind = planned(panel(1.0 + config.planner.beyond_goal_m + 0.01, 2, -2), (1.0, 0.0, 1.5))
+    assert [bearing(far), bearing(behind)] == pytest.approx([0.0, 0.0], abs=1e-4)
 
 
-def test_a_far_obstacle_does_not_matter_yet(planner, planner_config, pose_at):
-    plan = planner.plan(told(panel(8.0 + planner_config.range_m, 0.5, -0.5)), (20.0, 0.0, 1.5), pose_at())
-    assert bearing(plan) == pytest.approx(0.0, abs=1e-4)
-
-
-def test_what_is_behind_the_goal_does_not_matter(planner, planner_config, pose_at):
-    plan = planner.plan(told(panel(1.0 + planner_config.beyond_goal_m + 0.01, 2, -2)), (1.0, 0.0, 1.5), pose_at())
-    assert bearing(plan) == pytest.approx(0.0, abs=1e-4)
-
-
-def test_near_the_goal_it_flies_straight_in_whatever_the_map_says(planner, pose_at):
-    plan = planner.plan(told(panel(0.3, 1, -1)), (0.3, 0.1, 1.5), pose_at())
+def test_near_the_goal_it_flies_straight_in_whatever_the_map_says_and_at_the_goal_nowhere(planned):
+    plan = planned(panel(0.3, 1, -1), (0.3, 0.1, 1.5))
     assert plan.direction == pytest.approx(np.array([0.3, 0.1, 0.0]) / math.hypot(0.3, 0.1))
     assert plan.expanded == 0
+    there = planned(NOTHING, (0.0, 0.0, 1.5))
+    assert (there.direction.any(), there.distance_m) == (False, 0.0)
 
 
-def test_at_the_goal_there_is_nowhere_to_go(planner, pose_at):
-    plan = planner.plan(told(NOTHING), (0.0, 0.0, 1.5), pose_at())
-    assert not plan.direction.any()
-    assert plan.distance_m == 0.0
+def test_more_inflation_keeps_farther_away_within_the_histograms_width(planned):
+    turned = [abs(bearing(planned(panel(0.9, 0.1, -0.1), (5.0, 0.02, 1.5), factor))) for factor in (0.0, 0.5, 1.0, 2.0)]
+    assert turned == sorted(set(turned))
+    bins = [dilation_bins(9, factor) for factor in (0.0, 0.5, 1.0, 2.0, 100.0, -1.0, math.nan)]
+    assert bins == [0, 4, 9, 18, 29, 0, 9]
 
 
-def test_more_inflation_keeps_farther_away(planner_config, pose_at):
-    def turned(inflation):
-        points = panel(0.9, 0.1, -0.1)
-        return abs(bearing(Planner(planner_config).plan(told(points, inflation), (5.0, 0.02, 1.5), pose_at())))
-
-    assert turned(0.0) < turned(0.5) < turned(1.0) < turned(2.0)
-
-
-def test_inflation_scales_the_dilation_within_the_histograms_width():
-    assert [dilation_bins(9, factor) for factor in (0.0, 0.5, 1.0, 2.0, 100.0, -1.0)] == [0, 4, 9, 18, 29, 0]
-    assert dilation_bins(9, math.nan) == 9
-
-
-def test_a_thin_bar_on_the_way_is_dodged(planner, pose_at):
-    bar = np.column_stack([np.full(20, 1.2), np.full(20, 0.02), np.linspace(0.2, 2.6, 20)])
-    assert abs(bearing(planner.plan(told(bar), (4.0, 0.0, 1.5), pose_at()))) > 15
-
-
-def test_a_way_towards_something_near_is_called_blocked(planner, pose_at):
+def test_a_way_towards_something_near_is_called_blocked(planned):
     ring = np.array([[math.cos(t), math.sin(t), 0.0] for t in np.arange(0, 2 * math.pi, 0.05)]) * 0.7
-    walls = np.vstack([ring + np.array([0.0, 0.0, z]) for z in np.arange(0.3, 2.8, 0.1)])
-    assert planner.plan(told(walls), (5.0, 0.0, 1.5), pose_at()).blocked
-    assert not planner.plan(told(NOTHING), (5.0, 0.0, 1.5), pose_at()).blocked
+    assert planned(np.vstack([ring + np.array([0.0, 0.0, z]) for z in np.arange(0.3, 2.8, 0.1)])).blocked
+    assert not planned(NOTHING).blocked
 
 
-def test_it_holds_on_to_the_side_it_chose(planner, planner_config, pose_at):
-    slightly_left, slightly_right = panel(1.3, 0.49, -0.51), panel(1.3, 0.51, -0.49)
-    first = planner.plan(told(slightly_left), (5.0, 0.0, 1.5), pose_at())
-    second = planner.plan(told(slightly_right), (5.0, 0.0, 1.5), pose_at())
-    fresh = Planner(planner_config).plan(told(slightly_right), (5.0, 0.0, 1.5), pose_at())
-    assert bearing(first) == pytest.approx(-bearing(fresh), abs=1e-4)
+def test_it_holds_on_to_the_side_it_chose_and_copies_plan_alike(config, planned):
+    planner, slightly_right = Planner(config.planner), told(panel(1.3, 0.51, -0.49))
+    first = planner.plan(told(panel(1.3, 0.49, -0.51)), AHEAD, pose_at())
+    twin = copy.deepcopy(planner)
+    second, same = (one.plan(slightly_right, AHEAD, pose_at()) for one in (planner, twin))
+    assert bearing(first) == pytest.approx(-bearing(planned(slightly_right.points)), abs=1e-4)
     assert bearing(second) == pytest.approx(bearing(first), abs=1e-4)
+    assert np.array_equal(second.direction, same.direction)
 
 
-def test_the_tree_stops_early_at_a_near_goal(planner, planner_config, pose_at):
-    assert planner.plan(told(NOTHING), (1.4, 0.0, 1.5), pose_at()).expanded == 2
-    assert planner.plan(told(NOTHING), (50.0, 0.0, 1.5), pose_at()).expanded == planner_config.expansions
+def test_the_tree_stops_early_at_a_near_goal(planned, config):
+    expanded = [planned(NOTHING, (x, 0.0, 1.5)).expanded for x in (1.4, 50.0)]
+    assert expanded == [2, config.planner.expansions]
 
 
 @pytest.mark.parametrize("x", [math.nan, math.inf])
-def test_a_diverged_estimate_gives_no_direction(planner, pose_at, x):
-    plan = planner.plan(told(panel(1.3, 1, -1)), (5.0, 0.0, 1.5), pose_at(x=x))
+def test_a_diverged_estimate_gives_no_direction_and_points_that_are_no_numbers_are_ignored(planned, x):
+    plan, points = planned(panel(1.3, 1, -1), x=x), panel(1.3, 0.5, -0.6)
     assert not plan.direction.any()
     assert plan.blocked
+    odd = np.vstack([points, [[x, 0, 1.5], [1e300, 1, 1]]])
+    assert np.array_equal(planned(points).direction, planned(odd).direction)
 
 
-def test_points_that_are_no_numbers_are_ignored(planner_config, pose_at):
-    points = panel(1.3, 0.5, -0.6)
-    odd = np.vstack([points, [[math.nan, 0, 1.5], [math.inf, 0, 0], [1e300, 1, 1]]])
-    a, b = (Planner(planner_config).plan(told(p), (5.0, 0.0, 1.5), pose_at()) for p in (points, odd))
-    assert np.array_equal(a.direction, b.direction)
+def clouds(n=80):
+    rows = st.lists(st.tuples(*[st.floats(-3, 3, width=32)] * 3), max_size=n)
+    return rows.map(lambda points: np.array(points, dtype=np.float32).reshape(-1, 3))
 
 
-def test_copies_plan_alike(planner, pose_at):
-    planner.plan(told(panel(1.3, 0.5, -0.6)), (5.0, 0.0, 1.5), pose_at())
-    twin = copy.deepcopy(planner)
-    for goal in ((5.0, 0.0, 1.5), (-2.0, 3.0, 1.5)):
-        a, b = (p.plan(told(panel(1.2, 0.6, -0.5)), goal, pose_at()) for p in (planner, twin))
-        assert np.array_equal(a.direction, b.direction)
+def slow_histogram(points, node, near, far):
+    """Distance of the nearest point of each bin, and whether no bin and no membership hangs on the last bit."""
+    nearest, clear = np.full((ROWS, COLUMNS), np.inf), True
+    for x, y, z in points.astype(float) - node:
+        distance = math.sqrt(x * x + y * y + z * z)
+        turns = math.degrees(math.atan2(y, x)) / BIN_DEG, math.degrees(math.atan2(z, math.hypot(x, y))) / BIN_DEG
+        clear &= all(abs(turn - round(turn)) > 1e-3 for turn in turns)
+        clear &= all(abs(distance - limit) > 1e-3 for limit in (near, far))
+        if near <= distance < far:
+            e, a = min(int(turns[1] + 90 / BIN_DEG), ROWS - 1), int(turns[0] + 180 / BIN_DEG) % COLUMNS
+            nearest[e, a] = min(nearest[e, a], distance)
+    return nearest.reshape(-1), clear
+
+
+def fast_histogram(points, node, far):
+    nearest = np.empty(ROWS * COLUMNS, np.float32)
+    x, y, z = (np.ascontiguousarray(axis) for axis in points.T)
+    compiled.histogram(x, y, z, tuple(map(F, node)), F(0.2), F(far), nearest)
+    return nearest
+
+
+@settings(max_examples=usually(25, release=60))
+@given(clouds(), st.tuples(*[st.floats(-1, 1, width=32)] * 3), st.floats(0.3, 3.0))
+def test_a_bin_holds_its_nearest_point(points, node, far):
+    points = points[[slow_histogram(point[None], np.array(node), 0.2, far)[1] for point in points]]
+    nearest, (slow, _) = fast_histogram(points, node, far), slow_histogram(points, np.array(node), 0.2, far)
+    seen = np.isfinite(slow)
+    assert np.array_equal(nearest < 1e8, seen)
+    assert np.sqrt(nearest[seen]) == pytest.approx(slow[seen], rel=1e-4)
+
+
+def test_points_at_the_seams_of_the_sphere_have_a_bin():
+    points = np.array([[-1, 0, 0], [-1, -0.0, 0], [0, 0, 1], [0, 0, -1], [0, 1, 0]], dtype=np.float32)
+    assert 4 <= np.sum(fast_histogram(points, (0, 0, 0), 2.5) < 1e8) <= 5
+
+
+@given(st.floats(0.2, 2.5))
+def test_the_obstacle_cost_falls_from_twice_its_scale_through_it_to_nothing(distance):
+    cost = np.empty(2, np.float32)
+    compiled.obstacle_costs(np.array([distance**2, 1e9], dtype=np.float32), F(5000), F(1.1), F(0.2), cost)
+    q = (1.1 - distance) / 0.2
+    assert cost == pytest.approx([5000 * (1 + q / math.sqrt(1 + q * q)), 0.0], abs=0.05)
+
+
+def slow_dilation(cost, radius):
+    out = np.zeros_like(cost)
+    for e, a in np.ndindex(*cost.shape):
+        for i, j in np.ndindex(2 * radius + 1, 2 * radius + 1):
+            if 0 <= e + i - radius < ROWS:
+                share = (1 - abs(i - radius) / (radius + 1)) * (1 - abs(j - radius) / (radius + 1))
+                out[e, a] = max(out[e, a], cost[e + i - radius, (a + j - radius) % COLUMNS] * share)
+    return out
+
+
+@pytest.mark.parametrize("radius", [0, 1, 5, 9])
+def test_the_dilation_is_the_maximum_over_a_pyramid_that_dilutes_no_thin_obstacle(radius):
+    rng, out = np.random.default_rng(radius), np.zeros((ROWS, COLUMNS), np.float32)
+    cost = (rng.random((ROWS, COLUMNS)) * (rng.random((ROWS, COLUMNS)) < 0.02) * 1e4).astype(np.float32)
+    compiled.dilate(cost, radius, 7, 23, out)
+    slow = slow_dilation(cost, radius)
+    slow[:7] = slow[23:] = 0.0
+    assert out == pytest.approx(slow, rel=1e-5)
+    assert np.all(out[7:23] >= cost[7:23])
+
+
+@settings(max_examples=usually(25, release=40))
+@given(
+    st.tuples(*[st.floats(-5, 5, width=32)] * 3).filter(lambda goal: math.hypot(goal[0], goal[1]) > 0.1),
+    st.tuples(*[st.floats(-1, 1, width=32)] * 3),
+    st.integers(0, 1000),
+)
+def test_a_direction_costs_what_the_formula_says(config, goal, previous, seed):
+    p, obstacle = config.planner, (np.random.default_rng(seed).random((ROWS, COLUMNS)) * 1e4).astype(np.float32)
+    out = np.zeros((ROWS, COLUMNS), np.float32)
+    angles = tuple(np.empty(size, np.float32) for size in (COLUMNS, ROWS, COLUMNS, COLUMNS, ROWS, ROWS))
+    toward = compiled.aim(tuple(map(F, goal)), *angles)
+    compiled.direction_costs(obstacle, toward, angles, tuple(map(F, previous)), compiled.settings(p), 7, 23, out)
+    azimuth = math.degrees(math.atan2(goal[1], goal[0]))
+    elevation = math.degrees(math.atan2(goal[2], math.hypot(goal[0], goal[1])))
+    assert math.remainder(toward[0] - azimuth, 360) == pytest.approx(0.0, abs=1e-3)
+    assert toward[1] == pytest.approx(elevation, abs=1e-3)
+    assert np.abs(angles[0] - (BIN_DEG * (np.arange(COLUMNS) + 0.5) - 180)).max() <= BIN_DEG / 2 + 1e-3
+    assert np.abs(angles[1] - (BIN_DEG * (np.arange(ROWS) + 0.5) - 90)).max() <= BIN_DEG / 2 + 1e-3
+    yaw, pitch = angles[0][None, :].astype(float), angles[1][7:23, None].astype(float)
+    level, rise = np.cos(np.radians(pitch)), np.sin(np.radians(pitch)) * np.ones_like(yaw)
+    u = np.stack([level * np.cos(np.radians(yaw)), level * np.sin(np.radians(yaw)), rise])
+    turned = p.yaw_cost * ((yaw - azimuth + 180) % 360 - 180) ** 2 + p.pitch_cost * (pitch - elevation) ** 2
+    inertia = p.inertia_cost * (np.linalg.norm(previous) - np.tensordot(previous, u, 1))
+    assert out[7:23] == pytest.approx(obstacle[7:23] + turned + inertia, rel=1e-4, abs=1.0)
+
+
+angles, slopes, distances = st.floats(-math.pi, math.pi), st.floats(-1.2, 1.2), st.floats(0.0, 20.0)
+
+
+@pytest.fixture(scope="session")
+def shaped(config):
+    """Velocity and heading along a direction."""
+
+    def shape(azimuth=0.0, slope=0.0, distance=5.0, yaw=0.0, limit=0.5, norm="euclidean", direction=None):
+        level = math.cos(slope)
+        way = np.array([level * math.cos(azimuth), level * math.sin(azimuth), math.sin(slope)])
+        plan = LocalPlan(way if direction is None else direction, distance, blocked=False, expanded=1)
+        return shape_velocity(plan, pose_at(yaw=yaw), SpeedLimit(0.0, limit, norm), config.planner)
+
+    return shape
+
+
+@given(angles, slopes, distances, angles, st.floats(0.01, 2.0))
+def test_no_speed_is_above_the_limit_per_axis_that_of_no_axis(shaped, azimuth, slope, distance, yaw, limit):
+    assert np.linalg.norm(shaped(azimuth, slope, distance, yaw, limit)[0]) <= limit * (1 + 1e-9)
+    assert np.abs(shaped(azimuth, slope, distance, yaw, limit, "per_axis")[0]).max() <= limit * (1 + 1e-9)
+
+
+@given(angles)
+def test_per_axis_a_diagonal_is_faster_than_the_limit(shaped, azimuth):
+    speeds = [np.linalg.norm(shaped(azimuth, yaw=azimuth, limit=0.2, norm=norm)[0]) for norm in ("any", "per_axis")]
+    assert speeds == pytest.approx([0.2, 0.2 / max(abs(math.cos(azimuth)), abs(math.sin(azimuth)))])
+
+
+@given(angles, angles, distances)
+def test_far_off_the_cameras_axis_it_only_turns(shaped, config, azimuth, yaw, distance):
+    off_axis = abs(math.remainder(azimuth - yaw, 2 * math.pi))
+    velocity, heading = shaped(azimuth, distance=distance, yaw=yaw)
+    if off_axis >= config.planner.stop_off_axis_rad:
+        assert not velocity.any()
+    elif off_axis <= config.planner.full_off_axis_rad and distance >= config.planner.slow_radius_m:
+        assert np.linalg.norm(velocity) == pytest.approx(0.5)
+    assert math.remainder(heading - azimuth, 2 * math.pi) == pytest.approx(0.0, abs=1e-9)
+
+
+@given(st.floats(0.2, 0.5), st.floats(0.2, 0.5), st.floats(0.0, 0.999))
+def test_the_farther_off_axis_and_the_nearer_to_the_goal_the_slower_but_it_creeps_on(
+    shaped, config, one, other, distance
+):
+    fast, slow = (np.linalg.norm(shaped(off_axis)[0]) for off_axis in (one, other))
+    assert (fast - slow) * (one - other) <= 1e-12
+    near = max(config.planner.creep_mps, config.planner.slow_gain_per_s * distance)
+    assert shaped(distance=distance, limit=5.0)[0][0] == pytest.approx(near)
+    assert shaped(distance=distance, limit=0.05)[0][0] == pytest.approx(0.05)
+
+
+def test_straight_up_it_keeps_its_heading_and_goes_and_without_a_direction_it_stays(shaped):
+    velocity, heading = shaped(direction=np.array([0.0, 0.0, 1.0]), yaw=1.0)
+    assert (velocity.tolist(), heading) == ([0.0, 0.0, 0.5], 1.0)
+    velocity, heading = shaped(direction=np.zeros(3), distance=0.0, yaw=0.3, norm="per_axis")
+    assert (velocity.tolist(), heading) == ([0.0, 0.0, 0.0], 0.3)

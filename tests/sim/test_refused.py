@@ -1,0 +1,62 @@
+"""Bad input of every file of the `sim` folder is refused in one sentence with file and line."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+from finding import BAR
+from ranges import with_range
+
+from scaloft_fi.campaign.seeking.finds import text
+from scaloft_fi.errors import InputError
+from scaloft_fi.sim.found import Finds
+from scaloft_fi.sim.grids import load_grid
+from scaloft_fi.sim.load import load
+from tests.sim.test_found import FIND
+
+BAD = yaml.safe_load(Path(__file__).with_name("refused.yaml").read_text())
+FREE = """free:
+  Xs:
+    title: cruise speed
+    category: speed
+    set: mission.cruise_mps
+    from: 0.4
+    to: 1.2
+    unit: m/s
+    distribution: uniform
+    benign: 0.5
+"""
+
+
+@pytest.fixture
+def whole(study: Path) -> Path:
+    """The copy with the files that it lacks."""
+    own = (study / "situations.yaml").read_text().split("aliases:")[0].replace("name: paper", "")
+    (study / "grids" / "free.yaml").write_text(own + FREE)
+    (study / "found.yaml").write_text(text(Finds("search", (FIND,), (BAR,))))
+    return study
+
+
+@pytest.mark.parametrize("bad", BAD, ids=lambda bad: f"{bad['file']}: {bad['says']}")
+def test_bad_input_is_refused_in_one_sentence_with_file_and_line(whole: Path, bad: dict[str, str]) -> None:
+    ranged = bad["file"] == "a range"
+    file = "situations.yaml" if ranged else bad["file"]
+    path = (with_range(whole, first=True) if ranged else whole) / file
+    assert bad["old"] in path.read_text()
+    path.write_text(path.read_text().replace(bad["old"], bad["new"], 1))
+    grid = {"found.yaml": "paper+found", "grids/free.yaml": "free"}.get(file)
+    with pytest.raises(InputError) as error:
+        _ = load_grid(whole, grid) if grid else load(whole)
+    assert bad["says"] in str(error.value)
+    assert "\n" not in str(error.value)
+    assert re.search(rf"{file}(:\d+)?: ", str(error.value))
+
+
+@pytest.mark.parametrize("file", ["world", "vehicle", "sensors", "situations", "stack"])
+def test_a_missing_file_is_named(study: Path, file: str) -> None:
+    (study / f"{file}.yaml").unlink()
+    with pytest.raises(InputError, match=rf"{file}.yaml: cannot be read: No such file"):
+        load(study)
