@@ -28,15 +28,13 @@ import numpy as np
 
 from scaloft_fi.judge.requirement import judge
 from scaloft_fi.sim import flight as flight_module
-from scaloft_fi.sim.build import build
+from scaloft_fi.sim.build import build, physics_server
 from scaloft_fi.sim.contact import Feeler
-from scaloft_fi.sim.build import physics_server
-from scaloft_fi.sim.flight import FlightLoop, fly
+from scaloft_fi.sim.flight import CompiledStepper, FlightLoop, fly
 from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.sensors import suite
 from scaloft_fi.sim.sensors.camera import DepthSensor
 from scaloft_fi.sim.sensors.detector import Detector
-from scaloft_fi.sim.stepper import CompiledStepper
 from scaloft_fi.sim.vehicle import Airframe, spawn
 from scaloft_fi.stack.declaration import PlainWire
 from scaloft_fi.stack.reference import companion

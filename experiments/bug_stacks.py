@@ -18,7 +18,6 @@ from scaloft_fi.sim.stacks import STACKS, declare_stack
 from scaloft_fi.stack.declaration import TICK_HZ, Declaration, Stack, Task, Wire
 from scaloft_fi.stack.messages import Array, DepthFrame, Detections, Imu, SensorFrames
 from scaloft_fi.stack.reference import estimator, memory
-from scaloft_fi.stack.reference.companion import Companion, CompanionConfig, ExposureControl, PoseBuffer, Stages
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.estimator import RATE_BIAS, Estimator, EstimatorConfig
 from scaloft_fi.stack.reference.flight_control import FlightControl
@@ -27,7 +26,15 @@ from scaloft_fi.stack.reference.messages import Clearing, GoalCheck, PoseEstimat
 from scaloft_fi.stack.reference.mission import BatteryMonitor, Mission, SpeedLimitStage
 from scaloft_fi.stack.reference.planner import LocalPlan, Planner, shape_velocity
 from scaloft_fi.stack.reference.proximity import ProximityMonitor, Recoil
-from scaloft_fi.stack.reference.stack import ReferenceConfig, ReferenceStack
+from scaloft_fi.stack.reference.stack import (
+    Companion,
+    CompanionConfig,
+    ExposureControl,
+    PoseBuffer,
+    ReferenceConfig,
+    ReferenceStack,
+    Stages,
+)
 from scaloft_fi.study import Study
 
 

@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from scaloft_fi.outside.command import FlightCommand
     from scaloft_fi.outside.records.record_map import RecordMap
     from scaloft_fi.sim.grid import Grid
-    from scaloft_fi.sim.load import SimConfig
-    from scaloft_fi.sim.scenario import Scenario
+    from scaloft_fi.sim.load import Scenario, SimConfig
     from scaloft_fi.sim.situation import Situation
 
 
@@ -87,7 +86,7 @@ class Setup:
         """
         from scaloft_fi.judge.bounds import check_caps
         from scaloft_fi.judge.stl import FormulaError
-        from scaloft_fi.sim.grids import load_grid
+        from scaloft_fi.sim.grid import load_grid
 
         grid = load_grid(self.folder / "sim", self.grid_name)
         caps = self._caps(grid)

@@ -29,7 +29,7 @@ from scaloft_fi.output import write_whole
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.setup import Setup
 from scaloft_fi.sim.found import FILE, Break, Find, read_finds
-from scaloft_fi.sim.grids import FOLDER, WITH_FOUND, grid_names, own_name, searched_grid
+from scaloft_fi.sim.grid import FOLDER, WITH_FOUND, grid_names, own_name, searched_grid
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import SIGNALS
 from scaloft_fi.sim.world import ROLES

@@ -14,7 +14,7 @@ from harmful import CORPUS, WORLD
 from plugins import ROOT, call, install_project
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.grids import load_grid
+from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.study import Study
 
 SEEDS = usually(50, release=500)

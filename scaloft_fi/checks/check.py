@@ -24,8 +24,8 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.load import SHEETS
 from scaloft_fi.sim.found import FILE
 from scaloft_fi.sim.found import FILE as FOUND
-from scaloft_fi.sim.grids import FOLDER as GRIDS
-from scaloft_fi.sim.grids import WITH_FOUND, grid_names, is_grid_name
+from scaloft_fi.sim.grid import FOLDER as GRIDS
+from scaloft_fi.sim.grid import WITH_FOUND, grid_names, is_grid_name
 from scaloft_fi.sim.load import DOCUMENTS
 from scaloft_fi.study import SituationKeys, Study, read_disposition
 

@@ -22,8 +22,7 @@ from scaloft_fi.judge.space import MOST_LISTED, Space
 from scaloft_fi.judge.stl import FormulaError
 from scaloft_fi.model import value_of
 from scaloft_fi.registry import PLUGIN_GROUP, load_plugin
-from scaloft_fi.sim.grid import Grid, assembled, contradictions
-from scaloft_fi.sim.grids import FILE, FOLDER, WITH_FOUND
+from scaloft_fi.sim.grid import FILE, FOLDER, WITH_FOUND, Grid, assembled, contradictions
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import SIGNALS, clearance_name, signal_names
 from scaloft_fi.sim.patch import PARTS, leaves

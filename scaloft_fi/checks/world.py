@@ -17,9 +17,9 @@ from scaloft_fi.checks.finding import Findings, Severity, finding_of
 from scaloft_fi.document import Item, load
 from scaloft_fi.model import read
 from scaloft_fi.sim.happenings import misfits
+from scaloft_fi.sim.load import Scenario
 from scaloft_fi.sim.mesh import Array
 from scaloft_fi.sim.mine import Mine, flaws_of, read_mine
-from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors import read_sensors
 from scaloft_fi.sim.vehicle import Vehicle
 from scaloft_fi.sim.world import GROUND, WALL, Point, World, assembled, misplaced

@@ -30,7 +30,7 @@ from scaloft_fi.errors import Faults, InputError, did_you_mean
 from scaloft_fi.marks import Bounds, Called, Choices, Examples, MoreThanZero, NotNegative, Share, Size
 from scaloft_fi.model import Names, Schema, keys_of, read, schema, summary_of
 from scaloft_fi.registry import Registry
-from scaloft_fi.sim.mesh import Faces, Scene
+from scaloft_fi.sim.mesh import Scene
 from scaloft_fi.stack.messages import Point
 
 
@@ -173,7 +173,8 @@ class Surroundings:
         self._began_s = [math.inf] * len(self._happenings)
         if self.shifts:
             self.scene = replace(scene, vertices=scene.vertices.copy())
-        self._parts = {name: _vertices_of(scene, name) for name in self.shifts}
+        # indices of the vertices of each body
+        self._parts = {name: np.unique(scene.faces[scene.owner == scene.names.index(name)]) for name in self.shifts}
         self.noted = dict.fromkeys((name for h in self._happenings for name in h.kind.signals), 0.0)
         for happening in self._happenings:
             happening.effect.prepare(self)
@@ -236,11 +237,6 @@ def signals_of(happenings: Collection[Happening]) -> tuple[str, ...]:
     noted = dict.fromkeys(name for happening in happenings for name in happening.kind.signals)
     moved = dict.fromkeys(happening.effect.moved for happening in happenings if happening.effect.moved)
     return (*noted, *(f"{body}_{axis}_m" for body in moved for axis in "xy"))
-
-
-def _vertices_of(scene: Scene, body: str) -> Faces:
-    """Indices of the vertices of a body."""
-    return np.unique(scene.faces[scene.owner == scene.names.index(body)])
 
 
 @dataclass(frozen=True)

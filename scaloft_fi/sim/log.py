@@ -30,7 +30,7 @@ from scaloft_fi.stack.declaration import Belief
 
 Array = NDArray[np.float64]
 Maker = Callable[[Any], "Measure"]
-"""Called with the `sim.scenario.Scenario` of the flight: situation, world, route, camera."""
+"""Called with the `sim.load.Scenario` of the flight: situation, world, route, camera."""
 Measure = Callable[[Array], float]
 """Called at 20 Hz with the true state (13,) of the vehicle in the layout of `sim.vehicle`; returns the value."""
 
@@ -130,6 +130,7 @@ _TRUTH = """
 """
 _ROWS = (map(str.strip, line.split("|")) for line in _TRUTH.strip().splitlines())
 TRUTH = tuple(Signal(name, unit, meaning, Side.TRUTH) for name, unit, meaning in _ROWS)
+TRUTH_NAMES = tuple(signal.name for signal in TRUTH)
 
 
 def clearance_name(surface: str) -> str:

@@ -440,7 +440,8 @@ def surface_flaws(triangles: Array, lines: Faces, path: Path) -> Iterator[Flaw]:
         yield flaw(int(own.argmax()), f"{sentence}, so the space in it counts as open", _TURN, grave=True)
     if len(surface.open_edges):
         face, corner = surface.open_edges[0]
-        edge = " to ".join(_point(triangles[face, place]) for place in (corner, (corner + 1) % 3))
+        ends = ([f"{number:.3g}" for number in triangles[face, place]] for place in (corner, (corner + 1) % 3))
+        edge = " to ".join(f"({', '.join(end)})" for end in ends)
         sentence = f"the surface has holes: {len(surface.open_edges)} edges have no second face, the first is {edge}"
         remedy = "close it, and merge the vertices that stand at one place"
         yield flaw(face, f"{sentence} of the face at this line", remedy, grave=False)
@@ -535,7 +536,3 @@ class _Surface:
 def _faces(which: NDArray[np.bool_]) -> str:
     count = int(which.sum())
     return f"{count} of {len(which)} faces {'is' if count == 1 else 'are'}"
-
-
-def _point(place: Array) -> str:
-    return "(" + ", ".join(f"{number:.3g}" for number in place) + ")"

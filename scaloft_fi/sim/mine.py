@@ -58,6 +58,8 @@ class Mine:
         wall_reflectivity, ground_reflectivity: reflected share of infrared light, 0..1.
         footprint: rings (outer first, then pillars) of an extruded mine [m, world]; empty for a mesh.
         height_m: height of the ceiling of an extruded mine [m].
+
+    Every value of every axis is checked in the same mine with nearly the same waypoints, so what it holds is kept.
     """
 
     wall: Mesh
@@ -67,6 +69,7 @@ class Mine:
     ground_reflectivity: float
     footprint: tuple[Ring, ...]
     height_m: float
+    _held: dict[tuple[float, ...], bool] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def extents(self) -> Array:
@@ -82,21 +85,12 @@ class Mine:
 
     def holds(self, point: Sequence[float]) -> bool:
         """Whether `point` (3,) [m, world] is in the open space of the mine."""
-        place = tuple(map(float, point))
-        if place not in self._held:
-            self._held[place] = self._holds(place)
+        x, y, z = place = tuple(map(float, point))
+        if place not in self._held and self.footprint:
+            self._held[place] = 0.0 < z < self.height_m and inside(section(self.wall.triangles, z), x, y)
+        elif place not in self._held:
+            self._held[place] = join([self.wall, self.ground]).encloses(place)
         return self._held[place]
-
-    @cached_property
-    def _held(self) -> dict[tuple[float, ...], bool]:
-        """What is known; every value of every axis is checked in the same mine with nearly the same waypoints."""
-        return {}
-
-    def _holds(self, point: Sequence[float]) -> bool:
-        if not self.footprint:
-            return join([self.wall, self.ground]).encloses(point)
-        x, y, z = point
-        return 0.0 < z < self.height_m and inside(section(self.wall.triangles, z), x, y)
 
     def is_between(self, start: Corner, end: Corner, z_m: float) -> bool:
         """Whether a wall crosses the straight line from `start` to `end` [m, world] at height `z_m`."""
@@ -182,7 +176,9 @@ class GroundPlan(_Rock):
 
     def mine(self, item: Item) -> Mine:
         """The rock between the walls."""
-        rings = (_oriented(self.footprint, 1.0), *(_oriented(ring, -1.0) for ring in self.pillars))
+        # counter-clockwise, but pillars clockwise: the open space is to the left
+        turned = ((ring, -1.0 if place else 1.0) for place, ring in enumerate((self.footprint, *self.pillars)))
+        rings = tuple(ring if _area(ring) * sign > 0 else ring[::-1] for ring, sign in turned)
         walls = [_wall(ring, i, self.height_m, self.cell_m, self.roughness_m) for i, ring in enumerate(rings)]
         low, high = np.min(self.footprint, axis=0) - SLAB_M, np.max(self.footprint, axis=0) + SLAB_M
         ceiling, ground = _plate(low, high, self.height_m, upward=False), _plate(low, high, 0.0, upward=True)
@@ -285,11 +281,6 @@ def _reach(origin: Corner, direction: Corner, a: Corner, b: Corner) -> float | N
 
 def _area(ring: Ring) -> float:
     return 0.5 * sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(ring, ring[1:] + ring[:1], strict=True))
-
-
-def _oriented(ring: Ring, sign: float) -> Ring:
-    """The ring in counter-clockwise (+1) or clockwise (-1) order: the open space is to the left."""
-    return ring if _area(ring) * sign > 0 else ring[::-1]
 
 
 def inside(outline: Iterable[tuple[Corner, Corner]], x: float, y: float) -> bool:

@@ -13,9 +13,9 @@ import numpy as np
 from scaloft_fi.sim.build import BodyIds, blocked, nearest
 from scaloft_fi.sim.contact import Clearances, Contact
 from scaloft_fi.sim.happenings import Surroundings
+from scaloft_fi.sim.load import Scenario
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, NEVER_S, SIGNALS, TOUCH_M, truth_signals
 from scaloft_fi.sim.mesh import View
-from scaloft_fi.sim.scenario import Scenario
 from scaloft_fi.sim.sensors.camera import pixels_of
 from scaloft_fi.sim.vehicle import STATE_SIZE, Array, Vehicle
 from scaloft_fi.sim.world import GROUND, WALL
@@ -57,9 +57,13 @@ class Observer:
         self.room_m = 0.0
         self._range_m = scenario.sensors.depth.max_m
         owners = {name: number for number, name in enumerate(self._scene.names)}
-        self._persons = [
-            (name, owners[name], _axis_points(world.bodies[name].mesh.vertices)) for name in scenario.persons
-        ]
+        self._persons: list[tuple[str, int, list[Array]]] = []
+        for name in scenario.persons:
+            vertices = world.bodies[name].mesh.vertices
+            low, high = vertices.min(axis=0), vertices.max(axis=0)
+            x, y, _ = 0.5 * (low + high)
+            axis = [np.array([x, y, low[2] + share * (high[2] - low[2])]) for share in BODY_SHARES]
+            self._persons.append((name, owners[name], axis))
         obstacles = world.bodies_with(lambda role: role.is_obstacle)
         self._obstacles = np.array([name in obstacles for name in self._scene.names])
         self._any_obstacle = bool(self._obstacles.any())
@@ -132,6 +136,10 @@ class Observer:
         if excused:
             self.room_m = min(clearance_m, self._clearances.gaps_m[GROUND])
         self._pass_waypoints(x, y)
+        obstacle_pixels = 0.0
+        if view is not None and self._any_obstacle:
+            obstacle_pixels = float(pixels_of(view.segments, view.depth, self._obstacles, self._range_m))
+        near_waypoint = any(math.hypot(x - wx, y - wy) <= PASS_M for wx, wy in self._waypoints)
         row = [
             t_s,
             scenario.t_max_s - t_s,
@@ -145,8 +153,8 @@ class Observer:
             home_m,
             float(self.landed),
             self._around.light,
-            self._obstacle_pixels(view),
-            clearances[WALL] if self._near_waypoint(x, y) else FAR_M,
+            obstacle_pixels,
+            clearances[WALL] if near_waypoint else FAR_M,
             *clearances.values(),
             *(measure(state) for measure in self._measures),
             *self._around.row(),
@@ -154,9 +162,6 @@ class Observer:
         self._top_square = 0.0
         self._touched.clear()
         return row
-
-    def _near_waypoint(self, x: float, y: float) -> bool:
-        return any(math.hypot(x - wx, y - wy) <= PASS_M for wx, wy in self._waypoints)
 
     def _clearance(self, name: str, excused: bool) -> float:
         """Distance from the hull to a surface [m], at most 1; negative after a contact since the last sample.
@@ -195,15 +200,3 @@ class Observer:
             if math.hypot(x - wx, y - wy) > PASS_M:
                 return
             self._passed += 1
-
-    def _obstacle_pixels(self, view: View | None) -> float:
-        if view is None or not self._any_obstacle:
-            return 0.0
-        return float(pixels_of(view.segments, view.depth, self._obstacles, self._range_m))
-
-
-def _axis_points(vertices: Array) -> list[Array]:
-    """Points on the vertical axis of a body."""
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    middle = 0.5 * (low + high)
-    return [np.array([middle[0], middle[1], low[2] + share * (high[2] - low[2])]) for share in BODY_SHARES]

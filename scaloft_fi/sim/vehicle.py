@@ -4,7 +4,7 @@ PyBullet defines the physics.  This module compiles its step for a single free b
 no call of the server.  Bullet 3.2.7 keeps a body as a multibody without links:
 `btMultiBody::computeAccelerationsArticulatedBodyAlgorithmMultiDof` and `stepPositionsMultiDof` hold the formulas
 (Featherstone, Rigid Body Dynamics Algorithms, 2008), `btMatrix3x3` those between quaternion and matrix.
-`sim/stepper.py` checks that the bits equal the server's.
+`sim/flight.py` checks that the bits equal the server's.
 
 Steps in which the vehicle can touch nothing may be computed outside the server; the server then gets the final state.
 """

@@ -71,10 +71,6 @@ class Role:
         return self.label, self.is_person, self.is_obstacle
 
 
-def _optional_signals() -> dict[str, str]:
-    return {name: signal.meaning for name, signal in SIGNALS.items()}
-
-
 ROLES = Registry[Role]("role of a body")
 ROLES.declare("obstacle", Role("stands on the path", is_obstacle=True))
 ROLES.declare(
@@ -244,6 +240,7 @@ class Turned(Body):
 
 
 Waypoint = Annotated[tuple[float, ...], _place("[x, y] or [x, y, z]", float)]
+_SIGNAL = Choices(lambda: {name: signal.meaning for name, signal in SIGNALS.items()}, named="signals")
 _BODY = "a name of letters, digits and _ other than 'wall' and 'ground'"
 
 
@@ -272,7 +269,7 @@ class World:
     places: Annotated[Mapping[str, Waypoint], Called("waypoints"), Size(0, MOST_WAYPOINTS)]
     mission: MissionPlan
     light: Annotated[Share, Examples(0.9, 0.003)]
-    signals: tuple[Annotated[str, Choices(_optional_signals, named="signals")], ...] = ()
+    signals: tuple[Annotated[str, _SIGNAL], ...] = ()
     happenings: Annotated[tuple[Happening, ...], Reads(read_happenings, happenings_schema)] = ()
 
     def contradictions(self, item: Item) -> Iterator[InputError]:

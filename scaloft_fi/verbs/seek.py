@@ -39,7 +39,7 @@ from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.sim.found import FILE, Break, read_finds
-from scaloft_fi.sim.grids import grid_names, own_name
+from scaloft_fi.sim.grid import grid_names, own_name
 from scaloft_fi.sim.stacks import claims_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import campaigns, grids, sought

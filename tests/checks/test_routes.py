@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from scaloft_fi.checks.world import gaps
-from scaloft_fi.sim.grids import load_grid
+from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.sim.mesh import box
 
 GRID = load_grid(Path(__file__).parents[2] / "sim")

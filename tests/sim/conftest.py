@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from scaloft_fi.sim.build import physics_server
-from scaloft_fi.sim.load import SimConfig, load
-from scaloft_fi.sim.scenario import Scenario
+from scaloft_fi.sim.load import Scenario, SimConfig, load
 
 SIM = Path(__file__).parents[2] / "sim"
 

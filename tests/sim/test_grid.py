@@ -12,7 +12,7 @@ from ranges import CRUISE, with_range
 from scaloft_fi.campaign.runs.request import choose_situations
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.space import Realisation, Space
-from scaloft_fi.sim.grids import grid_names, load_grid, own_name
+from scaloft_fi.sim.grid import grid_names, load_grid, own_name
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study

@@ -1,14 +1,23 @@
-"""The documents of the `sim` folder: sources of the numbers, values replaced by path, entries added."""
+"""The documents of the `sim` folder, sources of their numbers, values by path; scenarios; claims of stacks."""
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
+
 import pytest
+from tiny_stack import SOUND
 
 from scaloft_fi import document
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.grids import load_grid
+from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.sim.load import KINDS, load
 from scaloft_fi.sim.patch import added, leaves, patched, qualified
+from scaloft_fi.sim.stacks import CLAIMS, claims_of, declare_claims
+from scaloft_fi.sources import closure
+from scaloft_fi.stack.declaration import Claim
+from scaloft_fi.stack.reference.declaration import CLAIMS as OURS
+from scaloft_fi.study import Study
 from tests.sim.conftest import SIM
 
 
@@ -144,3 +153,98 @@ def test_new_entries_join_the_old_ones_and_keep_their_own_place(item):
     places = [entry.place.rpartition("/")[2] for entry in joined.need("bodies").mapping().values()]
     assert places == ["world.yaml:3", "wide.yaml:3"]
     assert world.plain() == {"light": 0.9, "bodies": {"bar": {"present": True}}}
+
+
+BEND = math.degrees(math.atan2(3, 1))
+ENDS_S = 1.65 / 0.7 + 0.5 + 1.65 / 0.5
+"""Climb, pause, landing."""
+
+
+def test_the_nominal_time_is_climb_turns_legs_and_landing_and_the_time_limit_follows(config, scenario):
+    straight = ENDS_S + (90 + 180) / 45 + 14 / 0.5
+    corner = ENDS_S + (90 + BEND + 180 + BEND) / 45 + 2 * (7 + math.hypot(3, 1)) / 0.5
+    beside_a_person = straight + 14 / 0.2 - 14 / 0.5
+    for key, nominal_s in (("T0O0W0D0H0", straight), ("T1O0W0D0H0", corner), ("T0O0W0D0H1", beside_a_person)):
+        assert math.isclose(scenario(key).nominal_s, nominal_s)
+        assert math.isclose(scenario(key).t_max_s, 20 + 1.5 * nominal_s)
+
+
+def test_a_person_comes_into_view_while_the_drone_turns_into_the_corridor(scenario):
+    turn_begins = 1.65 / 0.7 + 0.5
+    assert turn_begins < scenario("T0O0W0D0H1").sighting_s <= turn_begins + 90 / 45
+    assert scenario("T0O0W0D0H0").sighting_s is None
+
+
+def test_a_person_that_stands_behind_rock_is_sighted_later_or_never(edited):
+    config = load(edited("world.yaml", "position: [-0.5, 3.25]", "position: [-4.5, 8.0]"))
+    assert config.scenario(config.grid.situation("T1O0W0D0H1")).sighting_s > 15
+    assert config.scenario(config.grid.situation("T0O0W0D0H1")).sighting_s is None
+
+
+def test_home_is_on_the_floor_the_start_half_a_hull_above_and_the_nominal_flight_without_jumps(scenario):
+    it = scenario("T0O0W0D0H0")
+    assert (it.home, it.start, it.route) == ((0, 0, 0), (0, 0, 0.055), ((0, 7, 1.65), (0, 0, 1.65)))
+    for key in ("T0O0W0D0H0", "T1O1W1D1H1"):
+        legs = list(scenario(key)._legs(0.5))
+        assert all(before.end == after.start for before, after in pairwise(legs))
+        assert legs[-1].end[:3] == (0, 0, 0)
+
+
+def test_a_mission_may_fly_waypoints_at_their_own_altitudes_and_land_elsewhere(edited):
+    edited("world.yaml", "corner: [0.0, 7.0]", "corner: [0.0, 7.0, 1.0]")
+    config = load(edited("world.yaml", "route: [corner, home]", "route: [corner, end]"))
+    it = config.scenario(config.grid.situation("T0O0W0D0H0"))
+    assert it.route == ((0.0, 7.0, 1.0), (-3.0, 8.0, 1.65))
+    legs_m = math.hypot(7, 0.65) + math.hypot(3, 1, 0.65)
+    assert math.isclose(it.nominal_s, ENDS_S + (90 + BEND) / 45 + legs_m / 0.5)
+
+
+STUDY = Study.open()
+
+
+@pytest.fixture(autouse=True)
+def no_claims_are_left():
+    yield
+    CLAIMS._entries.pop("hop", None)
+
+
+def clock(**about):
+    return Claim("clock", "s", 0.1, lambda _now: 0.0, **about)
+
+
+def test_a_stack_declares_its_claims_once_and_may_have_none():
+    assert claims_of(STUDY.stack, STUDY.signals) == OURS
+    assert claims_of(SOUND, []) == ()
+    one = clock(about=("elapsed_s",), seam="level")
+    declare_claims("hop", one)
+    assert claims_of(SOUND, ["elapsed_s"]) == (one,)
+    with pytest.raises(ValueError, match="claims of the stack 'hop' is declared twice"):
+        declare_claims("hop")
+
+
+@pytest.mark.parametrize(
+    ("claim", "message"),
+    [
+        (clock(seam="lvel"), "seam 'lvel' does not exist; did you mean 'level'?"),
+        (clock(about=("elapsed",)), "signal 'elapsed' does not exist; did you mean"),
+    ],
+)
+def test_a_claim_about_what_does_not_exist_is_refused(claim, message):
+    declare_claims("hop", claim)
+    with pytest.raises(InputError) as refused:
+        claims_of(SOUND, ["elapsed_s", "x_m"])
+    assert f"stack 'hop': claim 'clock': {message}" in str(refused.value)
+
+
+def test_no_flight_depends_on_a_claim():
+    assert not [name for name in closure(STUDY.flying_modules) if "claim" in name]
+
+
+def test_the_stack_is_a_name_and_plain_parameters_and_an_unknown_setting_is_named(config, edited):
+    assert config.stack.name == "reference"
+    assert "name" not in config.stack.parameters
+    assert isinstance(config.stack.parameters["control"]["rotors"], list)
+    choice = load(edited("stack.yaml", "goal_radius_m:", "gaol_radius_m:")).stack
+    sentence = r"stack.yaml:\d+: unknown key 'gaol_radius_m' in mission; did you mean 'goal_radius_m'"
+    with pytest.raises(InputError, match=sentence):
+        choice.settings(choice.declaration)

@@ -14,12 +14,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.sim import flight, stepper
+from scaloft_fi.sim import flight
 from scaloft_fi.sim.build import VEHICLE_GROUP, WORLD_GROUP, physics_server, set_up
-from scaloft_fi.sim.flight import FlightLoop, fly
+from scaloft_fi.sim.flight import BLOCK, CompiledStepper, FlightLoop, fly
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.log import Ending
-from scaloft_fi.sim.stepper import BLOCK, CompiledStepper
 from scaloft_fi.sim.vehicle import KEPT_RATES, Airframe, attitude_of, free_step
 from scaloft_fi.stack.declaration import STEPS_PER_TICK, PlainWire
 from scaloft_fi.stack.messages import Imu
@@ -125,7 +124,7 @@ def test_what_was_lost_while_somebody_listened_is_the_same_afterwards(lost_s):
 CACHED = """
 import numpy as np
 from pathlib import Path
-from scaloft_fi.sim.stepper import loop_with
+from scaloft_fi.sim.flight import loop_with
 from scaloft_fi.stack.kernel import jit
 
 @jit
@@ -221,9 +220,9 @@ def test_it_agrees_with_the_server_here_and_another_arithmetic_is_noticed(monkey
         free_step(state, turned, pushed, inertia)
         state[0] = np.nextafter(state[0], np.inf)
 
-    assert stepper.agrees()
-    monkeypatch.setattr(stepper, "free_step", rounded)
-    assert not stepper.agrees.__wrapped__()
+    assert flight.agrees()
+    monkeypatch.setattr(flight, "free_step", rounded)
+    assert not flight.agrees.__wrapped__()
 
 
 def test_without_agreement_a_flight_is_the_servers_and_the_same(monkeypatch):

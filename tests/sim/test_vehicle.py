@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.sim.build import GRAVITY_MPS2, build
-from scaloft_fi.sim.vehicle import Airframe, actuate, rotor_step, wrench
+from scaloft_fi.sim.vehicle import Airframe, rotor_step, wrench
 from scaloft_fi.stack.declaration import STEP_S
 from tests.sim.conftest import state_at, turned_by
 
@@ -58,18 +58,6 @@ def test_the_wrench_is_the_body_wrench_turned_into_the_world(config, thrust, att
     turn = turned_by(state[3:7])
     assert np.allclose(force, turn @ (0, 0, thrust.sum()) - config.vehicle.drag_ns_per_m * np.array(velocity))
     assert np.allclose(torque, turn @ body_torque)
-
-
-@given(thrusts, thrusts, units, velocities)
-def test_actuating_is_turning_the_rotors_and_then_pushing(config, before, order, attitude, velocity):
-    vehicle, state, both = config.vehicle, state_at(attitude=attitude, velocity=velocity), np.empty(6)
-    after, plain = before.copy(), before.copy()
-    actuate(after, order, vehicle.lag(), vehicle.effect(), state, both)
-    rotor_step.py_func(plain, order, vehicle.lag())
-    force, torque = np.empty(3), np.empty(3)
-    wrench.py_func(plain, state, vehicle.effect(), force, torque)
-    assert np.array_equal(after, plain)
-    assert np.array_equal(both, np.concatenate([force, torque]))
 
 
 @pytest.fixture

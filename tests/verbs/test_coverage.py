@@ -10,8 +10,7 @@ import pytest
 from click.testing import Result
 from effort import usually
 
-from scaloft_fi.sim.load import SimConfig
-from scaloft_fi.sim.scenario import Scenario
+from scaloft_fi.sim.load import Scenario, SimConfig
 from scaloft_fi.study import Study
 
 Call = Callable[..., Result]

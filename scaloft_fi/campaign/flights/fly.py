@@ -16,8 +16,8 @@ from scaloft_fi.registry import in_one_line, plugin_behind
 
 if TYPE_CHECKING:
     from scaloft_fi.mutants.operator import Facts
+    from scaloft_fi.sim.load import Scenario
     from scaloft_fi.sim.log import FlightLog
-    from scaloft_fi.sim.scenario import Scenario
     from scaloft_fi.stack.declaration import Wire
     from scaloft_fi.study import Study
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from scaloft_fi.campaign.store.archive import STORE_NAME, Archive, campaign_folder, existing, is_archive
 from scaloft_fi.campaign.store.store import Store, read_store
 from scaloft_fi.errors import InputError, did_you_mean, shown
-from scaloft_fi.sim.grids import grid_names
+from scaloft_fi.sim.grid import grid_names
 from scaloft_fi.study import Study
 
 NOTE = "grid"

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, make_dataclass
 from functools import lru_cache
-from typing import Annotated, Any, Generic, TypeVar
+from typing import Annotated, Any
 
 from scaloft_fi.document import Item
 from scaloft_fi.marks import About, Called
@@ -23,8 +23,6 @@ from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, Sensor
 from scaloft_fi.stack.declaration import TICK_HZ, TICK_S
 from scaloft_fi.stack.messages import Entry, Exposure, Imu, SensorFrames, Stamps
 from scaloft_fi.streams import Array
-
-M = TypeVar("M")
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,22 +87,9 @@ def read_sensors(item: Item) -> SensorsConfig:
     return SensorsConfig(model.imu, by_name)
 
 
-class Pipe(Generic[M]):
-    """A delay line: a message arrives at the first tick that is at least `latency_s` after its sending."""
-
-    def __init__(self, latency_s: float) -> None:
-        self._delay = math.ceil(latency_s / TICK_S - 1e-9)
-        self._messages: deque[tuple[int, M]] = deque()
-
-    def send(self, tick: int, message: M) -> None:
-        """Send a message at `tick`."""
-        self._messages.append((tick + self._delay, message))
-
-    def arrive(self, tick: int) -> M | None:
-        """The message that arrives at `tick`; None without one."""
-        if self._messages and self._messages[0][0] <= tick:
-            return self._messages.popleft()[1]
-        return None
+def pipe(latency_s: float) -> deque[Any]:
+    """A delay line, appended to at every tick: a message leaves it at the first tick at least `latency_s` after."""
+    return deque([None] * math.ceil(latency_s / TICK_S - 1e-9))
 
 
 class Sensors:
@@ -130,12 +115,11 @@ class Sensors:
         self.inertial = ImuSensor(config.imu, situation, seed)
         self._around, self._camera = around, config.depth.camera
         self._contacts: list[Contact] = []
-        self._fitted: list[tuple[str, Sensor, int, Pipe[Any] | None]] = []
+        self._fitted: list[tuple[str, Sensor, int, deque[Any]]] = []
         for name, settings in config.by_name.items():
             kind = SENSORS[name]
-            latency_s = kind.latency_of(settings)
-            pipe = Pipe[Any](latency_s) if latency_s > 0.0 else None
-            self._fitted.append((name, kind.make(settings, setting), kind.period_ticks, pipe))
+            late = pipe(kind.latency_of(settings))
+            self._fitted.append((name, kind.make(settings, setting), kind.period_ticks, late))
 
     def imu(self, step: int, state: Array) -> Imu:
         """The inertial sample of physics step `step` (240 Hz)."""
@@ -163,10 +147,7 @@ class Sensors:
         moment = Moment(tick, now_s, state, thrusts, self.view, tuple(self._contacts), exposure, stamps, self._around)
         self._contacts.clear()
         arrived = {}
-        for name, sensor, period_ticks, pipe in self._fitted:
-            message = None if tick % period_ticks else sensor.measure(moment)
-            if pipe is not None:
-                pipe.send(tick, message)
-                message = pipe.arrive(tick)
-            arrived[name] = message
+        for name, sensor, period_ticks, late in self._fitted:
+            late.append(None if tick % period_ticks else sensor.measure(moment))
+            arrived[name] = late.popleft()
         return SensorFrames(arrived)

@@ -88,31 +88,17 @@ def integrate(now_s: float, stamp_s: float, rate: Array, force: Array, numbers: 
         now_s: own time [s].
         stamp_s: of the sample [s].
         rate, force: (3,) of the sample [rad/s, m/s2, body].
-        numbers: (33,) see `parts_of`; the times are the last sample's stamp and the time of the last integration [s].
+        numbers: (33,) see `parts_of`.  Of the state, position [m], velocity [m/s] and attitude x, y, z, w advance, and
+            the biases stay [rad/s, m/s2]; the rotation is that of the new attitude; the force is the sum of specific
+            force x dt since it was last cleared [m/s, world]; the rate is without its bias [rad/s, body]; the times are
+            the last sample's stamp and the time of the last integration [s].
     """
     state, r, world_force, body_rate, times = parts_of(numbers)
     dt_s = stamp_s - times[STAMP_S]
     times[STAMP_S] = stamp_s
-    if 0.0 < dt_s < GAP_S:
-        times[USED_S] = now_s
-        propagate(state, rate, force, dt_s, r, world_force, body_rate)
-
-
-@jit
-def propagate(
-    state: Array, rate: Array, force: Array, dt_s: float, r: Array, world_force: Array, body_rate: Array
-) -> None:
-    """Advance the nominal state by one inertial sample, in place.
-
-    Args:
-        state: (16,) position [m], velocity [m/s], attitude x, y, z, w, rate bias [rad/s], force bias [m/s2].
-        rate: (3,) angular rate [rad/s, body].
-        force: (3,) specific force [m/s2, body].
-        dt_s: time since the last sample [s].
-        r: (3, 3) receives the rotation matrix of the new attitude.
-        world_force: (3,) sum of specific force x dt since it was last cleared [m/s, world].
-        body_rate: (3,) receives the angular rate without its bias [rad/s, body].
-    """
+    if not 0.0 < dt_s < GAP_S:
+        return
+    times[USED_S] = now_s
     q = state[ATTITUDE:RATE_BIAS]
     rotation(q, r)
     fx, fy, fz = force[0] - state[13], force[1] - state[14], force[2] - state[15]
@@ -128,20 +114,6 @@ def propagate(
 
 
 @jit
-def correct(state: Array, error: Array) -> None:
-    """Take the estimated `error` (15,) out of the nominal state (16,), in place.
-
-    Args:
-        state: (16,) as `propagate` has it.
-        error: (15,) of position [m], velocity [m/s], attitude [rad, world], rate bias [rad/s], force bias [m/s2].
-    """
-    for i in range(6):
-        state[i] += error[i]
-        state[10 + i] += error[9 + i]
-    turn(state[ATTITUDE:RATE_BIAS], error[6], error[7], error[8], True)
-
-
-@jit
 def yaw_of(q: Array) -> float:
     """Heading [rad] of quaternion `q` (4,) [x, y, z, w]."""
     return math.atan2(2.0 * (q[3] * q[2] + q[0] * q[1]), 1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]))
@@ -151,7 +123,7 @@ SIZE = 15
 """Components of the error: position, velocity, attitude, rate bias, force bias, three each."""
 MEASURED = (0, 1, 2, 8)
 """Components of the error that a fix measures: position x, y, z and heading."""
-_FIX = len(MEASURED)
+_FIX, _PLACES = len(MEASURED), np.array(MEASURED)
 _BLOCK = 5  # columns that are summed at once: while one sum waits for its last term, the others go on
 
 
@@ -194,21 +166,18 @@ def _both_sides(f: Array, p: Array) -> Array:
 @jit
 def carried(f: Array, p: Array, noise: Array) -> Array:
     """The covariance after a step: f p f' + noise; all (SIZE, SIZE)."""
-    out = _both_sides(f, p)
-    for i in range(SIZE):
-        for j in range(SIZE):
-            out[i, j] += noise[i, j]
-    return out
+    return _both_sides(f, p) + noise
 
 
 @jit
-def innovation(p: Array, noise: Array) -> Array:
-    """Covariance (4, 4) of the innovation: that of the estimate's measured components plus `noise`, that of the fix."""
-    s = np.empty((_FIX, _FIX))
-    for i in range(_FIX):
-        for j in range(_FIX):
-            s[i, j] = p[MEASURED[i], MEASURED[j]] + noise[i, j]
-    return s
+def _times(a: Array, b: Array) -> Array:
+    """The product a b of small matrices."""
+    out = np.zeros((a.shape[0], b.shape[1]))
+    for i in range(a.shape[0]):
+        for j in range(b.shape[1]):
+            for k in range(a.shape[1]):
+                out[i, j] = fused(a[i, k], b[k, j], out[i, j])
+    return out
 
 
 @jit
@@ -221,33 +190,16 @@ def corrected(p: Array, noise: Array, inverse: Array, z: Array) -> tuple[Array, 
         inverse: (4, 4) inverse of the innovation's covariance.
         z: (4,) the innovation, fix minus estimate.
     """
-    gain, error, kept, spread = np.empty((SIZE, _FIX)), np.empty(SIZE), np.zeros((SIZE, SIZE)), np.empty((SIZE, _FIX))
+    gain, error, kept = _times(p[:, _PLACES], inverse), np.empty(SIZE), np.eye(SIZE)
     for i in range(SIZE):
-        kept[i, i] = 1.0
         for j in range(_FIX):
-            total = 0.0
-            for k in range(_FIX):
-                total = fused(p[i, MEASURED[k]], inverse[k, j], total)
-            gain[i, j] = total
-            kept[i, MEASURED[j]] -= total
+            kept[i, MEASURED[j]] -= gain[i, j]
         # summed in pairs, as numpy does, and from +0: an innovation of 0 gives an error of +0, not of -0
         error[i] = 0.0 + ((gain[i, 0] * z[0] + gain[i, 2] * z[2]) + (gain[i, 1] * z[1] + gain[i, 3] * z[3]))
-        for j in range(_FIX):
-            total = 0.0
-            for k in range(_FIX):
-                total = fused(gain[i, k], noise[k, j], total)
-            spread[i, j] = total
-    left = _both_sides(kept, p)
-    for i in range(SIZE):
-        for j in range(SIZE):
-            total = 0.0
-            for k in range(_FIX):
-                total = fused(spread[i, k], gain[j, k], total)
-            left[i, j] += total
-    return gain, error, left
+    return gain, error, _both_sides(kept, p) + _times(_times(gain, noise), gain.T)
 
 
-_IDENTITY = np.eye(len(MEASURED))
+_IDENTITY = np.eye(_FIX)
 
 
 class ErrorFilter(KalmanFilter):  # type: ignore[misc]
@@ -268,7 +220,7 @@ class ErrorFilter(KalmanFilter):  # type: ignore[misc]
         Raises:
             numpy.linalg.LinAlgError: the covariance of the innovation is singular.
         """
-        self.S = innovation(self.P, self.R)
+        self.S = self.P[np.ix_(MEASURED, MEASURED)] + self.R
         *_, inverse, singular = dgesv(self.S, _IDENTITY)
         if singular:
             raise np.linalg.LinAlgError("Singular matrix")
@@ -416,22 +368,17 @@ class Estimator:
 
     def tick(self, now_s: float, fix: Fix | None) -> PoseEstimate:
         """Predict the error's covariance, correct by `fix` if there is one; returns the estimate."""
-        self._predict(now_s)
+        dt_s, self._predicted_s = now_s - self._predicted_s, now_s
+        if dt_s > 0.0:
+            transition(self._filter.F, dt_s, self.world_force, self.rotation)
+            self.world_force[:] = 0.0
+            self._filter.predict()
         self._history.add(now_s, self.state[POSITION:VELOCITY], yaw_of(self.state[ATTITUDE:RATE_BIAS]))
         if fix is not None:
             self._correct(now_s, fix)
         attitude = self.state[ATTITUDE:RATE_BIAS].copy()
         position, velocity = self.state[POSITION:VELOCITY].copy(), self.state[VELOCITY:ATTITUDE].copy()
         return PoseEstimate(now_s, position, velocity, yaw_of(attitude), attitude)
-
-    def _predict(self, now_s: float) -> None:
-        dt_s = now_s - self._predicted_s
-        self._predicted_s = now_s
-        if dt_s <= 0.0:
-            return
-        transition(self._filter.F, dt_s, self.world_force, self.rotation)
-        self.world_force[:] = 0.0
-        self._filter.predict()
 
     def _correct(self, now_s: float, fix: Fix) -> None:
         config = self.config
@@ -456,7 +403,9 @@ class Estimator:
             turn(self.state[ATTITUDE:RATE_BIAS], 0.0, 0.0, error[3], True)
         else:
             kf.update(error)
-            correct(self.state, kf.x)
+            self.state[:6] += kf.x[:6]
+            self.state[RATE_BIAS:] += kf.x[9:]
+            turn(self.state[ATTITUDE:RATE_BIAS], kf.x[6], kf.x[7], kf.x[8], True)
             self._history.shift(kf.x[:3], kf.x[8])
             kf.x[:] = 0.0
         self._refused_since_s = None

@@ -29,7 +29,7 @@ from scaloft_fi.campaign.store.archive import (
 from scaloft_fi.defaults import SEARCHED
 from scaloft_fi.document import is_there, read_bytes, read_text
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, track_values
-from scaloft_fi.sim.grids import FOLDER
+from scaloft_fi.sim.grid import FOLDER
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.dossier import Dossier, export_format, parquet_file
 from scaloft_fi.verbs.export.rows import column_type, columns, export_rows, ordered

@@ -373,7 +373,7 @@ def test_the_first_situations_are_the_same_for_every_mutant_and_then_each_has_it
 
 
 def test_half_of_the_numbers_of_the_opening_are_at_an_end_of_their_range():
-    ends = {axis.id: (axis.distribution.low, axis.distribution.high) for axis in GRID.free}
+    ends = {axis.id: (axis.low, axis.high) for axis in GRID.free}
     numbers = [(axis, number) for one in flown(0, 0)[0] for axis, number in one.numbers]
     at_end = sum(min(abs(number - end) for end in ends[axis]) < 0.01 * ends[axis][1] for axis, number in numbers)
     assert 0.35 < at_end / len(numbers) < 0.65

@@ -12,7 +12,7 @@ import pytest
 from scaloft_fi.sim import mesh
 from scaloft_fi.sim.build import build
 from scaloft_fi.sim.mesh import Camera, Scene, View
-from scaloft_fi.sim.sensors.camera import CERTAIN, DepthSensor, draw, look, pixels_of
+from scaloft_fi.sim.sensors.camera import CERTAIN, DepthSensor, look, pixels_of
 from scaloft_fi.sim.sensors.sensor import FlightSetting
 from scaloft_fi.streams import key_words
 from tests.sim.conftest import turned_by
@@ -92,16 +92,6 @@ def test_rays_are_symmetric_and_span_the_field_of_view():
     assert np.allclose(rays[:, ::-1, 1], -rays[:, :, 1])
     assert np.allclose(rays[::-1, :, 2], -rays[:, :, 2])
     assert math.isclose(2 * math.atan(rays[0, 0, 1] + CAMERA.pitch / 2), CAMERA.fov_rad)
-
-
-def test_the_compiled_renderer_equals_its_own_python():
-    scene = scene_of(mesh.box((6, 6, 3)), mesh.cylinder(0.1, 2).moved((1, 0.3, 0)))
-    small, place = Camera(12, 9, math.radians(59), 0.1), np.array([0.2, 0, 0.1])
-    view, depth, segments = look(scene, small, place, UPRIGHT), np.empty((9, 12)), np.empty((9, 12), np.int16)
-    with np.errstate(divide="ignore"):  # a compiled kernel divides by zero as numpy's arrays do
-        draw.py_func(scene.vertices, scene.faces, scene.owner, place, UPRIGHT, 0.1, small.pitch, depth, segments)
-    assert np.allclose(view.depth, depth, rtol=0, atol=1e-12)
-    assert np.array_equal(view.segments, segments)
 
 
 @pytest.mark.flight

@@ -18,7 +18,6 @@ from scaloft_fi.stack.reference.estimator import (
     carried,
     corrected,
     error_filter,
-    innovation,
     plausible,
     transition,
 )
@@ -48,7 +47,6 @@ def test_a_step_turns_and_blurs_the_covariance_and_a_fix_takes_its_gain_off_in_j
     f, p, noise = matrices(seed)
     blur = np.diag(np.arange(1.0, SIZE + 1.0))
     assert np.array_equal(carried(f, p, blur), product(product(f, p), f.T) + blur)
-    assert np.array_equal(innovation(p, noise), p[np.ix_(MEASURED, MEASURED)] + noise)
     inverse, z = p[:4, :4].copy(), p[5, :4].copy()
     gain, error, left = corrected(f, noise, inverse, z)
     assert np.array_equal(gain, product(f[:, MEASURED], inverse))

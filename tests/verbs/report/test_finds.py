@@ -17,7 +17,7 @@ from reading import embedded
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.sim.found import Find
-from scaloft_fi.sim.grids import load_grid
+from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.study import KnownFinds, Study
 from scaloft_fi.verbs.report.analyses import Evidence
 from scaloft_fi.verbs.report.finds import STEP_M, broken
