@@ -40,7 +40,7 @@ from scaloft_fi.analysis.seeking import (
 from scaloft_fi.analysis.stratified import Stratum, p_value
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.sim.grids import load_grid
+from scaloft_fi.sim.grid import load_grid
 
 
 def readings(flown: Outcome, **rhos: float) -> Outcome:

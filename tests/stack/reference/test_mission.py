@@ -1,4 +1,4 @@
-"""Waypoints, the speed limit for people, battery monitor, exposure control, pose buffer; companions fly in tests/sim."""
+"""Waypoints, speed limit for people, battery monitor, exposure control, pose buffer; companions fly in tests/sim."""
 
 import numpy as np
 import pytest
