@@ -27,6 +27,7 @@ from scaloft_fi.sim.sensors import Sensors, body
 from scaloft_fi.sim.sensors.body import ImuSensor, inertial
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.vehicle import Airframe, Array, Vehicle, actuate, free_step
+from scaloft_fi.stack import Declaration, Stack, Task, Wire
 from scaloft_fi.stack.declaration import (
     STEP_HZ,
     STEP_S,
@@ -34,13 +35,9 @@ from scaloft_fi.stack.declaration import (
     TICK_HZ,
     TICK_S,
     ConfigError,
-    Declaration,
     FastPath,
     Kernel,
     Numbers,
-    Stack,
-    Task,
-    Wire,
 )
 from scaloft_fi.stack.kernel import jit, joined, with_globals
 from scaloft_fi.stack.messages import DepthCamera, SensorFrames

@@ -7,21 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
+from scaloft_fi import marks
 from scaloft_fi.document import Item, is_there, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.marks import (
-    Bounds,
-    ByName,
-    Examples,
-    Key,
-    Listed,
-    NotNegative,
-    OneOrMore,
-    Otherwise,
-    Share,
-    Size,
-    Whole,
-)
+from scaloft_fi.marks import ByName, Examples, Key, Listed, NotNegative, OneOrMore, Otherwise, Share, Size, Whole
 from scaloft_fi.model import read
 
 FILE = "found.yaml"
@@ -74,7 +63,7 @@ class Evidence:
     requirement: Annotated[str, Examples("SR2")]
     candidate: OneOrMore
     p: Share
-    alpha: Annotated[float, Bounds(above=0.0, most=1.0)]
+    alpha: Annotated[float, marks.Bounds(above=0.0, most=1.0)]
     violated: Whole
     flights: OneOrMore
     struck: Annotated[str, Otherwise(""), Examples("wall")]

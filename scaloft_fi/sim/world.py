@@ -17,23 +17,10 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from scaloft_fi import marks
 from scaloft_fi.document import Item
 from scaloft_fi.errors import Faults, InputError, did_you_mean
-from scaloft_fi.marks import (
-    Bounds,
-    Called,
-    Choices,
-    Either,
-    Examples,
-    Given,
-    Key,
-    MoreThanZero,
-    NotNegative,
-    Pattern,
-    Reads,
-    Share,
-    Size,
-)
+from scaloft_fi.marks import Bounds, Choices, Examples, MoreThanZero, NotNegative, Pattern, Reads, Share, Size
 from scaloft_fi.model import read, schema_of, value_of
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim import mesh
@@ -166,7 +153,7 @@ class Body:
         optional: whether flights without it have no signal of it.
     """
 
-    name: Key
+    name: marks.Key
     role: Annotated[str, Choices(lambda: {name: role.meaning for name, role in ROLES.items()}, named="roles")]
     position: Annotated[tuple[float, ...], _place("[x, y] or [x, y, z of the foot]", Metres)]
     reflectivity: Annotated[Share, Examples(0.3)]
@@ -259,14 +246,14 @@ class World:
         happenings: what happens during a flight, by name.
     """
 
-    rock: Annotated[Item, Called("mine"), Reads(lambda item: item, lambda _names: schema_of(Rock))]
-    mine: Annotated[Mine, Given(lambda item: read_mine(item.need("mine")))]
+    rock: Annotated[Item, marks.Called("mine"), Reads(lambda item: item, lambda _names: schema_of(Rock))]
+    mine: Annotated[Mine, marks.Given(lambda item: read_mine(item.need("mine")))]
     bodies: Annotated[
-        Mapping[str, Annotated[Box | Turned, Either(by="shape")]],
+        Mapping[str, Annotated[Box | Turned, marks.Either(by="shape")]],
         Size(0, MOST_BODIES),
         Pattern(r"(?!(?:wall|ground)$)[^\W\d]\w*", _BODY),
     ]
-    places: Annotated[Mapping[str, Waypoint], Called("waypoints"), Size(0, MOST_WAYPOINTS)]
+    places: Annotated[Mapping[str, Waypoint], marks.Called("waypoints"), Size(0, MOST_WAYPOINTS)]
     mission: MissionPlan
     light: Annotated[Share, Examples(0.9, 0.003)]
     signals: tuple[Annotated[str, _SIGNAL], ...] = ()

@@ -14,18 +14,8 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from scaloft_fi.stack.messages import (
-    Array,
-    DepthCamera,
-    Exposure,
-    Imu,
-    Point,
-    SensorFrames,
-    Stamps,
-    Thrust,
-    field_names,
-    number_fields,
-)
+from scaloft_fi.stack import messages
+from scaloft_fi.stack.messages import Array, DepthCamera, Exposure, Imu, Point, SensorFrames, Stamps, Thrust
 
 STEP_HZ, TICK_HZ = 240.0, 20.0
 STEP_S, TICK_S = 1.0 / STEP_HZ, 1.0 / TICK_HZ
@@ -97,7 +87,7 @@ class Seam:
     units: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
-        unknown = [name for name in self.units if name not in field_names(self.message)]
+        unknown = [name for name in self.units if name not in messages.field_names(self.message)]
         if unknown:
             raise ValueError(f"seam {self.name!r}: {self.message.__name__} has no field {unknown[0]!r}")
         if not self.rate_hz > 0.0:
@@ -110,7 +100,7 @@ class Seam:
     @property
     def number_units(self) -> Mapping[str, str]:
         """The unit of each field of numbers."""
-        return {name: self.unit(name) for name in number_fields(self.message)}
+        return {name: self.unit(name) for name in messages.number_fields(self.message)}
 
     def differ(self, original: Any, delivered: Any) -> bool:
         """Whether the consumer acts on something else than the producer sent."""

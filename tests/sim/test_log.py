@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -11,14 +12,13 @@ from hypothesis import strategies as st
 
 from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
+from scaloft_fi.sim import log as logs
 from scaloft_fi.sim.log import (
-    NEVER_S,
     SIGNALS,
     Ending,
     FlightLog,
     Recorder,
     Side,
-    belief_signals,
     signal,
     signal_names,
     truth_signals,
@@ -33,7 +33,7 @@ OURS = {name: SIGNALS[name] for name in ("mass_kg", "takeoff_charge")}
 
 def flight(x=(0.0, 1.0), told=(0.0, 0.0), ending=Ending.LANDED, struck=""):
     signals = {"elapsed_s": np.array([0.0, 0.05]), "x_m": np.array(x), "told_person": np.array(told)}
-    return FlightLog(signals, ending, struck, NEVER_S, "", {}, 80, beliefs=("told_person",))
+    return FlightLog(signals, ending, struck, math.nan, "", {}, 80, beliefs=("told_person",))
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_a_time_is_found_at_or_before_and_every_ending_has_a_sentence():
 
 
 def test_names_of_truth_and_belief_are_unique_and_carry_their_unit(config):
-    truth, beliefs = truth_signals(config.world.surfaces), belief_signals(BELIEFS)
+    truth, beliefs = truth_signals(config.world.surfaces), logs.belief_signals(BELIEFS)
     names = signal_names(config.world.surfaces, BELIEFS)
     assert len(set(names)) == len(names) == len(truth) + len(beliefs)
     assert names[: len(truth)][-5:] == tuple(f"clearance_{name}_m" for name in config.world.surfaces)

@@ -15,11 +15,11 @@ import numpy as np
 from scaloft_fi.marks import Count
 from scaloft_fi.stack.declaration import Task, Wire
 from scaloft_fi.stack.messages import Array, Bumper, DepthFrame, Exposure, Imu, Metering, SensorFrames, Stamps, Thrust
+from scaloft_fi.stack.reference import messages as own
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
 from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl
 from scaloft_fi.stack.reference.memory import MemoryConfig, ObstacleMemory
 from scaloft_fi.stack.reference.messages import (
-    MODES,
     NOBODY_M,
     PoseEstimate,
     Proximity,
@@ -382,5 +382,5 @@ class ReferenceStack:
 
     def beliefs(self, now_s: float) -> Array:
         """The values of the declared beliefs."""
-        mode = float(MODES.index(self._control.mode))
+        mode = float(own.MODES.index(self._control.mode))
         return np.array((*self._companion.beliefs(now_s), *self._estimator.state[:6].tolist(), mode))

@@ -10,17 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.stack.messages import Fix, Imu
-from scaloft_fi.stack.reference.estimator import (
-    MEASURED,
-    SIZE,
-    Estimator,
-    History,
-    carried,
-    corrected,
-    error_filter,
-    plausible,
-    transition,
-)
+from scaloft_fi.stack.reference import estimator as compiled
+from scaloft_fi.stack.reference.estimator import MEASURED, SIZE, Estimator, History, error_filter
 
 seeds = st.integers(0, 2**32 - 1)
 REST = (np.zeros(3), np.array([0.0, 0.0, 9.81]))
@@ -46,9 +37,9 @@ def matrices(seed):
 def test_a_step_turns_and_blurs_the_covariance_and_a_fix_takes_its_gain_off_in_josephs_form(seed):
     f, p, noise = matrices(seed)
     blur = np.diag(np.arange(1.0, SIZE + 1.0))
-    assert np.array_equal(carried(f, p, blur), product(product(f, p), f.T) + blur)
+    assert np.array_equal(compiled.carried(f, p, blur), product(product(f, p), f.T) + blur)
     inverse, z = p[:4, :4].copy(), p[5, :4].copy()
-    gain, error, left = corrected(f, noise, inverse, z)
+    gain, error, left = compiled.corrected(f, noise, inverse, z)
     assert np.array_equal(gain, product(f[:, MEASURED], inverse))
     assert np.allclose(error, gain @ z, rtol=1e-12, atol=1e-12 * np.abs(gain).max())
     kept = np.eye(SIZE)
@@ -59,16 +50,16 @@ def test_a_step_turns_and_blurs_the_covariance_and_a_fix_takes_its_gain_off_in_j
 def test_what_is_off_by_nothing_is_corrected_by_nothing_not_by_less_and_what_is_no_number_spreads():
     f, p, noise = matrices(0)
     p[3, 4] = np.nan
-    assert np.isnan(carried(f, p, np.zeros((SIZE, SIZE)))).all()
+    assert np.isnan(compiled.carried(f, p, np.zeros((SIZE, SIZE)))).all()
     f[:, MEASURED] = 0.0
-    assert not np.signbit(corrected(f, noise, -np.eye(4), np.ones(4))[1]).any()
+    assert not np.signbit(compiled.corrected(f, noise, -np.eye(4), np.ones(4))[1]).any()
 
 
 @given(seeds)
 def test_the_transition_carries_velocity_tilt_and_biases_on(seed):
     rng = np.random.default_rng(seed)
     dt_s, (ax, ay, az), r, f = rng.uniform(0.001, 0.2), rng.normal(size=3), rng.normal(size=(3, 3)), np.eye(SIZE)
-    transition(f, dt_s, np.array([ax, ay, az]), r)
+    compiled.transition(f, dt_s, np.array([ax, ay, az]), r)
     expected = np.eye(SIZE)
     expected[0:3, 3:6] = dt_s * np.eye(3)
     expected[3:6, 6:9] = -np.array([[0, -az, ay], [az, 0, -ax], [-ay, ax, 0]])
@@ -83,7 +74,7 @@ def test_the_gate_is_so_many_standard_deviations_of_each_part_and_what_is_no_num
     kf = error_filter(config.estimator)
     kf.P = kf.P * 1e4
     sigma = np.sqrt(np.diag(kf.P)[list(MEASURED)] + np.diag(kf.R))
-    assert plausible(error, kf.P, kf.R, gate_sigma) == bool(np.all(np.abs(error) <= gate_sigma * sigma))
+    assert compiled.plausible(error, kf.P, kf.R, gate_sigma) == bool(np.all(np.abs(error) <= gate_sigma * sigma))
 
 
 def close(ours, theirs):
@@ -97,7 +88,7 @@ def test_the_filter_is_filterpys_but_for_the_rounding(config, seed, fixes):
     for name in ("x", "Q", "H", "R", "F"):
         setattr(theirs, name, getattr(ours, name).copy())
     for fix in fixes:
-        transition(ours.F, rng.uniform(0.01, 0.2), rng.normal(size=3), rng.normal(size=(3, 3)))
+        compiled.transition(ours.F, rng.uniform(0.01, 0.2), rng.normal(size=3), rng.normal(size=(3, 3)))
         theirs.F, theirs.P = ours.F.copy(), ours.P.copy()
         ours.predict()
         theirs.predict()
