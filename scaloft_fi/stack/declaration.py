@@ -63,6 +63,10 @@ UNITS: Mapping[str, str] = MappingProxyType({"s": "s", "m": "m", "rad": "rad", "
 """Units by the ending of a field's name, as in `range_m`."""
 
 
+def _whole(sample: Any) -> Any:
+    return sample
+
+
 @dataclass(frozen=True)
 class Seam:
     """One place where a fault can be patched in.
@@ -83,7 +87,7 @@ class Seam:
     message: type
     rate_hz: float
     edge: str
-    effect: Callable[[Any], Any] = lambda sample: sample
+    effect: Callable[[Any], Any] = _whole
     units: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
