@@ -26,7 +26,7 @@ from scaloft_fi.judge.bounds import (
 )
 from scaloft_fi.judge.stl import Formula, FormulaError, parse, tokenize
 from scaloft_fi.sim import observer
-from scaloft_fi.sim.grids import load_grid
+from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import SIGNALS, TRUTH_NAMES, clearance_name, signal_names
 from scaloft_fi.stack.reference.declaration import REFERENCE

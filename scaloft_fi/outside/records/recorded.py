@@ -230,7 +230,7 @@ def flight_log(
     signals = {name: np.ascontiguousarray(values[: last + 1]) for name, values in signals.items()}
     for values in signals.values():
         values.setflags(write=False)
-    counts: dict[str, Count] = {}
+    counts: dict[str, SeamCount] = {}
     if mapping.altered is not None:
         altered = of("altered", mapping.altered)[: last + 1]
         carried = altered if mapping.carried is None else of("carried", mapping.carried)[: last + 1]
