@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -82,18 +82,13 @@ def correlate(trial: Trial) -> tuple[Correlation, ...]:
     """
     situations = len(trial.situations)
     positions = coverage_curves.random_orders(situations, ORDERS, "correlation")
-    killed = _at_sizes(coverage_curves.firsts(trial.kills, positions), situations)
+    killed = coverage_curves.at_sizes(trial.kills, positions)
     found = []
     for strength, combinations, _ in trial.followed:
-        covered = _at_sizes(coverage_curves.firsts(combinations, positions), situations)
+        covered = coverage_curves.at_sizes(combinations, positions)
         within = tuple(_tau(covered[:, k], killed[:, k]) for k in range(situations))
         found.append(Correlation(strength, within, _tau(covered.ravel(), killed.ravel())))
     return tuple(found)
-
-
-def _at_sizes(first: np.ndarray, situations: int) -> np.ndarray:
-    """(orders, k): how many things the first k + 1 situations of each order meet."""
-    return np.stack([(first <= k).sum(axis=1) for k in range(situations)], axis=1)
 
 
 def _tau(one: np.ndarray, other: np.ndarray) -> float | None:
@@ -132,13 +127,12 @@ def _answer(
             "Nothing follows about coverage: that needs kills, and so a baseline pool, and situations to choose from.",
         )
     random = found.curve("random")
-    assert random is not None
-    arrays = [(strength, curve) for strength in ARRAYS if (curve := found.curve(f"{strength}-way"))]
+    arrays = [(strength, curve) for strength in ARRAYS for curve in found.curves if curve.id == f"{strength}-way"]
     said.append(
         "Mutants killed in the same situations share a kill set, which counts once; in parentheses, each mutant."
     )
     said += [_array(strength, curve, random, sets) for strength, curve in arrays]
-    said += [_whole(curve) for name in ("greedy", "lexicographic") if (curve := found.curve(name))]
+    said += [_whole(found.curve(name)) for name in ("greedy", "lexicographic")]
     said += [_correlation(one) for one in correlations if one.strength == 2]
     if cubes:
         blocks = sum(count for t, count in cubes if t is not None)
@@ -169,8 +163,6 @@ def _whole(curve: Curve) -> str:
 
 
 def _both(curve: Curve, k: int) -> str:
-    assert curve.distinct is not None
-    assert curve.difference is not None
     return f"{interval(curve.distinct, k)} (mutants {interval(curve.difference, k)})"
 
 
@@ -188,7 +180,7 @@ def _correlation(one: Correlation) -> str:
 def _verdict(arrays: list[tuple[int, Curve]], sets: int) -> str:
     """By whether the intervals of the arrays' differences to random, as they are printed, contain 0."""
     said = "Does coverage predict kills beyond the number of situations?  "
-    told = [(t, curve.distinct, len(curve.distinct.mean)) for t, curve in arrays if curve.distinct]
+    told = [(t, curve.distinct, len(curve.distinct.mean)) for t, curve in arrays]
     if not told:
         return said + "Not judged: there is no covering array to compare."
     more = sum(round(band.low[-1], 1) > 0 for _, band, _ in told)
@@ -239,7 +231,7 @@ def interval(band: Band, k: int) -> str:
 
 
 SHOWN = (1, 2, 4, 6, 8, 10, 16, 24, 32)
-"""Sizes k in the tables; JSON has all."""
+"""Sizes k in the tables."""
 COMPARED = (4, 8, 16)
 """Those at which orders are compared with random order; an array at its own size."""
 
@@ -247,7 +239,7 @@ COMPARED = (4, 8, 16)
 def curve_tables(found: Curves, prediction: Prediction) -> tuple[Table, ...]:
     """What a person reads: the answer, kills and coverage at k, differences to random, whole orders, correlations."""
     trial = found.trial
-    sizes = _sizes(len(trial.situations))
+    sizes = (*(k for k in SHOWN if k < (every := len(trial.situations))), every)
     answer = Table("Coverage against kills", ("finding",), tuple((sentence,) for sentence in prediction.answer))
     kills = Table(
         "Mutants killed by k situations",
@@ -260,8 +252,29 @@ def curve_tables(found: Curves, prediction: Prediction) -> tuple[Table, ...]:
             *([f"Left out, not flown in all of these situations: {', '.join(trial.left_out)}."] * bool(trial.left_out)),
         ),
     )
-    told = _coverage(found, sizes), _orders(found), _correlation_table(prediction, sizes)
-    return (answer, _differences(found), kills, *told)
+    coverage = Table(
+        "Combinations covered by k situations [%]",
+        ("strategy", "combinations", *(f"k={k}" for k in sizes)),
+        tuple(
+            (curve.name, f"{strength}-way", *_at([100 * share for share in shares], sizes, "{:.1f}"))
+            for curve in found.curves
+            for strength, shares in curve.t_way
+        ),
+    )
+    correlations = Table(
+        "Coverage and kills within one size",
+        ("coverage", *(f"k={k}" for k in sizes), "pooled"),
+        tuple(
+            (f"{one.strength}-way", *_at(one.within, sizes, "{:.2f}"), *_at([one.pooled], (1,), "{:.2f}"))
+            for one in prediction.correlations
+        ),
+        (
+            "Kendall's tau-b of coverage and mutants killed over random suites of k situations.",
+            "n/a: all suites of that size cover, or kill, the same number.",
+            "Pooled over all sizes it measures the size of the suites: shown beside the others, not to be used.",
+        ),
+    )
+    return (answer, _differences(found), kills, coverage, _orders(found), correlations)
 
 
 def _differences(found: Curves) -> Table:
@@ -274,9 +287,9 @@ def _differences(found: Curves) -> Table:
             f"{curve.kills.mean[k - 1]:.1f}",
             interval(curve.difference, k),
         )
-        for curve in found.curves
-        if curve.distinct and curve.difference and not curve.oracle
-        for k in _compared(curve)
+        for curve in found.compared
+        for size in [len(curve.kills.mean)]
+        for k in ([k for k in COMPARED if k < size] if curve.matched is None else [size])
     )
     trial = found.trial
     seeds = "Seeds are not resampled."
@@ -297,28 +310,12 @@ def _differences(found: Curves) -> Table:
     return Table("Compared with k random situations", headers, rows, tuple(notes))
 
 
-def _compared(curve: Curve) -> tuple[int, ...]:
-    """The sizes at which a strategy is compared with random order."""
-    size = len(curve.kills.mean)
-    return tuple(k for k in COMPARED if k < size) if curve.matched is None else (size,)
-
-
-def _coverage(found: Curves, sizes: tuple[int, ...]) -> Table:
-    rows = [
-        (curve.name, f"{strength}-way", *_at([100 * share for share in shares], sizes, "{:.1f}"))
-        for curve in found.curves
-        for strength, shares in curve.t_way
-    ]
-    headers = ("strategy", "combinations", *(f"k={k}" for k in sizes))
-    return Table("Combinations covered by k situations [%]", headers, tuple(rows))
-
-
 def _orders(found: Curves) -> Table:
     never = len(found.trial.mutants) - found.trial.killed
     rows = tuple(
         (
             curve.name,
-            "n/a" if curve.apfd is None else f"{curve.apfd:.3f}",
+            _at([curve.apfd], (1,), "{:.3f}")[0],
             f"{curve.area:.3f}",
             f"{curve.random_area:.3f}",
             len(curve.kills.mean),
@@ -333,32 +330,9 @@ def _orders(found: Curves) -> Table:
     return Table("Orders as a whole", ("strategy", "APFD", "area", "random area", "last k"), rows, notes)
 
 
-def _correlation_table(prediction: Prediction, sizes: tuple[int, ...]) -> Table:
-    rows = tuple(
-        (
-            f"{one.strength}-way",
-            *_at([*one.within], sizes, "{:.2f}"),
-            "n/a" if one.pooled is None else f"{one.pooled:.2f}",
-        )
-        for one in prediction.correlations
-    )
-    notes = (
-        "Kendall's tau-b of coverage and mutants killed over random suites of k situations.",
-        "n/a: all suites of that size cover, or kill, the same number.",
-        "Pooled over all sizes it measures the size of the suites: shown beside the others, not to be used.",
-    )
-    return Table("Coverage and kills within one size", ("coverage", *(f"k={k}" for k in sizes), "pooled"), rows, notes)
-
-
-def _sizes(situations: int) -> tuple[int, ...]:
-    return (*(k for k in SHOWN if k < situations), situations)
-
-
-def _at(values: Iterable[float | None], sizes: tuple[int, ...], shape: str) -> list[str]:
-    listed = list(values)
-    return [
-        "" if k > len(listed) else "n/a" if (value := listed[k - 1]) is None else shape.format(value) for k in sizes
-    ]
+def _at(values: Sequence[float | None], sizes: tuple[int, ...], shape: str) -> list[str]:
+    told = ["n/a" if value is None else shape.format(value) for value in values]
+    return ["" if k > len(told) else told[k - 1] for k in sizes]
 
 
 WIDTH, HEIGHT, LEFT, TOP, GAP, LINE = 330.0, 260.0, 62.0, 108.0, 76.0, 19.0
@@ -400,10 +374,10 @@ class Panel:
         """The values at k = 1, 2, ... as a `points` attribute."""
         return " ".join(f"{self.x(k):.1f},{self.y(value):.1f}" for k, value in enumerate(values, start=1))
 
-    def between(self, low: Sequence[float], high: Sequence[float], colour: str) -> str:
-        """The area between two curves."""
-        back = self.points(low).split()[::-1]
-        return f'<polygon points="{self.points(high)} {" ".join(back)}" fill="{colour}" fill-opacity="0.16"/>'
+    def between(self, band: Band, colour: str) -> str:
+        """The area of an interval."""
+        back = self.points(band.low).split()[::-1]
+        return f'<polygon points="{self.points(band.high)} {" ".join(back)}" fill="{colour}" fill-opacity="0.16"/>'
 
     def frame(self, title: str, step: float, unit: str = "") -> Iterator[str]:
         """Title, axes and their numbers."""
@@ -429,19 +403,16 @@ def curve_picture(found: Curves, *, strength: int = 2) -> str:
         strength: the t of the coverage that is shown.
     """
     last = len(found.trial.situations)
-    shown = [curve for curve in found.curves if curve.id in LOOKS]
-    told = [curve for curve in shown if curve.distinct and not curve.oracle]
-    banded = [curve.distinct for curve in told if curve.distinct and curve.id != "lexicographic"]
-    lows = [value for curve in told if curve.distinct for value in curve.distinct.mean]
-    highs = [*lows, *(value for band in banded for value in band.high)]
-    lows += [value for band in banded for value in band.low]
+    shown, told = found.curves, found.compared
+    banded = [curve for curve in told if curve.id != "lexicographic"]
+    values = [-1.0, 1.0, *(value for curve in told for value in curve.distinct.mean)]
+    values += [value for curve in banded for value in (*curve.distinct.low, *curve.distinct.high)]
     most = max(1.0, *(max(curve.kills.mean) for curve in shown))
-    steps = _step(most)
-    spread = _step(max([1.0, *highs]) - min([-1.0, *lows]))
+    steps, spread = _step(most), _step(max(values) - min(values))
     lefts = [LEFT + number * (WIDTH + GAP) for number in range(3)]
     kills = Panel(lefts[0], last, 0.0, _up(most, steps))
     share = Panel(lefts[1], last, 0.0, 100.0)
-    more = Panel(lefts[2], last, -_up(-min([-1.0, *lows]), spread), _up(max([1.0, *highs]), spread))
+    more = Panel(lefts[2], last, -_up(-min(values), spread), _up(max(values), spread))
     rows = (len(shown) + 2) // 2
     wide, high = lefts[2] + WIDTH + 30, TOP + HEIGHT + 66 + rows * LINE + 22
     title = f"Coverage against kills: {len(found.trial.mutants)} mutants, {last} situations"
@@ -455,17 +426,13 @@ def curve_picture(found: Curves, *, strength: int = 2) -> str:
         *kills.frame("mutants killed", steps),
         *share.frame(f"{strength}-way combinations covered", 20.0, " %"),
         *more.frame("kill sets more than by k random situations", spread),
-        kills.between(found.spread.low, found.spread.high, "#000000"),
+        kills.between(found.spread, "#000000"),
         *_lines(kills, shown, lambda curve: curve.kills.mean),
         *_lines(share, shown, lambda curve: [100 * one for one in dict(curve.t_way).get(strength, ())]),
+        *(more.between(curve.distinct, LOOKS[curve.id][0]) for curve in banded),
+        *_lines(more, told, lambda curve: curve.distinct.mean),
+        *_legend(shown, TOP + HEIGHT + 66),
     ]
-    parts += [
-        more.between(curve.distinct.low, curve.distinct.high, LOOKS[curve.id][0])
-        for curve in told
-        if curve.distinct in banded
-    ]
-    parts += _lines(more, told, lambda curve: curve.distinct.mean if curve.distinct else ())
-    parts += _legend(shown, TOP + HEIGHT + 66)
     return "\n".join([*parts, "</svg>", ""])
 
 

@@ -78,6 +78,12 @@ def firsts(found: Found, positions: Positions) -> Positions:
     return first
 
 
+def at_sizes(found: Found, positions: Positions) -> Positions:
+    """(orders, k): how many things the first k + 1 situations of each order meet."""
+    first = firsts(found, positions)
+    return np.stack([(first <= k).sum(axis=1) for k in range(found.shape[1])], axis=1)
+
+
 def in_subsets(found: Found, suites: NDArray[np.int64]) -> Chances:
     """Met by k + 1 situations drawn from a suite without replacement, on average over the suites (suites, size)."""
     size = suites.shape[1]
@@ -483,15 +489,13 @@ class Curve:
         kills: mutants killed by k = 1, 2, ... situations, expected; 95 % interval over redrawn campaigns.
         kill_sets: the same of kill sets: mutants with equal ones count once.
         t_way: per strength, the share of the combinations covered, expected.
-        difference: mutants killed more than by random situations at equal k, with a paired 95 % interval; None for
-            random order itself.
+        difference: mutants killed more than by random situations at equal k, with a paired 95 % interval.
         distinct: the same of kill sets: the headline, as mutants that are killed in the same situations count once.
         apfd: of the mutants killed in some situation; None for a strategy that does not order them all.
         area: mean of the share of mutants killed, over the k of this strategy.
         random_area: the same of random situations over the same k.
         matched: the least k (with a fraction) at which random situations meet as many kill sets as the whole suite;
             None for a strategy that orders all of them.
-        oracle: whether it knows the kills beforehand.
     """
 
     id: str
@@ -500,13 +504,12 @@ class Curve:
     kills: Band
     kill_sets: Band
     t_way: tuple[tuple[int, Floats], ...]
-    difference: Band | None
-    distinct: Band | None
+    difference: Band
+    distinct: Band
     apfd: float | None
     area: float
     random_area: float
-    matched: float | None = None
-    oracle: bool = False
+    matched: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -525,9 +528,14 @@ class Curves:
     spread: Band
     missing: tuple[tuple[str, str], ...]
 
-    def curve(self, name: str) -> Curve | None:
+    def curve(self, name: str) -> Curve:
         """The strategy with that id."""
-        return next((curve for curve in self.curves if curve.id == name), None)
+        return next(curve for curve in self.curves if curve.id == name)
+
+    @property
+    def compared(self) -> list[Curve]:
+        """The strategies that are compared with random order: not itself, nor the oracle that knows the kills."""
+        return [curve for curve in self.curves if curve.id not in ("random", "oracle")]
 
 
 def curves(trial: Trial) -> Curves:
@@ -554,7 +562,7 @@ def curves(trial: Trial) -> Curves:
         about = f"covering array of {len(suite)}: mean of {len(suites)} relabellings, in random order"
         found.append(compare.curve(f"{strength}-way", name, about, partial(in_subsets, suites=suites), whole=False))
     about, order = "most new kills first, as if they were known beforehand", greedy_by_kills(trial.kills)
-    found.append(compare.ordered("oracle", "oracle", about, order, oracle=True))
+    found.append(compare.ordered("oracle", "oracle", about, order))
     return Curves(trial, tuple(found), _spread(trial.kills), tuple(missing))
 
 
@@ -566,19 +574,12 @@ class _Compare:
         self._random = without_replacement(len(trial.situations))[self._again.kill_sets.sum(axis=1)]
         self._combinations = trial.followed
 
-    def ordered(self, id_: str, name: str, about: str, positions: NDArray[np.int64], *, oracle: bool = False) -> Curve:
+    def ordered(self, id_: str, name: str, about: str, positions: NDArray[np.int64]) -> Curve:
         """A strategy that orders all situations."""
-        return self.curve(id_, name, about, lambda found: in_orders(found, positions), oracle=oracle)
+        return self.curve(id_, name, about, lambda found: in_orders(found, positions))
 
     def curve(
-        self,
-        id_: str,
-        name: str,
-        about: str,
-        chances: Callable[[Found], Chances],
-        *,
-        whole: bool = True,
-        oracle: bool = False,
+        self, id_: str, name: str, about: str, chances: Callable[[Found], Chances], *, whole: bool = True
     ) -> Curve:
         """A strategy by the chances that it meets things within k situations; whole: it ends with all of them."""
         met, again = chances(self._again.kill_sets), self._again
@@ -596,13 +597,12 @@ class _Compare:
                 (strength, _floats(chances(found).sum(axis=0) / possible))
                 for strength, found, possible in self._combinations
             ),
-            difference=None if id_ == "random" else _band(again.mutants @ (met - random)),
-            distinct=None if id_ == "random" else _band(again.distinct @ (met - random)),
+            difference=_band(again.mutants @ (met - random)),
+            distinct=_band(again.distinct @ (met - random)),
             apfd=apfd(met[again.place]) if whole else None,
             area=float(met[again.place].mean()),
             random_area=float(random[again.place].mean()),
             matched=_matched(again.distinct[0] @ self._random, sets.mean[-1]) if smaller else None,
-            oracle=oracle,
         )
 
 
@@ -614,9 +614,7 @@ def _band(values: NDArray[np.float64]) -> Band:
 
 def _spread(kills: Found) -> Band:
     """Kills at k between random orders."""
-    situations = kills.shape[1]
-    first = firsts(kills, random_orders(situations, ORDERS, "spread"))
-    at = np.stack([(first <= k).sum(axis=1) for k in range(situations)], axis=1)
+    at = at_sizes(kills, random_orders(kills.shape[1], ORDERS, "spread"))
     low, high = np.quantile(at, (0.05, 0.95), axis=0)
     return Band(_floats(at.mean(axis=0)), _floats(low), _floats(high))
 
