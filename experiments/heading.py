@@ -39,7 +39,8 @@ def results(study: Study, jobs: int, _folder: Path) -> str:
     hold = {arm: sum(draw[0].first_violation is None for draw in own) for arm, own in flown.items()}
     study_arm, turned, paused = ARMS
     answers = [
-        f"- {mutant} {_depends(a, b)} on the {what}: {a} and {b} of {DRAWS}."
+        f"- {mutant} {'depends' if abs(a - b) >= APART else 'is not shown to depend'} on the {what}: "
+        f"{a} and {b} of {DRAWS}."
         for what, one, other in (("heading", study_arm, turned), ("pause", turned, paused))
         for mutant, a, b in zip(MUTANTS, counts[one], counts[other], strict=True)
     ]
@@ -56,10 +57,6 @@ def results(study: Study, jobs: int, _folder: Path) -> str:
         "Each draw (`+`: SR2 reveals the fault, `-`: it does not) and its baseline's robustness of SR2:",
         table(("start", "situation", "seed", *MUTANTS, "baseline"), rows),
     )
-
-
-def _depends(one: int, other: int) -> str:
-    return "depends" if abs(one - other) >= APART else "is not shown to depend"
 
 
 def _least(baseline: Outcome) -> float:

@@ -129,11 +129,8 @@ class Setup:
         from scaloft_fi.judge.requirement import load_requirements
         from scaloft_fi.judge.stl import Formula
 
-        return load_requirements(self._requirements_path, self.signals, within_caps(Formula.parse, self.caps))
-
-    @property
-    def _requirements_path(self) -> Path:
-        return self.folder / "sim" / "requirements.yaml"
+        path = self.folder / "sim" / "requirements.yaml"
+        return load_requirements(path, self.signals, within_caps(Formula.parse, self.caps))
 
     @cached_property
     def space(self) -> Space:

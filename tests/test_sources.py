@@ -46,22 +46,34 @@ def test_whatever_way_a_module_is_imported_it_is_in_the_closure(package: Path, t
     }
 
 
-def test_what_a_package_imports_when_it_is_imported_is_in_the_closure(package: Path) -> None:
-    (package / "fly" / "__init__.py").write_text("from .wing import area\n")
-    (package / "fly" / "craft.py").write_text("import json\n")
-    (package / "fly" / "wing.py").write_text("area = 1.0\n")
-    assert "scaloft_fi.fly.wing" in closure(["scaloft_fi.fly.craft"])
+WING, ROTOR, BESIDE = (
+    ["fly", "fly.craft", "fly.wing"],
+    ["fly.craft", "fly.rotor"],
+    ["scaloft_fi.fly.wing", "scaloft_fi.fly"],
+)
 
 
-def test_what_is_imported_for_type_checkers_only_is_not_in_the_closure(package: Path) -> None:
-    (package / "fly" / "craft.py").write_text(
-        "if TYPE_CHECKING:\n    from scaloft_fi.show import page\nelse:\n    from scaloft_fi.fly import wing\n"
-    )
-    (package / "fly" / "wing.py").touch()
-    (package / "show" / "page.py").touch()
-    assert closure(["scaloft_fi.fly.craft"]).keys() == {
-        f"scaloft_fi.{name}" for name in ("fly", "fly.craft", "fly.wing")
-    }
+@pytest.mark.parametrize(
+    ("files", "beside", "found"),
+    [
+        ({"fly/__init__": "from .wing import area\n"}, (), WING),
+        (
+            {"fly/craft": "if TYPE_CHECKING:\n    import scaloft_fi.show.page\nelse:\n    from . import wing\n"},
+            (),
+            WING,
+        ),
+        ({"fly/craft": "from . import rotor, wing\n", "fly/wing": "from .spar import area\n"}, BESIDE, ROTOR),
+    ],
+    ids=["what a package imports itself", "not what type checkers import", "not what only another imports"],
+)
+def test_what_is_imported_is_in_the_closure(
+    package: Path, files: dict[str, str], beside: tuple[str, ...], found: list[str]
+) -> None:
+    for name in ("fly/craft", "fly/wing", "fly/rotor", "fly/spar", "show/page"):
+        (package / f"{name}.py").touch()
+    for name, text in files.items():
+        (package / f"{name}.py").write_text(text)
+    assert closure(["scaloft_fi.fly.craft"], beside=beside).keys() == {f"scaloft_fi.{name}" for name in found}
 
 
 def test_the_digest_follows_what_is_imported_and_nothing_else(package: Path) -> None:
@@ -74,15 +86,6 @@ def test_the_digest_follows_what_is_imported_and_nothing_else(package: Path) -> 
     assert digest_of(closure(["scaloft_fi.fly.craft"])) == before
     (package / "fly" / "wing.py").write_text("area = 2.0\n")
     assert digest_of(closure(["scaloft_fi.fly.craft"])) != before
-
-
-def test_what_stands_beside_is_left_out_with_what_only_it_imports(package: Path) -> None:
-    (package / "fly" / "craft.py").write_text("from scaloft_fi.fly import rotor, wing\n")
-    (package / "fly" / "wing.py").write_text("from scaloft_fi.fly.spar import area\n")
-    (package / "fly" / "rotor.py").touch()
-    (package / "fly" / "spar.py").touch()
-    added = closure(["scaloft_fi.fly.craft"], beside=["scaloft_fi.fly.wing", "scaloft_fi.fly"])
-    assert added.keys() == {"scaloft_fi.fly.craft", "scaloft_fi.fly.rotor"}
 
 
 def test_an_entry_that_does_not_exist_is_refused() -> None:
@@ -128,36 +131,32 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "cache" / "scaloft-fi"
 
 
-def test_a_later_process_finds_what_was_kept_and_only_for_the_same_content(folder: Path) -> None:
-    first = SourceCache(b"reader")
-    assert first.get(b"x = 1") is None
-    first.put(b"x = 1", ("meaning", ("a", "b")))
-    first.save()
+def kept(content: bytes = b"x = 1", reader: bytes = b"reader") -> object:
+    """What a process finds of a content that another one kept."""
+    return SourceCache(reader).get(content)
+
+
+def keep() -> None:
+    cache = SourceCache(b"reader")
+    assert cache.get(b"x = 1") is None
+    cache.put(b"x = 1", ("meaning", ("a", "b")))
+    cache.save()
+
+
+def test_a_later_process_finds_what_was_kept_for_the_same_content_and_reader_only(folder: Path) -> None:
+    keep()
     assert len(list(folder.iterdir())) == 1
-    later = SourceCache(b"reader")
-    assert later.get(b"x = 1") == ("meaning", ("a", "b"))
-    assert later.get(b"x = 2") is None
-
-
-def test_another_reader_finds_nothing_of_it(folder: Path) -> None:
-    first = SourceCache(b"reader")
-    first.put(b"x = 1", ("meaning", ()))
-    first.save()
-    assert SourceCache(b"another").get(b"x = 1") is None
+    assert kept() == ("meaning", ("a", "b"))
+    assert kept(b"x = 2") is kept(reader=b"another") is None
 
 
 @pytest.mark.parametrize("content", [b"", b"[1]", b"{", b'{"a": 1}', b"[" * 100_000, b"\xff"])
 def test_a_file_that_holds_nonsense_counts_as_empty_and_is_written_anew(folder: Path, content: bytes) -> None:
-    cache = SourceCache(b"reader")
-    cache.put(b"x = 1", ("meaning", ()))
-    cache.save()
+    keep()
     (path,) = folder.iterdir()
     path.write_bytes(content)
-    later = SourceCache(b"reader")
-    assert later.get(b"x = 1") is None
-    later.put(b"x = 1", ("meaning", ()))
-    later.save()
-    assert SourceCache(b"reader").get(b"x = 1") == ("meaning", ())
+    keep()
+    assert kept() == ("meaning", ("a", "b"))
 
 
 def test_a_folder_that_cannot_be_written_is_no_hindrance(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -84,7 +84,8 @@ def _primes(space: Space, on: Sequence[Point], off: Sequence[Point]) -> list[Ter
     killing, surviving = (sum(bits[point] for point in points) for points in (on, off))
     primes: list[Term] = []
     for term, inside in _boxes(space):
-        if inside & killing and not inside & surviving and not any(_within(term, larger) for larger in primes):
+        contained = (all(map(frozenset.issubset, term, larger)) for larger in primes)
+        if inside & killing and not inside & surviving and not any(contained):
             primes.append(term)
     return primes
 
@@ -134,10 +135,6 @@ def _smallest_meeting(sets: Iterable[frozenset[int]]) -> set[frozenset[int]]:
         grown = {chosen | {axis} for chosen in transversals - enough for axis in met}
         transversals = enough | {chosen for chosen in grown if not any(smaller <= chosen for smaller in enough)}
     return transversals
-
-
-def _within(term: Term, larger: Term) -> bool:
-    return all(values <= others for values, others in zip(term, larger, strict=True))
 
 
 def _order(space: Space, term: Term) -> tuple[int, int, list[list[int]]]:

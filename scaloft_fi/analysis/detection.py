@@ -36,6 +36,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
+from itertools import chain
 from typing import TypeVar
 
 from scaloft_fi.analysis.pool import Pool, State
@@ -333,13 +334,12 @@ def firmness(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spend
     lost = [case for case in cases() if not any(detected(*look) for look in case)]
     if not lost:
         return Firmness.FIRM if len(own) > 1 else Firmness.FIRM_BY_POOL
-    able = any(detected(_worst(left, pool, kind), seed, share) for case in lost for left, seed, share in case)
-    return Firmness.HANGS if able else Firmness.TOO_FEW
-
-
-def _worst(samples: Sequence[Sample], pool: Pool, kind: Kind) -> list[Sample]:
-    """The flights that put the fault to the test, if each violated all that it could."""
-    return at_worst([one for one in samples if one.infected and pool.steady(one.situation, kind)], pool, kind)
+    for left, seed, share in chain(*lost):
+        # the flights that put the fault to the test, if each violated all that it could
+        worst = at_worst([one for one in left if one.infected and pool.steady(one.situation, kind)], pool, kind)
+        if detected(worst, seed, share):
+            return Firmness.HANGS
+    return Firmness.TOO_FEW
 
 
 @dataclass(frozen=True)

@@ -101,10 +101,6 @@ class Roster:
         )
 
     @cached_property
-    def _default_ids(self) -> frozenset[str]:
-        return frozenset(self.defaults.values())
-
-    @cached_property
     def _places(self) -> Mapping[str, int]:
         return {id_: place for place, id_ in enumerate(self.ids)}
 
@@ -118,7 +114,7 @@ class Roster:
 
     def counts(self, subject: Subject) -> bool:
         """Whether the subject is the default mutant of a credible cell: those the ratios count."""
-        return subject.id in self._default_ids
+        return self.defaults.get(cell_of(subject.id)) == subject.id
 
     def is_control(self, subject: Subject) -> bool:
         """Whether the subject is made from a control cell."""

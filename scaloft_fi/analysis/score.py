@@ -230,10 +230,8 @@ class MutantScore:
         return _condition(space, where, spared)
 
 
-@lru_cache(maxsize=4096)
-def _condition(space: Space, killing: tuple[str, ...], surviving: tuple[str, ...]) -> str:
-    """The condition, derived once: several tables show it."""
-    return condition(space, killing, surviving)
+_condition = lru_cache(maxsize=4096)(condition)
+"""The condition, derived once: several tables show it."""
 
 
 def mutant_score(

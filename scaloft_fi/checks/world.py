@@ -114,11 +114,11 @@ class RouteCheck:
         world, hull_m = scenario.world, scenario.vehicle.hull_m
         names = ["home", *world.mission.route]
         for name in dict.fromkeys(names):
-            item = _place_of(document, name)
-            lands = name in ("home", names[-1])
-            told = "home" if name == "home" else f"waypoint {name!r}"
+            home = name == "home"
+            item = document.need("mission").need("home") if home else document.need("waypoints").need(name)
+            told = "home" if home else f"waypoint {name!r}"
             self._look(scenario, [world.waypoints[name]], hull_m, item, told)
-            if lands:
+            if home or name == names[-1]:
                 x, y, z = world.waypoints[name]
                 foot = (x, y, world.mine.floor_m(x, y) + 0.5 * hull_m[2] + SLACK_M)
                 if math.isfinite(foot[2]):
@@ -165,10 +165,6 @@ class RouteCheck:
         self._seen.add(key)
         self.looked_at += 1
         return True
-
-
-def _place_of(document: Item, name: str) -> Item:
-    return document.need("mission").need("home") if name == "home" else document.need("waypoints").need(name)
 
 
 def gaps(world: World, way: list[Point], half_height_m: float, within_m: float) -> Iterator[tuple[str, float]]:
