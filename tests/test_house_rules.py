@@ -57,7 +57,7 @@ READERS = {
     "views/glossary.py": "a file of this package",
 }
 """The modules that open files, and which."""
-NO_FILES = {"Study", "archive", "border", "self._lines", "windows", "self.windows", "stream"}
+NO_FILES = {"Study", "archive", "border", "self._lines", "windows", "own.windows", "stream"}
 """What has a method `open` that opens no file that a user names."""
 
 

@@ -333,33 +333,20 @@ class Fault:
         """The ladder; a single None when the fault has no ladder."""
         return self.magnitude.ladder if self.magnitude else (None,)
 
-    def phases_s(self, rung: Rung | None) -> tuple[float, ...]:
-        """The catalogue's phases at this magnitude [s], 0 first; only 0 for a fault without phases."""
-        period_s = self.period_s(rung)
-        return (0.0,) if period_s is None else tuple(share * period_s for share in PHASE_SHARES)
-
-    def events_of(self, rung: Rung | None) -> tuple[str, ...]:
-        """The events at which the catalogue has the fault at this magnitude.
-
-        Where the magnitude is the period, all magnitudes strike at the same occurrences or nearly so: the default does.
-        """
-        magnitude = self.magnitude
-        if magnitude is not None and magnitude.argument in PERIODS and rung != magnitude.default:
-            return ()
-        return tuple(name for name, why_not in self.events.items() if not why_not)
-
     def strikes(self, rung: Rung | None) -> list[tuple[float, str]]:
-        """When the catalogue has the fault strike at this magnitude: phase [s] and event, the unshifted one first."""
-        return [(phase_s, "") for phase_s in self.phases_s(rung)] + [(0.0, name) for name in self.events_of(rung)]
+        """When the catalogue has the fault strike at this magnitude: phase [s] and event, the unshifted one first.
 
-    def period_s(self, rung: Rung | None) -> float | None:
-        """Return the period of the fault, or the moment of a fault that happens once [s]; None without phases."""
-        if not self.phases:
-            return None
-        values = dict(self.arguments)
-        if self.magnitude is not None and rung is not None:
-            values[self.magnitude.argument] = self.magnitude.value(rung)
-        return next((float(values[name]) for name in PERIODS if name in values), None)
+        A phase is a share of the period, or of the moment of a fault that happens once.  Where the magnitude is the
+        period, all magnitudes strike at the same occurrences of an event or nearly so: the default does.
+        """
+        magnitude, values = self.magnitude, dict(self.arguments)
+        if magnitude is not None and rung is not None:
+            values[magnitude.argument] = magnitude.value(rung)
+        period_s = next((float(values[name]) for name in PERIODS if self.phases and name in values), None)
+        phases = [(0.0, "")] if period_s is None else [(share * period_s, "") for share in PHASE_SHARES]
+        if magnitude is not None and magnitude.argument in PERIODS and rung != magnitude.default:
+            return phases
+        return phases + [(0.0, name) for name, why_not in self.events.items() if not why_not]
 
     def expects(self, rung: Rung | None) -> Expected | None:
         """Return the expectation that holds for this magnitude, or None."""

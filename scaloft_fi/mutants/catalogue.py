@@ -230,35 +230,25 @@ def check_catalogue(folder: Path, matrix: Matrix) -> tuple[Mutant, ...]:
     Raises:
         InputError: there is none, or it is stale; it names the first id that differs.
     """
-    derived = derive(matrix)
-    path = folder / CATALOGUE
-    for number, (line, expected) in enumerate(zip_longest(_text(folder), catalogue_lines(derived)), 1):
-        if line == expected:
-            continue
-        raise InputError(
-            f"{path}:{number}: the catalogue is stale: {_difference(path, number, line, derived)}; {_REMEDY}"
-        )
-    return derived
-
-
-def _difference(path: Path, number: int, line: str | None, derived: Sequence[Mutant]) -> str:
-    expected = derived[number - 1].id if number <= len(derived) else None
-    if line is None:
-        return f"{expected!r} is missing"
-    written = _mutant(path, number, line).id
-    if expected is None:
-        return f"{shown(written)} is not in the matrix"
-    if written == expected:
-        return f"{shown(written)} differs from the matrix"
-    return f"{shown(written)} stands where the matrix gives {expected!r}"
-
-
-def _text(folder: Path) -> list[str]:
-    path = folder / CATALOGUE
+    derived, path = derive(matrix), folder / CATALOGUE
     try:
-        return read_text(path, CATALOGUE_BYTES).splitlines()
+        lines = read_text(path, CATALOGUE_BYTES).splitlines()
     except UnreadableError as error:
         raise InputError(f"{error}; {_REMEDY}") from error
+    for number, (line, expected, mutant) in enumerate(zip_longest(lines, catalogue_lines(derived), derived), 1):
+        if line == expected:
+            continue
+        written = "" if line is None else _mutant(path, number, line).id
+        if line is None:
+            what = f"{mutant.id!r} is missing"
+        elif mutant is None:
+            what = f"{shown(written)} is not in the matrix"
+        elif written == mutant.id:
+            what = f"{shown(written)} differs from the matrix"
+        else:
+            what = f"{shown(written)} stands where the matrix gives {mutant.id!r}"
+        raise InputError(f"{path}:{number}: the catalogue is stale: {what}; {_REMEDY}")
+    return derived
 
 
 def _mutant(path: Path, number: int, line: str) -> Mutant:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,36 +47,40 @@ def within(windows: Windows, change: Callable[[Any], Any]) -> Tap:
     return lambda t_s, sample: change(sample) if sample is not None and windows.open(t_s) else sample
 
 
-@dataclass
-class Drawn:
-    """A tap that applies `change`, with random numbers of its own, to every sample, or to those inside the windows."""
+class Remembering:
+    """A tap with a memory: `step` is handed it, time [s] and sample at each poll, and returns what arrives."""
 
-    rng: np.random.Generator
-    change: Callable[[np.random.Generator, Any], Any]
-    windows: Windows | None = None
+    def __init__(self, step: Callable[[Any, float, Any | None], Any | None], **memory: Any) -> None:
+        self.step, self.own = step, SimpleNamespace(**memory)
 
     def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        """Return `sample`, changed where it is to be."""
-        if sample is None or not (self.windows is None or self.windows.open(t_s)):
-            return sample
-        return self.change(self.rng, sample)
+        """Return what arrives."""
+        return self.step(self.own, t_s, sample)
 
 
-@dataclass
-class AtEach:
+def drawn(
+    rng: np.random.Generator, change: Callable[[np.random.Generator, Any], Any], windows: Windows | None = None
+) -> Tap:
+    """A tap that applies `change`, with random numbers of its own, to every sample, or to those inside `windows`."""
+
+    def step(own: Any, t_s: float, sample: Any | None) -> Any | None:
+        inside = sample is not None and (own.windows is None or own.windows.open(t_s))
+        return change(own.rng, sample) if inside else sample
+
+    return Remembering(step, rng=rng, windows=windows)
+
+
+def at_each(windows: Windows, change: Callable[[Any], Any]) -> Tap:
     """A tap that applies `change` to the first sample after each window opens, and to no other."""
 
-    windows: Windows
-    change: Callable[[Any], Any]
-    last: int = -1
-
-    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        """Return `sample`, changed if it is the first of its window."""
-        number = self.windows.number(t_s)
-        if sample is None or number is None or number <= self.last:
+    def step(own: Any, t_s: float, sample: Any | None) -> Any | None:
+        number = own.windows.number(t_s)
+        if sample is None or number is None or number <= own.last:
             return sample
-        self.last = number
-        return self.change(sample)
+        own.last = number
+        return change(sample)
+
+    return Remembering(step, windows=windows, last=-1)
 
 
 def altered(sample: Any, field: str, change: Callable[[Any], Any], component: str = "") -> Any:

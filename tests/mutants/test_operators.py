@@ -108,13 +108,6 @@ def test_an_operator_tells_the_consumer_something_else_in_its_example(name: str)
     assert any(seam.differ(sample, tap(k * context.period_s, sample)) for k, sample in enumerate(example.before))
 
 
-@pytest.mark.parametrize("name", OPERATORS)
-def test_an_operator_says_what_it_does_and_what_it_needs(name: str) -> None:
-    operator = OPERATORS[name]
-    assert operator.summary.endswith(".")
-    assert operator.need.words
-
-
 @pytest.mark.parametrize(("name", "seam"), EVERYWHERE)
 def test_fresh_taps_of_one_flight_agree_and_write_into_nothing(name: str, seam: str, stream: Any) -> None:
     polls = stream(seam)
@@ -238,11 +231,6 @@ def test_a_message_derived_from_another_meets_the_need_for_it() -> None:
 
     assert the(Timed).met_by(Better)
     assert not the(Better).met_by(Timed)
-
-
-def test_every_operators_example_meets_its_need_and_some_need_refuses_something() -> None:
-    assert all(operator.need.met_by(operator.example.message) for operator in OPERATORS.values())
-    assert any(not operator.need.met_by(Nothing) for operator in OPERATORS.values())
 
 
 def _undocumented(*_: Any, **__: Any) -> Any:

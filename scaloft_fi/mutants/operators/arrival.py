@@ -4,24 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass, field
 from functools import partial
 from typing import Annotated, Any
 
-from scaloft_fi.mutants.operator import (
-    ANYTHING,
-    TOLERANCE_S,
-    Hold,
-    Period,
-    Range,
-    Seconds,
-    Share,
-    Tap,
-    TapContext,
-    Windows,
-    on,
-)
-from scaloft_fi.mutants.sample import Drawn, Reading, restamped
+from scaloft_fi.mutants.operator import ANYTHING, TOLERANCE_S, Hold, Period, Range, Seconds, Share, Tap, TapContext, on
+from scaloft_fi.mutants.sample import Reading, Remembering, drawn, restamped
 from scaloft_fi.stack.messages import Detections, Person
 
 on_reading = partial(on, Reading, need=ANYTHING)
@@ -38,7 +25,7 @@ def identity(_context: TapContext) -> Tap:
 @on_reading("drop", {"share": 1.0}, (Reading(0.0, 1.0), None), (None, None))
 def drop(context: TapContext, *, share: Share = 1.0) -> Tap:
     """Lose each sample with probability `share` (0..1), independently: an overloaded or unplugged link."""
-    return Drawn(context.rng, lambda rng, sample: None if rng.random() < share else sample)
+    return drawn(context.rng, lambda rng, sample: None if rng.random() < share else sample)
 
 
 @on_reading("outage", {"burst_s": 0.05, "period_s": 0.1}, (_A, _A, _A, _B, _B, _C), (_A, _A, None, _B, None, _C))
@@ -48,23 +35,18 @@ def outage(context: TapContext, *, burst_s: Hold, period_s: Period = 20.0, phase
     return lambda t_s, sample: None if windows.open(t_s) else sample
 
 
-@dataclass
-class _Throttle:
-    rate_hz: float
-    slot: int = -1
-
-    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        slot = math.floor((t_s + TOLERANCE_S) * self.rate_hz)
-        if sample is None or slot == self.slot:
-            return None
-        self.slot = slot
-        return sample
-
-
 @on_reading("throttle", {"rate_hz": 10.0}, (_A, _B, _C, _A, _B), (_A, None, _C, None, _B))
 def throttle(_context: TapContext, *, rate_hz: Annotated[float, Range(above=0.0, most=1e4)]) -> Tap:
     """Pass the first sample of each 1/`rate_hz` [s] and lose the others: a sender that runs too slowly."""
-    return _Throttle(rate_hz)
+
+    def step(own: Any, t_s: float, sample: Any | None) -> Any | None:
+        slot = math.floor((t_s + TOLERANCE_S) * rate_hz)
+        if sample is None or slot == own.slot:
+            return None
+        own.slot = slot
+        return sample
+
+    return Remembering(step, slot=-1)
 
 
 @on(
@@ -80,24 +62,6 @@ def deaf(_context: TapContext, *, first_s: Seconds) -> Tap:
     return lambda t_s, sample: None if t_s < first_s - TOLERANCE_S else sample
 
 
-@dataclass
-class _Delay:
-    delay_s: float
-    keep_first: bool
-    waiting: deque[tuple[float, Any]] = field(default_factory=deque)
-    begun: bool = False
-
-    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        if sample is not None:
-            first, self.begun = not self.begun, True
-            if first and self.keep_first:
-                return sample
-            self.waiting.append((t_s + self.delay_s - TOLERANCE_S, sample))
-        if self.waiting and self.waiting[0][0] <= t_s:
-            return self.waiting.popleft()[1]
-        return None
-
-
 @on_reading("delay", {"delay_s": 0.1}, (_A, _B, None, None, _C), (None, None, _A, _B, None))
 def delay(_context: TapContext, *, delay_s: Seconds, keep_first: bool = False) -> Tap:
     """Deliver each sample at the first poll `delay_s` [s] or more after it was sent, with its original time stamp.
@@ -105,20 +69,18 @@ def delay(_context: TapContext, *, delay_s: Seconds, keep_first: bool = False) -
     A queue in a slow transport, a slow computation.  With `keep_first` the first sample passes at once, as a setting
     that is made before take-off does.
     """
-    return _Delay(delay_s, keep_first)
 
+    def step(own: Any, t_s: float, sample: Any | None) -> Any | None:
+        if sample is not None:
+            first, own.begun = not own.begun, True
+            if first and keep_first:
+                return sample
+            own.waiting.append((t_s + delay_s - TOLERANCE_S, sample))
+        if own.waiting and own.waiting[0][0] <= t_s:
+            return own.waiting.popleft()[1]
+        return None
 
-@dataclass
-class _Freeze:
-    windows: Windows
-    held: Any | None = None
-
-    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        if sample is None:
-            return None
-        if self.held is None or not self.windows.open(t_s):
-            self.held = sample
-        return restamped(self.held, sample)
+    return Remembering(step, waiting=deque(), begun=False)
 
 
 @on_reading(
@@ -133,22 +95,15 @@ def freeze(context: TapContext, *, hold_s: Hold, period_s: Period = 20.0, phase_
     A sensor that is stuck behind a driver that goes on publishing (PX4's failure type `stuck`): no staleness check sees
     it.  An infinite `hold_s` lasts to the end.
     """
-    return _Freeze(context.windows(period_s, phase_s, hold_s))
 
+    def step(own: Any, t_s: float, sample: Any | None) -> Any | None:
+        if sample is None:
+            return None
+        if own.held is None or not own.windows.open(t_s):
+            own.held = sample
+        return restamped(own.held, sample)
 
-@dataclass
-class _Reorder:
-    count: int
-    block: list[Any] = field(default_factory=list)
-    ready: list[Any] = field(default_factory=list)
-
-    def __call__(self, _t_s: float, sample: Any | None) -> Any | None:
-        if sample is not None:
-            self.block.append(sample)
-            if len(self.block) == self.count:
-                self.ready[:0] = self.block
-                self.block = []
-        return self.ready.pop() if self.ready else None
+    return Remembering(step, windows=context.windows(period_s, phase_s, hold_s), held=None)
 
 
 @on_reading("reorder", {"count": 2}, (_A, _B, _C, _D, None), (None, _B, _A, _D, _C))
@@ -157,4 +112,13 @@ def reorder(_context: TapContext, *, count: Annotated[int, Range(least=2, most=1
 
     A transport without sequence.
     """
-    return _Reorder(count)
+
+    def step(own: Any, _t_s: float, sample: Any | None) -> Any | None:
+        if sample is not None:
+            own.block.append(sample)
+            if len(own.block) == count:
+                own.ready[:0] = own.block
+                own.block = []
+        return own.ready.pop() if own.ready else None
+
+    return Remembering(step, block=[], ready=[])

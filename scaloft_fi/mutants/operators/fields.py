@@ -30,7 +30,7 @@ from scaloft_fi.mutants.operator import (
     Windows,
     on,
 )
-from scaloft_fi.mutants.sample import Drawn, Move, Word, altered, on_each, within
+from scaloft_fi.mutants.sample import Move, Word, altered, drawn, on_each, within
 from scaloft_fi.stack.declaration import STEP_HZ
 from scaloft_fi.stack.messages import Exposure, Imu, Metering, Stamps
 
@@ -96,7 +96,7 @@ def noise(
     def noisy(rng: np.random.Generator, sample: Any) -> Any:
         return altered(sample, field, lambda v: v + sigma * rng.standard_normal(np.shape(v)), component)
 
-    return Drawn(context.rng, noisy)
+    return drawn(context.rng, noisy)
 
 
 @on_numeric(Metering, "negate", {"field": "error_ev"}, (Metering(0.0, 1.5), None), (Metering(0.0, -1.5), None))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -22,7 +21,7 @@ from scaloft_fi.mutants.operator import (
     TapContext,
     on,
 )
-from scaloft_fi.mutants.sample import Drawn, on_each
+from scaloft_fi.mutants.sample import Remembering, drawn, on_each
 from scaloft_fi.stack.messages import Detections, Person
 
 on_boxes = partial(on, Detections)
@@ -86,27 +85,22 @@ def ghost(_context: TapContext, *, distance_m: Metres) -> Tap:
     return on_each(doubled)
 
 
-@dataclass
-class _Invert:
-    range_m: float
-    reported_s: float = -math.inf
-
-    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        if sample is not None:
-            self.reported_s = t_s
-            return None
-        if t_s - self.reported_s < _SILENCE_S - TOLERANCE_S:
-            return None
-        return _boxes(_phantom(self.range_m), t_s=t_s)
-
-
 @on_boxes("invert_presence", {"range_m": 2.0}, (None, _boxes(_NEAR), None), (_boxes(_phantom(2.0)), None, None))
 def invert_presence(_context: TapContext, *, range_m: Metres = 3.0) -> Tap:
     """Report a person `range_m` [m] ahead while the detector reports none, and nobody while it reports one.
 
     Wrong polarity.  A detector that was silent for 0.5 s reports nobody.
     """
-    return _Invert(range_m)
+
+    def step(own: Any, t_s: float, sample: Any | None) -> Any | None:
+        if sample is not None:
+            own.reported_s = t_s
+            return None
+        if t_s - own.reported_s < _SILENCE_S - TOLERANCE_S:
+            return None
+        return _boxes(_phantom(range_m), t_s=t_s)
+
+    return Remembering(step, reported_s=-math.inf)
 
 
 @on_boxes(
@@ -122,7 +116,7 @@ def relabel(context: TapContext, *, share: Share = 1.0, label: str = "cart") -> 
         persons = zip(boxes.persons, rng.random(len(boxes.persons)) < share, strict=True)
         return boxes._replace(persons=tuple(p._replace(label=label) if wrong else p for p, wrong in persons))
 
-    return Drawn(context.rng, relabelled)
+    return drawn(context.rng, relabelled)
 
 
 @on_boxes(

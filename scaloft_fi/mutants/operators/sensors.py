@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Any, Literal
 
@@ -26,7 +25,7 @@ from scaloft_fi.mutants.operator import (
     Windows,
     on,
 )
-from scaloft_fi.mutants.sample import Drawn, on_each, reclocked, redrawn, within
+from scaloft_fi.mutants.sample import Remembering, drawn, on_each, reclocked, redrawn, within
 from scaloft_fi.stack.declaration import STEP_HZ
 from scaloft_fi.stack.messages import Array, Battery, DepthFrame, Imu, Stamps, Thrust
 
@@ -56,7 +55,7 @@ def range_noise(context: TapContext, *, share: Share) -> Tap:
     def noisy(rng: np.random.Generator, frame: Any) -> Any:
         return redrawn(frame, lambda seen: seen * np.maximum(1.0 + share * rng.standard_normal(seen.shape), 0.0))
 
-    return Drawn(context.rng, noisy)
+    return drawn(context.rng, noisy)
 
 
 @on_image(DepthFrame, "lose_columns", {"share": 0.5}, (_ROW, None), (_rows(*[(1.0, 0.0, 0.0, 0.0)] * 4), None))
@@ -133,7 +132,7 @@ def vibration(context: TapContext, *, factor: Annotated[float, Range(least=1.0, 
         rate, force = rng.standard_normal((2, 3))
         return imu._replace(rate=imu.rate + rate_radps * rate, force=imu.force + force_mps2 * force)
 
-    return Drawn(context.rng, shaken)
+    return drawn(context.rng, shaken)
 
 
 @on_inertial("remount", {}, (_REST, None), (Imu(0.0, np.array([-0.1, 0.2, 0.3]), np.array([-0.5, 0.0, 9.81])), None))
@@ -169,7 +168,7 @@ def garbage(
         rate, force = rng.uniform(-1.0, 1.0, (2, 3))
         return imu._replace(rate=rate_span_radps * rate, force=force_span_mps2 * force)
 
-    return Drawn(context.rng, replaced, windows)
+    return drawn(context.rng, replaced, windows)
 
 
 def _stamps(t_s: float) -> Stamps:
@@ -194,20 +193,6 @@ def epoch(_context: TapContext, *, offset_s: Number = 1.7e9) -> Tap:
     return on_each(lambda stamps: reclocked(stamps, lambda t_s: t_s + offset_s))
 
 
-@dataclass
-class _Disorder:
-    count: int
-    poll_s: float
-    place: int = 0
-
-    def __call__(self, _t_s: float, sample: Any | None) -> Any | None:
-        if sample is None:
-            return None
-        back_s = 2 * self.place * self.poll_s
-        self.place = (self.place + 1) % self.count
-        return reclocked(sample, lambda t_s: t_s - back_s)
-
-
 @on_stamped(
     Stamps,
     "disorder",
@@ -217,7 +202,16 @@ class _Disorder:
 )
 def disorder(context: TapContext, *, count: Annotated[int, Range(least=2, most=1000)]) -> Tap:
     """Give every `count` stamps in reverse order: the messages arrive in time, each with the stamp of another."""
-    return _Disorder(count, context.period_s)
+    poll_s = context.period_s
+
+    def step(own: Any, _t_s: float, sample: Any | None) -> Any | None:
+        if sample is None:
+            return None
+        back_s = 2 * own.place * poll_s
+        own.place = (own.place + 1) % count
+        return reclocked(sample, lambda t_s: t_s - back_s)
+
+    return Remembering(step, place=0)
 
 
 @on_stamped(

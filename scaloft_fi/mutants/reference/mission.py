@@ -8,12 +8,11 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import partial
 from typing import Annotated, Any
 
 from scaloft_fi.mutants.operator import TOLERANCE_S, Axis, Metres, Period, Place, Range, Seconds, Tap, TapContext, on
-from scaloft_fi.mutants.sample import AtEach, altered, on_each, within
+from scaloft_fi.mutants.sample import Remembering, altered, at_each, on_each, within
 from scaloft_fi.stack.messages import Point
 from scaloft_fi.stack.reference.messages import GoalCheck, Route, SpeedLimit, Target
 
@@ -118,24 +117,6 @@ def swap_waypoints(_context: TapContext, *, first: Place = 0, second: Place = 1)
     return _rerouted(swapped)
 
 
-@dataclass
-class _Withhold:
-    delay_s: float
-    delivered: Any | None = None
-    newest: Any | None = None
-    changed_s: float = -math.inf
-
-    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        if sample is None:
-            return None
-        if self.newest is not None and sample != self.newest:
-            self.changed_s = t_s
-        self.newest = sample
-        if self.delivered is None or t_s - self.changed_s >= self.delay_s - TOLERANCE_S:
-            self.delivered = sample
-        return self.delivered
-
-
 @on_target(
     "withhold",
     {"delay_s": 0.1},
@@ -147,7 +128,18 @@ def withhold(_context: TapContext, *, delay_s: Seconds) -> Tap:
 
     The next leg is computed or transferred late.
     """
-    return _Withhold(delay_s)
+
+    def step(own: Any, t_s: float, sample: Any | None) -> Any | None:
+        if sample is None:
+            return None
+        if own.newest is not None and sample != own.newest:
+            own.changed_s = t_s
+        own.newest = sample
+        if own.delivered is None or t_s - own.changed_s >= delay_s - TOLERANCE_S:
+            own.delivered = sample
+        return own.delivered
+
+    return Remembering(step, delivered=None, newest=None, changed_s=-math.inf)
 
 
 @on_target(
@@ -191,27 +183,22 @@ def ignore_axis(_context: TapContext, *, axis: Axis) -> Tap:
     return on_each(lambda check: altered(check, "axes", lambda _counts: 0.0, axis))
 
 
-@dataclass
-class _Dwell:
-    dwell_s: float
-    reached_s: dict[int, float] = field(default_factory=dict)
-
-    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        if sample is None:
-            return None
-        if sample.reached:
-            self.reached_s.setdefault(sample.leg, t_s)
-        since_s = self.reached_s.get(sample.leg)
-        return sample if since_s is None else sample._replace(verdict=t_s - since_s >= self.dwell_s - TOLERANCE_S)
-
-
 @on_goal_check("dwell", {"dwell_s": 0.1}, (_FAR, _THERE, _FAR, _FAR), (_FAR, _no(_THERE), _no(_FAR), _yes(_FAR)))
 def dwell(_context: TapContext, *, dwell_s: Seconds) -> Tap:
     """Declare each waypoint reached `dwell_s` [s] after it was.
 
     A verdict that waits in a queue or for a confirmation.
     """
-    return _Dwell(dwell_s)
+
+    def step(own: Any, t_s: float, sample: Any | None) -> Any | None:
+        if sample is None:
+            return None
+        if sample.reached:
+            own.reached_s.setdefault(sample.leg, t_s)
+        since_s = own.reached_s.get(sample.leg)
+        return sample if since_s is None else sample._replace(verdict=t_s - since_s >= dwell_s - TOLERANCE_S)
+
+    return Remembering(step, reached_s={})
 
 
 @on_goal_check("skip", {"index": 0}, (_FAR, _FAR._replace(leg=1)), (_yes(_FAR), _FAR._replace(leg=1)))
@@ -237,7 +224,7 @@ def early_reached(_context: TapContext, *, lead_s: Seconds) -> Tap:
 )
 def spurious_reached(context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Declare the present waypoint reached, wherever the vehicle is, once each `period_s` [s]: a stray event."""
-    return AtEach(context.windows(period_s, phase_s, period_s), _yes)
+    return at_each(context.windows(period_s, phase_s, period_s), _yes)
 
 
 Speed = Annotated[float, Range(above=0.0, most=100.0)]
@@ -276,24 +263,6 @@ def swap_limits(context: TapContext) -> Tap:
     return on_each(lambda limit: limit._replace(limit_mps=cruise_mps if limit.limit_mps < cruise_mps else slow_mps))
 
 
-@dataclass
-class _Republish:
-    cruise_mps: float
-    after_s: float
-    due_s: float = math.inf
-    norm: str = ""
-
-    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        if sample is not None:
-            reduces = sample.limit_mps < self.cruise_mps
-            self.due_s, self.norm = t_s + self.after_s if reduces else math.inf, sample.norm
-            return sample
-        if t_s < self.due_s - TOLERANCE_S:
-            return None
-        self.due_s = math.inf
-        return SpeedLimit(t_s, self.cruise_mps, self.norm)
-
-
 @on_speed_limit(
     "republish",
     {"after_s": 0.1},
@@ -305,27 +274,19 @@ def republish(context: TapContext, *, after_s: Seconds) -> Tap:
 
     A timer restores the default speed.
     """
-    return _Republish(_cruise(context), after_s)
+    cruise_mps = _cruise(context)
 
-
-@dataclass
-class _Release:
-    cruise_mps: float
-    after_s: float
-    reduced_s: float = math.inf
-    norm: str = ""
-    released: bool = False
-
-    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        reduces = sample is not None and sample.limit_mps < self.cruise_mps
-        if sample is not None and reduces:
-            self.reduced_s, self.norm = min(self.reduced_s, t_s), sample.norm
-        if t_s - self.reduced_s < self.after_s - TOLERANCE_S:
+    def step(own: Any, t_s: float, sample: Any | None) -> Any | None:
+        if sample is not None:
+            reduces = sample.limit_mps < cruise_mps
+            own.due_s, own.norm = t_s + after_s if reduces else math.inf, sample.norm
             return sample
-        if not self.released:
-            self.released = True
-            return SpeedLimit(t_s, self.cruise_mps, self.norm)
-        return None if reduces else sample
+        if t_s < own.due_s - TOLERANCE_S:
+            return None
+        own.due_s = math.inf
+        return SpeedLimit(t_s, cruise_mps, own.norm)
+
+    return Remembering(step, due_s=math.inf, norm="")
 
 
 @on_speed_limit(
@@ -339,27 +300,20 @@ def release(context: TapContext, *, after_s: Seconds) -> Tap:
 
     The limit is released before the drone has passed the person.
     """
-    return _Release(_cruise(context), after_s)
+    cruise_mps = _cruise(context)
 
+    def step(own: Any, t_s: float, sample: Any | None) -> Any | None:
+        reduces = sample is not None and sample.limit_mps < cruise_mps
+        if sample is not None and reduces:
+            own.reduced_s, own.norm = min(own.reduced_s, t_s), sample.norm
+        if t_s - own.reduced_s < after_s - TOLERANCE_S:
+            return sample
+        if not own.released:
+            own.released = True
+            return SpeedLimit(t_s, cruise_mps, own.norm)
+        return None if reduces else sample
 
-@dataclass
-class _LateRelease:
-    cruise_mps: float
-    delay_s: float
-    reduced: bool = False
-    waiting: deque[tuple[float, Any]] = field(default_factory=deque)
-
-    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        if sample is not None:
-            if sample.limit_mps < self.cruise_mps:
-                self.reduced = True
-                self.waiting.clear()
-            if not self.reduced or sample.limit_mps < self.cruise_mps:
-                return sample
-            self.waiting.append((t_s + self.delay_s - TOLERANCE_S, sample))
-        if self.waiting and self.waiting[0][0] <= t_s:
-            return self.waiting.popleft()[1]
-        return None
+    return Remembering(step, reduced_s=math.inf, norm="", released=False)
 
 
 @on_speed_limit(
@@ -370,7 +324,21 @@ class _LateRelease:
 )
 def late_release(context: TapContext, *, delay_s: Seconds) -> Tap:
     """Deliver a return to the cruise limit `delay_s` [s] late; a new reduction meanwhile cancels it."""
-    return _LateRelease(_cruise(context), delay_s)
+    cruise_mps = _cruise(context)
+
+    def step(own: Any, t_s: float, sample: Any | None) -> Any | None:
+        if sample is not None:
+            if sample.limit_mps < cruise_mps:
+                own.reduced = True
+                own.waiting.clear()
+            if not own.reduced or sample.limit_mps < cruise_mps:
+                return sample
+            own.waiting.append((t_s + delay_s - TOLERANCE_S, sample))
+        if own.waiting and own.waiting[0][0] <= t_s:
+            return own.waiting.popleft()[1]
+        return None
+
+    return Remembering(step, reduced=False, waiting=deque())
 
 
 @on_speed_limit("reset_limit", {"period_s": 0.1}, (_slow(), None, None, None), (_slow(), None, _fast(0.1), None))

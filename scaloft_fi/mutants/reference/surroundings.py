@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
@@ -23,7 +22,7 @@ from scaloft_fi.mutants.operator import (
     TapContext,
     on,
 )
-from scaloft_fi.mutants.sample import AtEach, on_each
+from scaloft_fi.mutants.sample import Remembering, at_each, on_each
 from scaloft_fi.stack.messages import Array, Bumper
 from scaloft_fi.stack.reference.messages import Clearing, CollisionFlag, ObstacleMap, PoseEstimate, Proximity
 
@@ -45,24 +44,6 @@ def turned(attitude: Array, angle_rad: float) -> Array:
     return np.array([c * x - s * y, c * y + s * x, c * z + s * w, c * w - s * z])
 
 
-@dataclass
-class _Hold:
-    component: str
-    held: float | None = None
-
-    def __call__(self, _t_s: float, sample: Any | None) -> Any | None:
-        if sample is None:
-            return None
-        if self.component == "yaw":
-            self.held = sample.yaw_rad if self.held is None else self.held
-            return sample._replace(yaw_rad=self.held, attitude=turned(sample.attitude, self.held - sample.yaw_rad))
-        axis = "xyz".index(self.component)
-        self.held = float(sample.position[axis]) if self.held is None else self.held
-        position = sample.position.copy()
-        position[axis] = self.held
-        return sample._replace(position=position)
-
-
 @on_pose(
     "hold_component",
     {"component": "yaw"},
@@ -74,20 +55,20 @@ def hold_component(_context: TapContext, *, component: Literal["x", "y", "z", "y
 
     A held heading turns the attitude too, so that all consumers receive the same heading.
     """
-    return _Hold(component)
 
+    def step(own: Any, _t_s: float, sample: Any | None) -> Any | None:
+        if sample is None:
+            return None
+        if component == "yaw":
+            own.held = sample.yaw_rad if own.held is None else own.held
+            return sample._replace(yaw_rad=own.held, attitude=turned(sample.attitude, own.held - sample.yaw_rad))
+        axis = "xyz".index(component)
+        own.held = float(sample.position[axis]) if own.held is None else own.held
+        position = sample.position.copy()
+        position[axis] = own.held
+        return sample._replace(position=position)
 
-@dataclass
-class _ResetOrigin:
-    at_s: float
-    origin: Array | None = None
-
-    def __call__(self, t_s: float, sample: Any | None) -> Any | None:
-        if sample is None or t_s < self.at_s - TOLERANCE_S:
-            return sample
-        if self.origin is None:
-            self.origin = sample.position * np.array([1.0, 1.0, 0.0])
-        return sample._replace(position=sample.position - self.origin)
+    return Remembering(step, held=None)
 
 
 @on_pose(
@@ -101,7 +82,15 @@ def reset_origin(_context: TapContext, *, at_s: Seconds = 20.0) -> Tap:
 
     An estimator that restarts in flight; height is kept.
     """
-    return _ResetOrigin(at_s)
+
+    def step(own: Any, t_s: float, sample: Any | None) -> Any | None:
+        if sample is None or t_s < at_s - TOLERANCE_S:
+            return sample
+        if own.origin is None:
+            own.origin = sample.position * np.array([1.0, 1.0, 0.0])
+        return sample._replace(position=sample.position - own.origin)
+
+    return Remembering(step, origin=None)
 
 
 _HERE = np.array([0.0, 0.0, 1.5])
@@ -213,7 +202,7 @@ def never_clear(_context: TapContext) -> Tap:
 def clear_all(context: TapContext, *, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
     """Forget all occupied cells at once, each `period_s` [s]: the map server restarts."""
     windows = context.windows(period_s, phase_s, period_s)
-    return AtEach(windows, lambda clearing: clearing._replace(forget=clearing.occupied.copy()))
+    return at_each(windows, lambda clearing: clearing._replace(forget=clearing.occupied.copy()))
 
 
 _FLAG = CollisionFlag(0.0, 0.2)
