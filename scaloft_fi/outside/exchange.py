@@ -84,7 +84,7 @@ class Processes:
         self._commands, self._study, self._output = commands, study.absolute(), folder / "output"
         self._environment = environment
         self._guard: subprocess.Popen[bytes] | None = None
-        self._news = b""
+        self._news, self._started = b"", False
         self._ended = self.how = ""
         self._spared: frozenset[int] = frozenset()
 
@@ -117,9 +117,9 @@ class Processes:
             self._guard.stdin.write(json.dumps(order).encode() + b"\n")
             self._guard.stdin.flush()
         due_s = time.monotonic() + START_S
-        while not self._ended and b"started" not in self._news and time.monotonic() < due_s:
+        while not self._ended and not self._started and time.monotonic() < due_s:
             self._listen(0.05)
-        if self._ended or b"started" not in self._news:
+        if self._ended or not self._started:
             raise BorderError(self._ended or f"the guard of the processes did not start within {START_S:g} s")
 
     def ended(self, within_s: float = 0.0) -> str:
@@ -147,13 +147,13 @@ class Processes:
                 return
             self._news += text
             wait_s = 0.0
-        *whole, rest = self._news.split(b"\n")
+        *whole, self._news = self._news.split(b"\n")
         for line in whole:
             what, number, detail = line.decode(errors="replace").split(" ", 2)
-            if what in ("failed", "ended") and not self._ended:
+            self._started |= what == "started"
+            if what != "started" and not self._ended:
                 self.how = _how(what, detail)
                 self._ended = f"{_program(self._commands[int(number)])} {self.how}"
-        self._news = b"\n".join([line for line in whole if line.startswith(b"started")] + [rest])
 
     def last_lines(self, count: int = 5) -> str:
         """The last lines that they wrote, made inert and joined by " / "; "" for none."""
