@@ -9,6 +9,7 @@ import random
 from collections.abc import Callable
 from pathlib import Path
 
+import pyarrow.parquet
 import pytest
 from builders import GRID, KINDS, ROSTER, campaigns, outcome, seeded
 from click.testing import Result
@@ -18,7 +19,7 @@ from hypothesis import strategies as st
 
 from scaloft_fi.analysis.pool import Pool
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
-from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, export_format
+from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, export_format, parquet
 from scaloft_fi.verbs.export.rows import FlightRow, columns, export_rows, to_csv, to_json
 
 M = "LATE-human@3s"
@@ -127,6 +128,22 @@ def test_json_and_csv_say_the_same_of_every_flight(outcomes: list[Outcome]) -> N
     for row, other in zip(rows, parsed, strict=True):
         assert all(str(row[name]) == other[name] for name in ("mutant", "situation", "seed", "status", "digest"))
         assert (row["status"] == "revealed") <= bool(row["violated"])
+
+
+@given(campaigns())
+def test_a_data_frame_gets_back_every_row_of_the_export(outcomes: list[Outcome]) -> None:
+    names = list(KINDS)
+    rows = export_rows(outcomes, ROSTER, GRID, names)
+    table = pyarrow.parquet.read_table(io.BytesIO(parquet(rows, columns(rows, names))))
+    assert table.column_names == columns(rows, names)
+    assert table.to_pylist() == rows
+
+
+def test_a_list_stays_a_list_and_a_seed_a_whole_number() -> None:
+    schema = pyarrow.parquet.read_table(io.BytesIO(parquet([], columns([], list(KINDS))))).schema
+    assert str(schema.field("violated").type) == "list<element: string>"
+    assert str(schema.field("seed").type) == "int64"
+    assert str(schema.field("rho_SR1").type) == "double"
 
 
 Call = Callable[..., Result]
