@@ -16,7 +16,7 @@ from scaloft_fi.errors import ExitCode
 from scaloft_fi.model import Names, Schema
 from scaloft_fi.verbs.schema import DOCUMENTS, Document, declared_names
 from scaloft_fi.verbs.verb import Verb
-from scaloft_fi.views.output import SUMMARY, Output, Rows, table_names
+from scaloft_fi.views.output import SUMMARY, Output, Rows, flat_tables
 from scaloft_fi.views.table import markdown
 
 _ELSEWHERE = {"matrix": "matrix_record", "run": "score_record", "export": "export.rows"}
@@ -81,7 +81,7 @@ def _form(output: Output) -> Iterator[str]:
     if isinstance(output, Rows):
         yield "A bare list, without a version in it; `--format csv` has the same columns."
     elif output.verb not in ONE_CSV:
-        tables = ", ".join(f"`{name}`" for name in table_names(output))
+        tables = ", ".join(f"`{name}`" for name in flat_tables(output, dict.fromkeys(output.keys)))
         yield f"`--format csv` prints `{output.rows}`; all tables: {tables}."
     yield from ("", *_keys_table(output.schema))
 

@@ -143,20 +143,16 @@ def needed_pyarrow() -> Any:
     return pyarrow
 
 
+_DTYPES = {ColumnType.WHOLE: "int64", ColumnType.TRUTH: "bool", ColumnType.NUMBER: "float64", ColumnType.TEXT: "object"}
+
+
 def _column(kind: ColumnType, values: Sequence[Any]) -> NDArray[Any] | list[Any]:
     import numpy as np
 
-    if kind in (ColumnType.TEXTS, ColumnType.NUMBERS, ColumnType.WHOLES):
-        return list(map(_utf8, values))
-    array: NDArray[Any]
-    if kind is ColumnType.WHOLE:
-        array = np.array(values, dtype=np.int64)
-    elif kind is ColumnType.TRUTH:
-        array = np.array(values, dtype=np.bool_)
-    elif kind is ColumnType.NUMBER:
-        array = np.array([np.nan if value is None else value for value in values], dtype=np.float64)
-    else:
-        array = np.array([_utf8(value) for value in values], dtype=object)
+    told = [_utf8(value) for value in values]
+    if kind not in _DTYPES:
+        return told
+    array: NDArray[Any] = np.array(told, dtype=_DTYPES[kind])  # None as a float is NaN
     array.setflags(write=False)
     return array
 
@@ -611,23 +607,6 @@ def _fields(shape: Shape, values: Sequence[Any], field: Field) -> Iterator[Field
         yield from _fields(each, below, Field(name, (*field.path, key), each, lacking))
 
 
-def csv_tables(output: Output, values: Mapping[str, Any]) -> dict[str, str]:
-    """The CSV text of each table by its name; the summary has a line for each value."""
-    return {name: _text(name, flat) for name, flat in flat_tables(output, values).items()}
-
-
-def _text(name: str, flat: Flat) -> str:
-    rows = [[cell(value) for value in row] for row in flat.rows]
-    if name == SUMMARY:
-        return csv_text(("what", "value"), zip(flat.columns, *rows, strict=True))
-    return csv_text(flat.columns, rows)
-
-
-def table_names(output: Output) -> list[str]:
-    """The names of its tables."""
-    return list(flat_tables(output, dict.fromkeys(output.keys)))
-
-
 def cell(value: Any) -> Any:
     """A plain JSON value as one cell.
 
@@ -642,24 +621,6 @@ def cell(value: Any) -> Any:
 
 
 _TYPES = {"integer": ColumnType.WHOLE, "number": ColumnType.NUMBER, "boolean": ColumnType.TRUTH}
-
-
-def columns_of(name: str, flat: Flat) -> Columns:
-    """The columns of a table."""
-    types = {column: type_of(field) for column, field in flat.columns.items()}
-    rows = [
-        {column: _value(kind, value) for (column, kind), value in zip(types.items(), row, strict=True)}
-        for row in flat.rows
-    ]
-    return Columns(f"{name}: {flat.about}", types, rows)
-
-
-def summary_values(flat: Flat) -> dict[str, Any]:
-    """The single values of a summary by name, each list as a tuple."""
-    (row,) = flat.rows
-    return {
-        name: tuple(value) if isinstance(value, list) else value for name, value in zip(flat.columns, row, strict=True)
-    }
 
 
 def type_of(field: Field) -> ColumnType:
@@ -677,12 +638,18 @@ def _bare(shape: Shape) -> str:
     return named if isinstance(named, str) else named[0]
 
 
-def _value(kind: ColumnType, value: Any) -> Any:
-    if kind in (ColumnType.TEXTS, ColumnType.NUMBERS):
-        return [float(one) if kind is ColumnType.NUMBERS else str(cell(one)) for one in value or ()]
-    if kind is ColumnType.TEXT:
-        return "" if value is None else str(cell(value))
-    return float(value) if kind is ColumnType.NUMBER and value is not None else value
+def _columns(name: str, flat: Flat) -> Columns:
+    types = {column: type_of(field) for column, field in flat.columns.items()}
+
+    def typed(kind: ColumnType, value: Any) -> Any:
+        if kind in (ColumnType.TEXTS, ColumnType.NUMBERS):
+            return [float(one) if kind is ColumnType.NUMBERS else str(cell(one)) for one in value or ()]
+        if kind is ColumnType.TEXT:
+            return "" if value is None else str(cell(value))
+        return float(value) if kind is ColumnType.NUMBER and value is not None else value
+
+    rows = ({name: typed(types[name], value) for name, value in zip(types, row, strict=True)} for row in flat.rows)
+    return Columns(f"{name}: {flat.about}", types, rows)
 
 
 class Answer(Mapping[str, Columns]):
@@ -721,7 +688,9 @@ class Answer(Mapping[str, Columns]):
     @cached_property
     def summary(self) -> Mapping[str, Any]:
         """What stands in no table: single values by name, a list as a tuple; None where there is no value."""
-        return MappingProxyType(summary_values(self._flat[SUMMARY])) if SUMMARY in self._flat else MappingProxyType({})
+        flat = self._flat.get(SUMMARY)
+        single = zip(flat.columns, *flat.rows, strict=True) if flat else ()
+        return MappingProxyType({name: tuple(one) if isinstance(one, list) else one for name, one in single})
 
     def record(self) -> dict[str, Any]:
         """The whole as plain JSON values: what the verb prints with `--format json`."""
@@ -745,19 +714,25 @@ class Answer(Mapping[str, Columns]):
 
     def csv(self) -> dict[str, str]:
         """The text of a CSV file for each table by its name: what the verb writes with `--tables`."""
-        return csv_tables(self._form, self._values)
+        texts = {}
+        for name, flat in self._flat.items():
+            rows = [[cell(value) for value in row] for row in flat.rows]
+            summary = name == SUMMARY  # a line for each value
+            columns = ("what", "value") if summary else flat.columns
+            texts[name] = csv_text(columns, zip(flat.columns, *rows, strict=True) if summary else rows)
+        return texts
 
     @cached_property
     def _values(self) -> Mapping[str, Any]:
         return self._form.values(self._make())
 
     @cached_property
-    def _flat(self) -> Mapping[str, Any]:
+    def _flat(self) -> Mapping[str, Flat]:
         return flat_tables(self._form, self._values)
 
     @cached_property
     def _columns(self) -> Mapping[str, Columns]:
-        return {name: columns_of(name, flat) for name, flat in self._flat.items() if name != SUMMARY}
+        return {name: _columns(name, flat) for name, flat in self._flat.items() if name != SUMMARY}
 
     def __getitem__(self, name: str) -> Columns:
         if name not in self._columns:
