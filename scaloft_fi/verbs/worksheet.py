@@ -11,9 +11,8 @@ from __future__ import annotations
 
 import io
 import re
-import zipfile
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -36,6 +35,7 @@ from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import default_of
 from scaloft_fi.output import write_named
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
+from scaloft_fi.verbs.export.archive import unzipped, zipped
 from scaloft_fi.verbs.margin import UNKNOWN, CellMargin, cell_margins
 from scaloft_fi.verbs.matrix_record import CELL, cell_values
 from scaloft_fi.verbs.options import (
@@ -87,13 +87,7 @@ STUDY = (
     Column("rationale", "Rationale", "why it is not meaningful, or what the study predicts", width=36),
     Column("causes", "Possible causes", "what could bring it about", width=40),
     Column("effect", "Consequence", "what it does locally, then to the flight", width=40),
-    Column(
-        "severity",
-        "Severity",
-        "class by the study's own list; else for the team",
-        short=True,
-        width=10,
-    ),
+    Column("severity", "Severity", "class by the study's own list; else for the team", short=True, width=10),
     Column("requirements", "Requirements", "those at risk", short=True, width=14),
     Column("operators", "Faults", "how it is made, with the ladder of magnitudes", width=36),
     Column("mutant", "Default mutant", "the one that the findings speak of", width=24),
@@ -377,12 +371,6 @@ LONG_WORD = 16
 """A column is made wide enough for words up to this length [characters]."""
 
 
-def parts(rows: Sequence[SheetRow]) -> tuple[list[SheetRow], list[SheetRow]]:
-    """The deviations that can happen, and the log of those that are not credible."""
-    log = [row for row in rows if row.cell.status is CellStatus.NOT_MEANINGFUL]
-    return [row for row in rows if row.cell.status is not CellStatus.NOT_MEANINGFUL], log
-
-
 def columns(keys: Sequence[str] = ()) -> list[Column]:
     """The columns with these keys, or those that fit a page."""
     return [column for column in COLUMNS if (column.key in keys if keys else column.short)]
@@ -394,14 +382,29 @@ def survivors(rows: Sequence[SheetRow]) -> list[SheetRow]:
     return worst_first((row for row in rows if row.survives), lambda row: row.severity) if classed else []
 
 
-def filled(shown: Sequence[Column], rows: Sequence[SheetRow]) -> list[Column]:
-    """The columns without those that may be spared and have no value in any row."""
-    return [column for column in shown if column.key not in SPARE or any(row.values[column.key] for row in rows)]
+Section = tuple[str, Sequence[Column], Sequence[SheetRow]]
+"""A table of the sheet: its title, columns and rows."""
 
 
-def value_text(value: SheetValue) -> str:
-    """A value in a cell; nothing where there is none."""
-    return "" if value is None else str(value)
+def sections(rows: Sequence[SheetRow], keys: Sequence[str] = (), *, finds: bool = False) -> list[Section]:
+    """The findings of each deviation that can happen, survivors by class and finds where there are any, then the log.
+
+    Args:
+        rows: of the worksheet.
+        keys: of the columns of the findings, which go where they may be spared and have no value; as of `columns`.
+        finds: whether finds have a table of their own.
+    """
+    log = [row for row in rows if row.cell.status is CellStatus.NOT_MEANINGFUL]
+    sheet = [row for row in rows if row.cell.status is not CellStatus.NOT_MEANINGFUL]
+    shown = [one for one in columns(keys) if one.key not in SPARE or any(row.values[one.key] for row in sheet)]
+    found = [row for row in sheet if row.values["find"] and finds]
+    others = [(SURVIVORS_TITLE, columns(SURVIVORS_KEYS), survivors(rows)), (FINDS_TITLE, columns(FINDS_KEYS), found)]
+    return [(TITLE, shown, sheet), *(one for one in others if one[2]), (LOG_TITLE, columns(LOG_KEYS), log)]
+
+
+def texts(row: SheetRow, shown: Iterable[Column]) -> list[str]:
+    """The values of a row in some columns; nothing where there is none."""
+    return ["" if (value := row.values[column.key]) is None else str(value) for column in shown]
 
 
 def to_text(rows: Sequence[SheetRow], *, width: int | None = None, marked: bool | None = None) -> str:
@@ -417,65 +420,34 @@ def to_text(rows: Sequence[SheetRow], *, width: int | None = None, marked: bool 
 
 def sheet_tables(rows: Sequence[SheetRow]) -> tuple[Table, ...]:
     """The findings of each deviation, survivors by class and finds where there are any, then the log."""
-    sheet, log = parts(rows)
-    found, alive = [row for row in sheet if row.values["find"]], survivors(rows)
-    return (
-        _table(
-            TITLE, filled(columns(IN_TERMINAL), sheet), sheet, (population(rows), "Every column: --format csv or xlsx.")
-        ),
-        *([_table(SURVIVORS_TITLE, columns(SURVIVORS_KEYS), alive)] if alive else []),
-        *([_table(FINDS_TITLE, columns(FINDS_KEYS), found)] if found else []),
-        _table(LOG_TITLE, columns(LOG_KEYS), log),
+    notes = {TITLE: (population(rows), "Every column: --format csv or xlsx.")}
+    return tuple(
+        Table(
+            title,
+            tuple(column.title for column in shown),
+            tuple(tuple(map(line, texts(row, shown))) for row in listed),
+            notes.get(title, ()),
+        )
+        for title, shown, listed in sections(rows, IN_TERMINAL, finds=True)
     )
-
-
-def _table(title: str, shown: Sequence[Column], rows: Sequence[SheetRow], notes: tuple[str, ...] = ()) -> Table:
-    lines = tuple(tuple(line(value_text(row.values[column.key])) for column in shown) for row in rows)
-    return Table(title, tuple(column.title for column in shown), lines, notes)
 
 
 def to_markdown(rows: Sequence[SheetRow]) -> str:
     """Markdown tables; every character of the study's is taken literally."""
-    sheet, log = parts(rows)
-    alive = survivors(rows)
-    return "\n".join(
-        [
-            f"### {TITLE}\n",
-            *_piped(filled(columns(), sheet), sheet),
-            f"\n{markdown(population(rows))}\n",
-            *([f"### {SURVIVORS_TITLE}\n", *_piped(columns(SURVIVORS_KEYS), alive), ""] if alive else []),
-            f"### {LOG_TITLE}\n",
-            *_piped(columns(LOG_KEYS), log),
-            "",
-        ]
-    )
-
-
-def _piped(shown: Sequence[Column], rows: Sequence[SheetRow]) -> list[str]:
-    lines = [[markdown(value_text(row.values[column.key])) for column in shown] for row in rows]
-    header = [[column.title for column in shown], ["---"] * len(shown)]
-    return [f"| {' | '.join(cells)} |" for cells in (*header, *lines)]
+    blocks = []
+    for title, shown, listed in sections(rows):
+        lines = [list(map(markdown, texts(row, shown))) for row in listed]
+        header = [[column.title for column in shown], ["---"] * len(shown)]
+        blocks += [f"### {title}", "\n".join(f"| {' | '.join(cells)} |" for cells in (*header, *lines))]
+    blocks.insert(2, markdown(population(rows)))
+    return "\n\n".join(blocks) + "\n"
 
 
 def to_latex(rows: Sequence[SheetRow]) -> str:
     """A fragment with long tables on landscape pages, header rows repeated."""
-    sheet, log = parts(rows)
-    alive = survivors(rows)
-    tables = [
-        _longtable(TITLE, filled(columns(), sheet), sheet),
-        latex(population(rows)),
-        *([_longtable(SURVIVORS_TITLE, columns(SURVIVORS_KEYS), alive)] if alive else []),
-        _longtable(LOG_TITLE, columns(LOG_KEYS), log),
-    ]
-    return "\n".join(
-        [
-            LATEX_NOTE,
-            r"\begin{landscape}\scriptsize\setlength{\tabcolsep}{2.5pt}\raggedright",
-            *tables,
-            r"\end{landscape}",
-            "",
-        ]
-    )
+    first, *others = (_longtable(*section) for section in sections(rows))
+    begin = r"\begin{landscape}\scriptsize\setlength{\tabcolsep}{2.5pt}\raggedright"
+    return "\n".join([LATEX_NOTE, begin, first, latex(population(rows)), *others, r"\end{landscape}", ""])
 
 
 def _longtable(title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) -> str:
@@ -486,8 +458,8 @@ def _longtable(title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) ->
         f"p{{\\dimexpr {width / sum(widths):.5f}\\linewidth-2\\tabcolsep\\relax}}"
         for width in widths
     )
-    header = _row([column.title for column in shown], latex)
-    lines = [_row([value_text(row.values[column.key]) for column in shown], latex) for row in rows]
+    header = _row([column.title for column in shown])
+    lines = [_row(texts(row, shown)) for row in rows]
     caption = f"\\caption{{{latex(title)}}}\\\\"
     head = [f"\\begin{{longtable}}{{{spec}}}", caption, "\\toprule", header, "\\midrule", "\\endhead", "\\bottomrule"]
     return "\n".join([*head, "\\endfoot", *lines, "\\end{longtable}"])
@@ -495,14 +467,15 @@ def _longtable(title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) ->
 
 def _width(column: Column, rows: Sequence[SheetRow]) -> float:
     """The share of a column: in a narrow one its longest word, capitals half as wide again, fills half of it."""
-    words = " ".join([column.title, *(value_text(row.values[column.key]) for row in rows)]).replace("-", "- ").split()
+    told = " ".join([column.title, *(text for row in rows for text in texts(row, [column]))])
+    words = told.replace("-", "- ").split()
     longest = max(len(word) + sum(letter.isupper() for letter in word) / 2 for word in words)
     return max(column.width, 2 * min(LONG_WORD, longest))
 
 
-def _row(cells: Sequence[str], escape: Callable[[str], str]) -> str:
+def _row(cells: Sequence[str]) -> str:
     # an empty group, so that a text that begins with [ or * is no option of the line before
-    return "{}" + " & ".join(map(escape, cells)) + r" \\\addlinespace[2pt]"
+    return "{}" + " & ".join(map(latex, cells)) + r" \\\addlinespace[2pt]"
 
 
 def to_csv(rows: Sequence[SheetRow]) -> str:
@@ -516,8 +489,8 @@ LONGEST = 32_767
 CUT = " [cut]"
 _ESCAPE = re.compile(r"_(?=x[0-9A-Fa-f]{4}_)")
 """What Excel would read as a character (ECMA-376, ST_Xstring: _x0041_ is an A)."""
-EPOCH = (1980, 1, 1, 0, 0, 0)
-"""Date of every file in the archive: the earliest that ZIP knows."""
+CORE = "docProps/core.xml"
+"""The file of the workbook that has the time at which it was made."""
 FILLS = {"study": "D9E2F3", "findings": "E2EFDA", "team": "FFF2CC"}
 """Header colours of the three parts; the titles say the same in words."""
 FRAME = ("Company", "Team", "Process", "Operation mode", "Date", "Page")
@@ -534,25 +507,27 @@ def to_xlsx(rows: Sequence[SheetRow]) -> bytes:
         from openpyxl import Workbook
     except ImportError:
         raise InputError("--format=xlsx needs openpyxl: pip install 'scaloft-fi[xlsx]'") from None
-    sheet, log = parts(rows)
     book = Workbook()
-    _fill(book.active, TITLE, COLUMNS, sheet)
-    if alive := survivors(rows):
-        _fill(book.create_sheet(), SURVIVORS_TITLE, columns(SURVIVORS_KEYS), alive)
-    _fill(book.create_sheet(), LOG_TITLE, columns(LOG_KEYS), log)
+    for number, (title, shown, listed) in enumerate(sections(rows)):
+        _fill(book.create_sheet() if number else book.active, title, shown if number else COLUMNS, listed)
     _about(book.create_sheet(), rows)
     raw = io.BytesIO()
     book.save(raw)
-    return _without_clock(raw.getvalue())
+    files = unzipped(raw.getvalue())
+    clock = re.compile(rb"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ")
+    return zipped(files | {CORE: clock.sub(b"1980-01-01T00:00:00Z", files[CORE])})
 
 
 def _fill(page: Any, title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) -> None:
+    from openpyxl.styles import Font, PatternFill
     from openpyxl.utils import get_column_letter
 
     page.title = title
     for at, column in enumerate(shown, 1):
         page.column_dimensions[get_column_letter(at)].width = column.width
-        _head(_put(page, 1, at, column.title), column)
+        part = "team" if column in TEAM else "findings" if column in FINDINGS else "study"
+        head = _put(page, 1, at, column.title)
+        head.font, head.fill = Font(bold=True), PatternFill("solid", fgColor=FILLS[part])
     for number, row in enumerate(rows, 2):
         for at, column in enumerate(shown, 1):
             _put(page, number, at, row.values[column.key])
@@ -561,13 +536,6 @@ def _fill(page: Any, title: str, shown: Sequence[Column], rows: Sequence[SheetRo
     page.page_setup.orientation, page.page_setup.fitToWidth, page.page_setup.fitToHeight = "landscape", 1, 0
     page.sheet_properties.pageSetUpPr.fitToPage = True
     page.print_title_rows = "1:1"
-
-
-def _head(cell: Any, column: Column) -> None:
-    from openpyxl.styles import Font, PatternFill
-
-    part = "team" if column in TEAM else "findings" if column in FINDINGS else "study"
-    cell.font, cell.fill = Font(bold=True), PatternFill("solid", fgColor=FILLS[part])
 
 
 def _put(page: Any, line: int, at: int, value: SheetValue) -> Any:
@@ -594,20 +562,6 @@ def _about(page: Any, rows: Sequence[SheetRow]) -> None:
         for at, part in enumerate(pair, 1):
             _put(page, number, at, part)
     page.column_dimensions["A"].width, page.column_dimensions["B"].width = 24, 100
-
-
-def _without_clock(raw: bytes) -> bytes:
-    """The archive with every time taken out."""
-    text = io.BytesIO()
-    with zipfile.ZipFile(io.BytesIO(raw)) as old, zipfile.ZipFile(text, "w", zipfile.ZIP_DEFLATED) as new:
-        for name in old.namelist():
-            content = old.read(name)
-            if name == "docProps/core.xml":
-                content = re.sub(rb"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", b"1980-01-01T00:00:00Z", content)
-            entry: Any = zipfile.ZipInfo(name, EPOCH)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            new.writestr(entry, content)
-    return text.getvalue()
 
 
 WORKSHEET = Output(
