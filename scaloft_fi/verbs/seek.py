@@ -37,7 +37,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import find_study
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.mutants.catalogue import realise
-from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.sim.found import FILE, Break, read_finds
 from scaloft_fi.sim.grid import grid_names, own_name
 from scaloft_fi.sim.stacks import claims_of
@@ -303,7 +303,10 @@ def _shows(study: Study, campaign: str, mutants: Sequence[str], search: Search) 
     """Search for situations that show mutants."""
     folder = study.folder / "sim"
     unnamed = None if mutants else _unnamed(study, campaign, search)
-    sought = _named(study, mutants) if unnamed is None else [realise(study.matrix, id_) for id_ in unnamed.mutants]
+    others = [text for text in mutants if text != PLACEBO.id]
+    sought = [PLACEBO] if len(others) < len(mutants) else []
+    sought += parse_mutants(study, others) if others else ()
+    sought += [realise(study.matrix, id_) for id_ in unnamed.mutants] if unnamed else ()
     report = seek_mutants(
         study,
         sought,
@@ -359,11 +362,6 @@ def _breaks(study: Study, search: Search) -> Answer:
     return Answer(SEEK, lambda: report, lambda: (breaks_table(report, search.into, claims=bool(claims)),))
 
 
-def _named(study: Study, mutants: Sequence[str]) -> Sequence[Mutant]:
-    others = [text for text in mutants if text != PLACEBO.id]
-    return [*([PLACEBO] if len(others) < len(mutants) else []), *(parse_mutants(study, others) if others else ())]
-
-
 def _unnamed(study: Study, campaign: str, search: Search) -> Unnamed:
     """What is sought when nobody names mutants: the same as before where that search was interrupted.
 
@@ -375,7 +373,8 @@ def _unnamed(study: Study, campaign: str, search: Search) -> Unnamed:
     before = interrupted(folder, search.seed, campaign)
     if before is not None and set(before.mutants) <= set(defaults):
         return before
-    survivors = _survivors(replace(study, grid_name=None), campaign)
+    with snapshot(replace(study, grid_name=None), campaign) as now:
+        survivors = set(defaults) - {mutant.subject.id for mutant in now.score.mutants if mutant.detected}
     for sentence in study.finds.warnings:
         search.progress.line(f"warning: {sentence}")
     mutants = [id_ for id_ in defaults if id_ in survivors and not study.finds.of(id_)]
@@ -388,13 +387,6 @@ def _unnamed(study: Study, campaign: str, search: Search) -> Unnamed:
             f"not sought: {shown}, because situations in sim/{FILE} show them; a mutant that is named is sought again"
         )
     return anew(folder, search.seed, campaign, mutants)
-
-
-def _survivors(study: Study, campaign: str) -> set[str]:
-    """The defaults that the score of a campaign does not call detected."""
-    with snapshot(study, campaign) as now:
-        detected = {mutant.subject.id for mutant in now.score.mutants if mutant.detected}
-    return set(study.roster.defaults.values()) - detected
 
 
 SoughtMutants = Annotated[
@@ -510,21 +502,12 @@ def seek_command(
     """
     one_thread_each()
 
-    _refuse_with_replicate(replicate=replicate)
+    context = click.get_current_context()
+    for name in ("budget", "seed"):
+        if replicate and context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            raise InputError(f"--{name}={context.params[name]} must not stand with --replicate, which searches nothing")
     options = RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed())
     progress = Silence() if quiet else Progress()
     search = Search(into or grid, options, seed, Allowance.parse(budget), progress, anyhow, replicate)
     study = study_to_search(study_folder, grid, search.into)
     answer(seek(study, campaign, mutants, search, named=study_folder), style, tables_folder)
-
-
-def _refuse_with_replicate(*, replicate: bool) -> None:
-    """Refuse the options of a search where none is made.
-
-    Raises:
-        InputError: there is one.
-    """
-    context = click.get_current_context()
-    for name in ("budget", "seed"):
-        if replicate and context.get_parameter_source(name) is not ParameterSource.DEFAULT:
-            raise InputError(f"--{name}={context.params[name]} must not stand with --replicate, which searches nothing")
