@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from builders import GRID
 from copies import ROOT, copied
+from harmful import edit_in
 
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.errors import InputError
@@ -33,12 +34,6 @@ def study() -> Study:
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
     return copied(tmp_path)
-
-
-def _edit(path: Path, old: str, new: str) -> None:
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new, 1))
 
 
 def test_the_reference_study_passes_every_check(study: Study) -> None:
@@ -80,7 +75,7 @@ def test_the_time_expected_of_a_flight_grows_with_the_route_and_a_person(study: 
 
 
 def test_formulas_are_proved_wherever_requirements_are_read(copy: Path) -> None:
-    _edit(copy / "sim" / "requirements.yaml", "speed_mps / 0.25", "speed_mps 0.25")
+    edit_in(copy / "sim" / "requirements.yaml", "speed_mps / 0.25", "speed_mps 0.25")
     for read in (lambda: Study(copy).requirements, Study(copy).check):
         with pytest.raises(InputError, match=r"requirements.yaml:\d+: .* is not a formula"):
             read()
@@ -97,7 +92,7 @@ def test_what_requirements_are_called_in_words_changes_no_hash(copy: Path) -> No
 
 def test_a_predicate_judges_the_situations_with_its_value_and_the_benign_ones_of_its_axis(copy: Path) -> None:
     before = {s.key: Study(copy).realised(s) for s in Study(copy).grid.situations}
-    _edit(copy / "sim" / "situations.yaml", "eventually(x_m < -1)", "eventually(x_m < -2)")
+    edit_in(copy / "sim" / "situations.yaml", "eventually(x_m < -1)", "eventually(x_m < -2)")
     study = Study(copy)
     assert all(study.realised(s)["T"] != before[s.key]["T"] for s in study.grid.situations)
     assert all(study.realised(s)[axis] == before[s.key][axis] for s in study.grid.situations for axis in "OWDH")
@@ -140,7 +135,7 @@ def test_an_edit_of_a_plugin_changes_the_hash_of_its_operator_and_a_comment_in_i
     copy: Path, plugin: Path
 ) -> None:
     before = Study(copy).inputs
-    _edit(copy / "hazop" / "matrix" / "human.yaml", "operator: drop", "operator: wander")
+    edit_in(copy / "hazop" / "matrix" / "human.yaml", "operator: drop", "operator: wander")
     used = Study(copy).inputs
     (plugin / "rates.py").write_text("RATE = 0.1  # a comment\n")
     assert Study(copy).inputs == used == {**before, "operator wander": used["operator wander"]}

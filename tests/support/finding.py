@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from copies import copied
+from paper_flyer import Whole
 
-from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.mutant import PLACEBO
@@ -42,7 +43,7 @@ def everywhere(situation: Situation) -> float:
 
 
 @dataclass
-class Ruled:
+class Ruled(Whole):
     """A flyer that notes on disk what it flew.
 
     rules: robustness of SR2 by mutant; baseline: that of the drone; first: of SR1, operable: of OP1, in all flights.
@@ -54,13 +55,6 @@ class Ruled:
     first: Rule = lambda _situation: 0.3
     operable: Rule = lambda _situation: 0.5
     noise: float = 0.01
-
-    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        pass
-
-    def share(self, study: Study, batch: Batch, home: Callable[[Outcome], None]) -> None:
-        for flight in batch.flights:
-            home(self(study, flight))
 
     def __call__(self, study: Study, flight: Flight) -> Outcome:
         with self.path.open("a") as file:

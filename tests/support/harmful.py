@@ -12,13 +12,14 @@ def text(words: str) -> Callable[[Path], object]:
     return lambda path: path.write_text(words)
 
 
-def edit(old: str, new: str) -> Callable[[Path], object]:
-    def change(path: Path) -> None:
-        before = path.read_text()
-        assert old in before
-        path.write_text(before.replace(old, new, 1))
+def edit_in(path: Path, old: str, new: str) -> None:
+    before = path.read_text()
+    assert old in before
+    path.write_text(before.replace(old, new, 1))
 
-    return change
+
+def edit(old: str, new: str) -> Callable[[Path], object]:
+    return lambda path: edit_in(path, old, new)
 
 
 def link(target: str) -> Callable[[Path], object]:

@@ -44,11 +44,8 @@ def made(
     return Outcome(subject, situation, seed, readings=tuple(readings), violations=tuple(violations), **{**made, **more})
 
 
-@dataclass
-class Paper:
-    """A flyer whose verdicts are a rule: controls strike the wall, LATE-human is too fast where a person is."""
-
-    tame: bool = False
+class Whole:
+    """A flyer that flies each flight whole."""
 
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
         pass
@@ -56,6 +53,16 @@ class Paper:
     def share(self, study: Study, batch: Batch, home: Callable[[Outcome], None]) -> None:
         for flight in batch.flights:
             home(self(study, flight))
+
+    def __call__(self, study: Study, flight: Flight, baseline: Outcome | None = None) -> Outcome:
+        raise NotImplementedError
+
+
+@dataclass
+class Paper(Whole):
+    """A flyer whose verdicts are a rule: controls strike the wall, LATE-human is too fast where a person is."""
+
+    tame: bool = False
 
     def __call__(self, study: Study, flight: Flight, baseline: Outcome | None = None) -> Outcome:
         subject, key = flight.subject, flight.situation.key

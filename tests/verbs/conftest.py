@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
-from paper_flyer import Paper
+from paper_flyer import Paper, Whole
 from papers import flight
 
-from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.cli import main
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
@@ -47,15 +47,8 @@ def copy(tmp_path: Path) -> Path:
     return tmp_path / "study"
 
 
-class Papers:
+class Papers(Whole):
     """A flyer without physics, whose flights are those of `papers`."""
-
-    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        pass
-
-    def share(self, study: Study, batch: Batch, home: Callable[[Outcome], None]) -> None:
-        for each in batch.flights:
-            home(self(study, each))
 
     def __call__(self, study: Study, flown: Flight, baseline: Outcome | None = None) -> Outcome:
         return flight(study, flown.subject.id, flown.situation.key, flown.seed)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import Result
+from harmful import edit_in
 from paper_flyer import Paper
 from refusal import sentence
 
@@ -75,18 +76,12 @@ def test_a_bare_campaign_name_is_a_folder_of_the_study(call: Call, copy: Path) -
     assert (copy / "results" / "campaigns" / "mine" / "outcomes.sqlite").is_file()
 
 
-def _edit(path: Path, old: str, new: str) -> None:
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new, 1))
-
-
 def test_an_edited_number_flies_again_and_an_edited_comment_does_not(call: Call, copy: Path) -> None:
     words = ("run", "--mutant", "PLACEBO", "--situation", "T0O0W0D0H0")
     assert "3 of 3 flights flown" in call(*words, study=copy).stderr
-    _edit(copy / "sim" / "world.yaml", "light: 0.9", "light: 0.9 # bright")
+    edit_in(copy / "sim" / "world.yaml", "light: 0.9", "light: 0.9 # bright")
     assert "flown" not in call(*words, study=copy).stderr
-    _edit(copy / "sim" / "world.yaml", "light: 0.9", "light: 0.8")
+    edit_in(copy / "sim" / "world.yaml", "light: 0.9", "light: 0.8")
     assert "3 of 3 flights flown" in call(*words, study=copy).stderr
     status = call("status", study=copy).stdout.splitlines()
     assert "sim/ changed  3" in [" ".join(line.split()).replace("changed ", "changed  ") for line in status]

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from click.testing import Result
+from harmful import edit_in
 from refusal import sentence
 
 from scaloft_fi.campaign.store.store import Store
@@ -23,12 +24,6 @@ READ = (
     *(("score",), ("coverage",), ("kills",), ("worksheet",), ("dispositions",), ("matrix", "--margins")),
     *(("export", "--format", "csv"), ("export", "--format", "junit"), ("report", "--output", "page.html")),
 )
-
-
-def edit(path: Path, old: str, new: str) -> None:
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new, 1))
 
 
 def test_a_verb_opens_the_store_once_and_reads_one_moment(
@@ -82,7 +77,7 @@ def test_a_study_that_asks_a_signal_for_more_than_is_measured_of_it_is_neither_f
     call: Call, copy: Path, tmp_path: Path, name: str, old: str, new: str
 ) -> None:
     assert call(*LATE, study=copy).exit_code == 0
-    edit(copy / "sim" / name, old, new)
+    edit_in(copy / "sim" / name, old, new)
     for verb in ("score", "status", "export", "kills", "worksheet", "coverage"):
         assert "it must be compared with" in sentence(call(verb, study=copy))
     assert "it must be compared with" in sentence(call("report", "--output", f"{tmp_path}/page.html", study=copy))
@@ -96,7 +91,7 @@ NOTHING = {"flights": 0, "reasons": [], "command": None}
 
 def _another_delay(call: Call, study: Path) -> None:
     arguments = "operator: delay\n      arguments: {keep_first: true}\n"
-    edit(study / "hazop" / "matrix" / "human.yaml", "operator: delay\n", arguments)
+    edit_in(study / "hazop" / "matrix" / "human.yaml", "operator: delay\n", arguments)
     assert call("mutants", "--write", study=study, campaign=False).exit_code == 0
 
 
@@ -137,7 +132,7 @@ def test_the_command_flies_stale_baselines_with_all_their_seeds(call: Call, copy
 
     call(*LATE, *seeds, study=copy)
     flights = status()["counted"]
-    edit(copy / "sim" / "situations.yaml", "eventually(x_m < -1)", "eventually(x_m < -2)")
+    edit_in(copy / "sim" / "situations.yaml", "eventually(x_m < -1)", "eventually(x_m < -2)")
     stale = status()
     assert [one["why"] for one in stale["reasons"]] == ["how the situation's values come true changed"]
     assert 0 < stale["counted"] < flights

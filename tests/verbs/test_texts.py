@@ -17,9 +17,10 @@ import pytest
 import yaml
 from click.testing import CliRunner, Result
 from obeyed import obeyed
+from paper_flyer import Whole
 from papers import STUDY, flight
 
-from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.cli import main
 from scaloft_fi.console import printable
 from scaloft_fi.judge.outcome import Outcome
@@ -54,15 +55,11 @@ EXPORTS = ("json", "csv", "gsn", "junit", "markdown", "mutation-testing", "sace"
 Told = Callable[..., Result]
 
 
-class Evil:
+class Evil(Whole):
     """A flyer without physics, every text of whose outcomes is hostile."""
 
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
         say(EVIL)
-
-    def share(self, study: Study, batch: Batch, home: Callable[[Outcome], None]) -> None:
-        for each in batch.flights:
-            home(self(study, each))
 
     def __call__(self, study: Study, flown: Flight, baseline: Outcome | None = None) -> Outcome:
         outcome = flight(study, flown.subject.id, flown.situation.key, flown.seed)

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import io
 import shutil
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from effort import usually
 from finding import small_study
+from paper_flyer import Whole
 
-from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.seeking.finds import Allowance, SeekReport
@@ -34,17 +34,10 @@ LATE = "LATE-human@3s"
 
 
 @dataclass(frozen=True)
-class Planted:
+class Planted(Whole):
     """Flies without physics; search: the number of the search, which draws its own rates."""
 
     search: int
-
-    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        pass
-
-    def share(self, study: Study, batch: Batch, home: Callable[[Outcome], None]) -> None:
-        for flight in batch.flights:
-            home(self(study, flight))
 
     def __call__(self, study: Study, flight: Flight) -> Outcome:
         readings, violations = [], []
