@@ -351,36 +351,31 @@ def margin_tables(
         grid: name of its grid, where that is a further grid of the study.
     """
     where = in_campaign(campaign), f" --campaign NAME{f' --grid {grid}' if grid else ''}"
-    return tuple(_table(fault, listed, requirements, seeds, where) for fault, listed in by_fault.items())
-
-
-def _table(
-    fault: PhasedFault,
-    listed: Sequence[Margin],
-    requirements: Sequence[Requirement],
-    seeds: int,
-    where: tuple[str, str],
-) -> Table:
-    least = lowest(listed)
-    violated = {name for margin in listed for name in margin.strong.requirements}
-    notes = [_smallest(listed, least), ENDS_LEGEND, *_seen(fault, listed, *where)]
-    if least and least.again:
-        notes.append("Not monotone (!): magnitudes under `again` survive although a milder one is killed or seen.")
-    if any(not margin.known for margin in listed):
-        notes.append("?: no requirement that the cell puts at risk is steady by ten baselines, or no sample changes.")
-    notes += [f"{r.name}: {r.title}  {_limit(r)}" for r in requirements if r.name in violated]
-    if seeds == 1:
-        notes.append("One seed: a threshold of these flights, not of the fault; fly more with --seeds.")
-    return Table(f"Margin of {fault}", HEADERS, tuple(_row(margin) for margin in listed), tuple(notes))
-
-
-def _smallest(listed: Sequence[Margin], least: Margin | None) -> str:
-    of = f"Smallest over {sum(margin.known for margin in listed)} of {len(listed)} situations"
-    if least is None:
-        return f"{of}: none is known."
-    ends = (("survives", least.survives), ("is seen", least.seen), ("is killed", least.kills))
-    where = ", ".join(f"{_magnitude(least, end)} {what}" for what, end in ends if end is not None)
-    return f"{of}: {margin_text(least)} ({where})."
+    tables = []
+    for fault, listed in by_fault.items():
+        least, of = (
+            lowest(listed),
+            f"Smallest over {sum(margin.known for margin in listed)} of {len(listed)} situations",
+        )
+        ends = {"survives": least.survives, "is seen": least.seen, "is killed": least.kills} if least else {}
+        at = ", ".join(f"{_magnitude(least, end)} {what}" for what, end in ends.items() if least and end is not None)
+        smallest = f"{of}: {margin_text(least)} ({at})." if least else f"{of}: none is known."
+        notes = [smallest, ENDS_LEGEND, *_seen(fault, listed, *where)]
+        if least and least.again:
+            notes.append("Not monotone (!): magnitudes under `again` survive although a milder one is killed or seen.")
+        if any(not margin.known for margin in listed):
+            notes.append(
+                "?: no requirement that the cell puts at risk is steady by ten baselines, or no sample changes."
+            )
+        violated = {name for margin in listed for name in margin.strong.requirements}
+        for one in (one for one in requirements if one.name in violated):
+            trigger = f"; trigger: {one.trigger}" if one.trigger else ""
+            named = [f"; {name}: {text}" for name, text in one.definitions if name in one.text + one.trigger]
+            notes.append(f"{one.name}: {one.title}  {one.text}{trigger}{''.join(named)} [{one.unit}]")
+        if seeds == 1:
+            notes.append("One seed: a threshold of these flights, not of the fault; fly more with --seeds.")
+        tables.append(Table(f"Margin of {fault}", HEADERS, tuple(map(_row, listed)), tuple(notes)))
+    return tuple(tables)
 
 
 def _seen(fault: PhasedFault, listed: Sequence[Margin], where: str, anew_in: str) -> list[str]:
@@ -407,11 +402,8 @@ def _seen(fault: PhasedFault, listed: Sequence[Margin], where: str, anew_in: str
 
 def _row(margin: Margin) -> tuple[str, ...]:
     strong, survivor = margin.strong, margin.at(margin.survives)
-    rho = [
-        (name, dict(survivor.rho).get(name, math.nan), value)
-        for name, value in strong.rho
-        if name in strong.requirements
-    ]
+    before = dict(survivor.rho)
+    rho = [(name, before.get(name, math.nan), now) for name, now in strong.rho if name in strong.requirements]
     return (
         ", ".join(margin.situations),
         margin_text(margin),
@@ -419,7 +411,7 @@ def _row(margin: Margin) -> tuple[str, ...]:
         _magnitude(margin, margin.seen),
         _magnitude(margin, margin.kills),
         ", ".join(f"{name} {count}/{strong.flown}" for name, count in strong.violated if name in strong.requirements),
-        ", ".join(f"{name} {_number(before)} / {_number(after)}" for name, before, after in rho),
+        ", ".join(f"{name} {_number(mild)} / {_number(now)}" for name, mild, now in rho),
         " ".join(f"{entry.magnitude:g}" for entry in margin.tried),
         " ".join(f"{magnitude:g}" for magnitude in margin.again),
     )
@@ -433,14 +425,6 @@ def _number(value: float) -> str:
     return "?" if math.isnan(value) else f"{value:.2g}"
 
 
-def _limit(requirement: Requirement) -> str:
-    """The requirement's own limit: its formula, and what its trigger asks."""
-    trigger = f"; trigger: {requirement.trigger}" if requirement.trigger else ""
-    named = {name: text for name, text in requirement.definitions if name in requirement.text + requirement.trigger}
-    where = "".join(f"; {name}: {text}" for name, text in named.items())
-    return f"{requirement.text}{trigger}{where} [{requirement.unit}]"
-
-
 WHEN_HEADERS = ("phase", "acts at [s]", "in the flight", "kills", "verdict")
 RAIL = 30
 """Width of the rail that stands for the flight [characters]."""
@@ -452,22 +436,18 @@ WHEN_LEGEND = (
 
 def when_tables(found: Iterable[When]) -> tuple[Table, ...]:
     """For each fault a table of the times at which it was flown, and one of the events."""
-    return tuple(
-        _when_table(when, strikes, kinds)
-        for when in found
-        for kinds, strikes in (("times", when.told(at_events=False)), ("events", when.told(at_events=True)))
-        if strikes
-    )
-
-
-def _when_table(when: When, strikes: Sequence[Strike], kinds: str) -> Table:
-    detected = sum(strike.verdict is Verdict.DETECTED for strike in strikes)
-    rows = tuple(
-        (strike.phase or "#0s", _acts(strike), _rail(strike, when.lasts_s), strike.kills.short, strike.verdict.words)
-        for strike in strikes
-    )
-    told = f"Detected at {detected} of {len(strikes)} {kinds}; the rail is the baseline's {when.lasts_s:.0f} s."
-    return Table(f"When {when.fault} strikes: {kinds}", WHEN_HEADERS, rows, (told, WHEN_LEGEND))
+    tables = []
+    for when in found:
+        for kinds, strikes in (("times", when.told(at_events=False)), ("events", when.told(at_events=True))):
+            detected = sum(strike.verdict is Verdict.DETECTED for strike in strikes)
+            told = f"Detected at {detected} of {len(strikes)} {kinds}; the rail is the baseline's {when.lasts_s:.0f} s."
+            rows = tuple(
+                (one.phase or "#0s", _acts(one), _rail(one, when.lasts_s), one.kills.short, one.verdict.words)
+                for one in strikes
+            )
+            if rows:
+                tables.append(Table(f"When {when.fault} strikes: {kinds}", WHEN_HEADERS, rows, (told, WHEN_LEGEND)))
+    return tuple(tables)
 
 
 def _acts(strike: Strike) -> str:
@@ -487,12 +467,8 @@ def _rail(strike: Strike, lasts_s: float) -> str:
     if strike.acts_s is None or not lasts_s:
         return "." * RAIL
     place = min(RAIL - 1, int(RAIL * strike.acts_s[1] / lasts_s))
-    return "." * place + mark_of(strike) + "." * (RAIL - 1 - place)
-
-
-def mark_of(strike: Strike) -> str:
-    """X for a phase with a kill, o for one without, - for one that nothing puts to the test."""
-    return "X" if strike.kills.part else "o" if strike.kills.whole else "-"
+    mark = "X" if strike.kills.part else "o" if strike.kills.whole else "-"
+    return "." * place + mark + "." * (RAIL - 1 - place)
 
 
 def margin(
