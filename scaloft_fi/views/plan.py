@@ -67,6 +67,7 @@ def draw_plan(plan: FloorPlan, *, title: str, subtitle: str) -> str:
     every_m = next(step for step in STEPS_M if step * scale >= 36.0 or step == STEPS_M[-1])
     lines = [*(f"{place} {happens.words}" for place, happens in enumerate(plan.happenings, 1)), *plan.facts]
     foot = TOP + frame.height + 66
+    route, low = MARGIN + 480, foot + LINE * len(lines) + 8
     texts = max(12.0 * len(title), 7.8 * len(subtitle), 7.2 * max(map(len, lines), default=0))
     wide = max(frame.left + frame.width + 24, MARGIN + texts, MARGIN + 600)
     parts = [
@@ -79,10 +80,12 @@ def draw_plan(plan: FloorPlan, *, title: str, subtitle: str) -> str:
         *_names(frame, plan),
         *_scale_bar(frame, every_m),
         *(text(MARGIN, foot + LINE * place, line) for place, line in enumerate(lines)),
-        *signs(MARGIN, foot + LINE * len(lines) + 8),
-        *_sign_of_route(MARGIN + 480, foot + LINE * len(lines) + 8),
+        *signs(MARGIN, low),
+        _leg(route, low, route + 34, low),
+        _arrow(route + 22, low, 1.0, 0.0),
+        text(route + 42, low + 4.5, "route", size=12),
     ]
-    return svg(wide, foot + LINE * len(lines) + 40, title, parts, font_size=13)
+    return svg(wide, low + 32, title, parts, font_size=13)
 
 
 def _route(frame: Frame, points: Sequence[Point]) -> Iterator[str]:
@@ -130,8 +133,7 @@ def _names(frame: Frame, plan: FloorPlan) -> Iterator[str]:
     for place, (name, at) in enumerate(plan.places, 1):
         visits.setdefault(at, [name]).append(str(place))
     wanted += [(f"{name} ({', '.join(places)})", at) for at, (name, *places) in visits.items()]
-    marks = map(frame.pixel, (plan.scene.home, *visits))
-    taken = [(x - 12.0, y + 5.0, 24.0) for x, y in marks]
+    taken = [(x - 12.0, y + 5.0, 24.0) for x, y in map(frame.pixel, (plan.scene.home, *visits))]
     for name, at in wanted:
         x, y = frame.pixel(at)
         wide = LETTER * len(name)
@@ -163,7 +165,3 @@ def _scale_bar(frame: Frame, every_m: int) -> list[str]:
 def _outlined(words: str) -> str:
     """A text that can be read on any ground."""
     return f'<g stroke="#ffffff" stroke-width="3" paint-order="stroke">{words}</g>'
-
-
-def _sign_of_route(x: float, y: float) -> list[str]:
-    return [_leg(x, y, x + 34, y), _arrow(x + 22, y, 1.0, 0.0), text(x + 42, y + 4.5, "route", size=12)]

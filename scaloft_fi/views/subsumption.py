@@ -28,12 +28,10 @@ def draw_subsumption(graph: Subsumption, *, title: str = "What subsumes what") -
     """The graph as the text of an SVG file: layers from left to right (Sugiyama, Tagawa and Toda, 1981)."""
     boxes, wide, high = _places(graph)
     wide = max(wide, 620.0)
-    counted = (
-        f"{graph.killed} killed mutants, {len(graph.nodes)} kill sets, {len(graph.minimal)} minimal (thick frames)."
-    )
+    sets = f"{len(graph.nodes)} kill sets, {len(graph.minimal)} minimal (thick frames)"
     parts = [
         text(MARGIN, 34, title, size=20, weight="bold"),
-        text(MARGIN, 56, counted, colour=FAINT, size=13),
+        text(MARGIN, 56, f"{graph.killed} killed mutants, {sets}.", colour=FAINT, size=13),
         text(MARGIN, 74, "What kills a mutant kills those its lines lead to, on the right.", colour=FAINT, size=13),
     ]
     depth = _depth(graph)
@@ -57,13 +55,14 @@ def _passing(depth: dict[int, int], above: int, below: int) -> list[Slot]:
 def _places(graph: Subsumption) -> tuple[dict[Slot, Box], float, float]:
     """Where everything is, and the size of the picture [px]."""
     layers = _ordered(graph)
-    heights = {slot: _height(graph.nodes[slot[1]]) if slot[2] < 0 else 4.0 for members in layers for slot in members}
+    lines = {slot: _lines(graph.nodes[slot[1]]) for members in layers for slot in members if slot[2] < 0}
+    heights = {slot: 2 * PAD + LINE * len(lines[slot]) - 4 if slot in lines else 4.0 for own in layers for slot in own}
     tall = [sum(heights[slot] for slot in members) + GAP_Y * (len(members) - 1) for members in layers]
     high = max(tall, default=0.0)
     boxes: dict[Slot, Box] = {}
     x = MARGIN
     for members, own in zip(layers, tall, strict=True):
-        width = max(_width(graph.nodes[slot[1]]) for slot in members if slot[2] < 0)
+        width = 2 * PAD + CHAR_W * max(len(line) for slot in members for line in lines.get(slot, ()))
         y = TOP + (high - own) / 2
         for slot in members:
             boxes[slot] = (x, y, width, heights[slot])
@@ -111,14 +110,6 @@ def _lines(node: Node) -> list[str]:
     names = [name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 3] + "..." for name in kept]
     rest = len(node.mutants) - len(kept)
     return [*names, *([f"and {rest} more"] if rest else []), f"killed in {len(node.kills)}"]
-
-
-def _width(node: Node) -> float:
-    return 2 * PAD + CHAR_W * max(map(len, _lines(node)))
-
-
-def _height(node: Node) -> float:
-    return 2 * PAD + LINE * len(_lines(node)) - 4
 
 
 def _edge(way: list[Box]) -> str:
