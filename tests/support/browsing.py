@@ -6,6 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+OPEN = {"flight": "#sheet .map", "mutant": "#sheet .sheet-body", "cell": "#sheet .mutant"}
+"""What shows that a sheet is open, by its kind."""
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 
 
@@ -22,6 +24,8 @@ class Visit:
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.goto(path.as_uri() + fragment)
         self.page.wait_for_selector("#kills td.state")
+        if fragment:
+            self.page.wait_for_selector(OPEN[fragment[1:].partition("=")[0]])
 
     def hash(self) -> str:
         return str(self.page.evaluate("location.hash"))

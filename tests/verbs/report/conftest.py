@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from browsing import Opened, Visit
 from papers import HOSTILE, STUDY, campaign, evidence_of
+from reading import embedded
 
 from scaloft_fi.document import load
 from scaloft_fi.study import NO_FINDS, Study
@@ -90,6 +91,13 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> Callable[[Evidence], dict[str, Any
 def text(evidence: Evidence) -> str:
     """The page of the campaign on paper."""
     return page(evidence)
+
+
+@pytest.fixture(scope="session")
+def told(text: str) -> dict[str, Any]:
+    """The figures of that page."""
+    figures: dict[str, Any] = embedded(text, "figures")
+    return figures
 
 
 @pytest.fixture(scope="session")

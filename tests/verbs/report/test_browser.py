@@ -83,17 +83,16 @@ def test_the_head_opens_with_the_answer_what_the_drone_fails_and_what_is_not_cla
     assert page.locator("main > *").nth(1).get_attribute("id") == "hazop"
 
 
-def test_the_ratios_are_printed_as_they_are_in_the_figures(visit: Opened, text: str) -> None:
+def test_the_ratios_are_printed_as_they_are_in_the_figures(visit: Opened, told: dict[str, Any]) -> None:
     page = visit().page
-    for ratio in embedded(text, "figures")["ratios"]:
+    for ratio in told["ratios"]:
         assert page.get_by_text(f"{ratio['part']}/{ratio['whole']}", exact=True).count()
         assert page.get_by_text(ratio["population"], exact=True).count() == 1
 
 
-def test_a_click_on_a_kill_shows_a_flight_that_has_it_and_back_returns(visit: Opened, text: str) -> None:
+def test_a_click_on_a_kill_shows_a_flight_that_has_it_and_back_returns(visit: Opened, told: dict[str, Any]) -> None:
     seen = visit()
     page = seen.page
-    told = embedded(text, "figures")
     for mutant, seed in (("LATE-human@3s", 0), ("LATE-human@1s", 1)):
         cell = page.locator(f'#kills tr[data-mutant="{mutant}"] td.state[data-state="kill"]').first
         assert cell.inner_text() == "2"
@@ -115,9 +114,9 @@ def test_a_click_on_a_kill_shows_a_flight_that_has_it_and_back_returns(visit: Op
     page.wait_for_selector("#sheet .map")
 
 
-def test_what_is_no_test_says_why(visit: Opened, text: str) -> None:
+def test_what_is_no_test_says_why(visit: Opened, told: dict[str, Any]) -> None:
     page = visit().page
-    keys = [situation["key"] for situation in embedded(text, "figures")["situations"]]
+    keys = [situation["key"] for situation in told["situations"]]
     for key, letter, why in ((BAR, "r", "SR1 red, SR2 vacuous"), (SHAKY, "u", "SR1 unsteady, SR2 vacuous")):
         row = page.locator('#kills tr[data-mutant="MORE-goal@0.6m"]')
         cell = row.locator(f'td.state[data-column="{keys.index(key)}"]')
@@ -125,8 +124,8 @@ def test_what_is_no_test_says_why(visit: Opened, text: str) -> None:
         assert f"no test: {why}" in cell.get_attribute("aria-label")
 
 
-def test_the_pairs_of_the_unmutated_drone_that_are_not_steady_are_listed(visit: Opened, text: str) -> None:
-    told, page = embedded(text, "figures"), visit().page
+def test_the_pairs_of_the_unmutated_drone_that_are_not_steady_are_listed(visit: Opened, told: dict[str, Any]) -> None:
+    page = visit().page
     section = page.locator("#baseline")
     ill = {pair["situation"] for pair in told["pairs"] if pair["state"] in ("red", "unsteady", "open")}
     rows = section.locator("table").nth(1).locator("tbody tr")
@@ -165,7 +164,6 @@ def test_the_paths_drawn_are_the_tracks_of_that_flight_and_its_baseline(visit: O
     quanta = [entry["quantum"] for entry in told["columns"]]
     flights = unpacked(embedded(text, "flights")["T0O0W0D0H1"], quanta)
     page = visit(FLIGHT).page
-    page.wait_for_selector("#sheet .map .flown")
     for kind, mutant in (("flown", "LATE-human@3s"), ("clean", "baseline")):
         (flight,) = (f for f in flights if (f["mutant"], f["seed"]) == (mutant, 1))
         drawn = page.locator(f"#sheet .map path.{kind}").get_attribute("d")
@@ -185,7 +183,6 @@ def test_the_paths_drawn_are_the_tracks_of_that_flight_and_its_baseline(visit: O
 def test_another_seed_is_another_flight(visit: Opened) -> None:
     seen = visit("#flight=LATE-human%401s/T0O0W0D0H1/1")
     page = seen.page
-    page.wait_for_selector("#sheet .map")
     assert "Revealed by SR2" in page.locator("#sheet .verdict").inner_text()
     page.locator('#sheet button[data-seed="0"]').click()
     page.wait_for_selector('#sheet button[data-seed="0"][aria-pressed="true"]')
@@ -218,7 +215,6 @@ def test_the_matrices_are_walked_and_opened_by_keys(visit: Opened) -> None:
 
 def test_a_cell_shows_its_mutants_and_they_lead_to_flights(visit: Opened) -> None:
     page = visit("#cell=LATE-human").page
-    page.wait_for_selector("#sheet .mutant")
     assert page.locator("#sheet .mutant h3").first.inner_text() == "LATE-human@3s"
     assert "LATE-human@1s detected by SR2" in page.locator("#sheet .sheet-body > details > summary").inner_text()
     page.locator("#sheet .flown-list").first.locator("xpath=..").locator("summary").click()
@@ -297,7 +293,6 @@ def test_in_print_everything_is_light_and_laid_out(visit: Opened) -> None:
 
 def test_every_cell_has_a_name_and_every_control_a_label(visit: Opened) -> None:
     page = visit(FLIGHT).page
-    page.wait_for_selector("#sheet .map")
     unnamed = page.evaluate(
         "[...document.querySelectorAll('[role=gridcell], svg[role=img], button, input, select, dialog')]"
         ".filter((node) =>"
@@ -325,13 +320,13 @@ def test_a_page_without_a_track_says_why(visit: Opened, evidence: Evidence, tmp_
     file = tmp_path / "small.html"
     file.write_text(page_of(evidence, 1), encoding="utf-8")
     page = visit(FLIGHT, file=file).page
-    page.wait_for_selector("#sheet .map")
     assert page.locator("#sheet .map .flown").count() == 0
     assert "of the unmutated drone with seeds 0-9" in page.locator("#sheet .note").first.inner_text()
 
 
-def test_a_click_on_a_mutant_shows_its_karnaugh_map_and_a_cell_of_it_the_flight(visit: Opened, text: str) -> None:
-    told = embedded(text, "figures")
+def test_a_click_on_a_mutant_shows_its_karnaugh_map_and_a_cell_of_it_the_flight(
+    visit: Opened, told: dict[str, Any]
+) -> None:
     mutant = next(one for one in told["mutants"] if one["id"] == "LATE-human@3s")
     seen = visit()
     page = seen.page
@@ -398,8 +393,7 @@ def test_a_grid_that_cannot_be_folded_says_why_and_lists_the_situations(
     assert page.locator("#sheet .flown-list li").count() == 32
 
 
-def test_beside_a_margin_stands_the_limit_that_it_is_measured_against(visit: Opened, text: str) -> None:
-    told = embedded(text, "figures")
+def test_beside_a_margin_stands_the_limit_that_it_is_measured_against(visit: Opened, told: dict[str, Any]) -> None:
     page = visit().page
     section = page.locator("#ladders")
     limit = "limit of SR2: speed \u2264 0.25 m/s where time of flight \u2265 2 s and distance to the person in sight"

@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 from browsing import Opened
-from reading import embedded
 
 FLIGHT = "#flight=LATE-human%403s/T0O0W0D0H1/1"
 SHEETS = ("#cell=LATE-human", "#mutant=LATE-human%403s", "#situation=T0O0W0D0H1", FLIGHT)
@@ -22,8 +21,8 @@ def open_sheet(page: Any, fragment: str) -> None:
         page.wait_for_selector("#sheet .map")
 
 
-def test_two_clicks_lead_from_a_cell_to_the_flight_that_shows_its_fault(visit: Opened, text: str) -> None:
-    first = next(one for one in embedded(text, "figures")["mutants"] if one["id"] == "LATE-human@3s")["first"]
+def test_two_clicks_lead_from_a_cell_to_the_flight_that_shows_its_fault(visit: Opened, told: dict[str, Any]) -> None:
+    first = next(one for one in told["mutants"] if one["id"] == "LATE-human@3s")["first"]
     seen = visit()
     page = seen.page
     page.locator('#hazop td[data-cell="LATE-human"]').click()
@@ -39,11 +38,9 @@ def test_two_clicks_lead_from_a_cell_to_the_flight_that_shows_its_fault(visit: O
     assert page.locator("#sheet .map path.clean").count() == page.locator("#sheet .map path.flown").count() == 1
 
 
-def test_a_cell_names_each_kill_by_situation_requirement_and_flight(visit: Opened, text: str) -> None:
-    told = embedded(text, "figures")
+def test_a_cell_names_each_kill_by_situation_requirement_and_flight(visit: Opened, told: dict[str, Any]) -> None:
     kills = next(one for one in told["mutants"] if one["id"] == "LATE-human@3s")["kills"]
     page = visit("#cell=LATE-human").page
-    page.wait_for_selector("#sheet .mutant")
     rows = page.locator("#sheet .mutant").first.locator("table").first.locator("tbody tr")
     situations = {one["key"]: one for one in told["situations"]}
     assert rows.count() == len(kills) == 8
@@ -54,8 +51,7 @@ def test_a_cell_names_each_kill_by_situation_requirement_and_flight(visit: Opene
         assert all(f"alias {alias}" in said for alias in situation["aliases"])
 
 
-def test_a_column_of_the_kill_matrix_is_a_situation_by_name(visit: Opened, text: str) -> None:
-    told = embedded(text, "figures")
+def test_a_column_of_the_kill_matrix_is_a_situation_by_name(visit: Opened, told: dict[str, Any]) -> None:
     seen = visit()
     page = seen.page
     heads = page.locator("table.kills tr.names th.upright a")
@@ -94,7 +90,6 @@ def test_the_matrix_is_shaded_by_certainty_and_hatched_where_nothing_is_decided(
 
 def test_a_flight_plays_and_jumps_to_what_happened(visit: Opened) -> None:
     page = visit(FLIGHT).page
-    page.wait_for_selector("#sheet .map")
     told, play = page.locator("#sheet .time output"), page.locator("#sheet .play")
     assert told.inner_text() == "9.50 s"
     play.click()
@@ -112,7 +107,6 @@ def test_a_flight_plays_and_jumps_to_what_happened(visit: Opened) -> None:
 
 def test_who_asks_for_less_motion_gets_no_moving_picture(visit: Opened) -> None:
     page = visit(FLIGHT, reduced_motion="reduce").page
-    page.wait_for_selector("#sheet .map")
     assert page.locator("#sheet .play").count() == 0
     page.get_by_role("button", name="SR2 violated").click()
     assert page.locator("#sheet .time output").inner_text() == "9.50 s"
@@ -154,7 +148,6 @@ def test_keys_alone_lead_to_the_flight_and_back(visit: Opened) -> None:
 
 def test_a_link_and_the_way_back_draw_a_sheet_once(visit: Opened) -> None:
     page = visit("#cell=LATE-human").page
-    page.wait_for_selector("#sheet .mutant")
     page.evaluate(
         "() => { window.drawn = 0; new MutationObserver((changes) => { for (const { addedNodes } of changes)"
         " drawn += [...addedNodes].filter((node) => node.className === 'sheet-body').length; })"
@@ -170,9 +163,8 @@ def test_a_link_and_the_way_back_draw_a_sheet_once(visit: Opened) -> None:
     assert page.evaluate("drawn") == 3
 
 
-def test_every_head_and_legend_is_a_term_that_leads_to_its_meaning(visit: Opened, text: str) -> None:
+def test_every_head_and_legend_is_a_term_that_leads_to_its_meaning(visit: Opened, told: dict[str, Any]) -> None:
     page = visit().page
-    told = embedded(text, "figures")
     known = {form.lower() for entry in told["glossary"] for form in (entry["name"], *entry["also"])}
     known |= {requirement["name"].lower() for requirement in told["requirements"]}
     first = "[...node.childNodes].find((one) => one.textContent.trim())?.textContent ?? ''"
@@ -191,8 +183,7 @@ def test_every_head_and_legend_is_a_term_that_leads_to_its_meaning(visit: Opened
     assert page.evaluate("document.activeElement.id") == page.evaluate("location.hash.slice(1)")
 
 
-def test_on_paper_stands_what_is_behind_a_click_on_the_screen(visit: Opened, text: str) -> None:
-    told = embedded(text, "figures")
+def test_on_paper_stands_what_is_behind_a_click_on_the_screen(visit: Opened, told: dict[str, Any]) -> None:
     page = visit(color_scheme="dark").page
     page.wait_for_selector("#details[data-drawn]", state="attached")
     assert page.locator("#details").is_hidden()
@@ -215,7 +206,6 @@ def test_on_paper_stands_what_is_behind_a_click_on_the_screen(visit: Opened, tex
 
 def test_on_a_narrow_screen_a_value_says_what_it_is(visit: Opened) -> None:
     page = visit("#cell=LATE-human", viewport={"width": 390, "height": 844}).page
-    page.wait_for_selector("#sheet .mutant")
     head = "getComputedStyle(document.querySelector('#sheet .mutant td'), '::before').content"
     assert page.evaluate(head).replace('" "', "") in ('"killed by: "', '"killed by" ": "')
     page.keyboard.press("Escape")

@@ -34,12 +34,6 @@ DEFAULTS = set(VERDICTS) - {"LATE-human@1s", "REVERSE-velcmd"}
 
 
 @pytest.fixture(scope="module")
-def told(text: str) -> dict[str, Any]:
-    found: dict[str, Any] = embedded(text, "figures")
-    return found
-
-
-@pytest.fixture(scope="module")
 def rows(evidence: Evidence) -> list[dict[str, Any]]:
     return exported(evidence)
 

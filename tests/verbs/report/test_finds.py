@@ -93,8 +93,8 @@ def test_a_find_whose_values_do_not_go_together_any_more_is_named_and_left_out(
     assert (both["finds"], both["misfits"]) == ([], ["lost", *(find.name for find in FINDS)])
 
 
-def test_a_page_without_finds_has_no_section_of_them(text: str) -> None:
-    assert embedded(text, "figures")["found"] == {"grid": "", "finds": [], "misfits": []}
+def test_a_page_without_finds_has_no_section_of_them(told: dict[str, Any]) -> None:
+    assert told["found"] == {"grid": "", "finds": [], "misfits": []}
 
 
 def test_the_page_draws_each_find_and_survivors_lead_to_theirs(
