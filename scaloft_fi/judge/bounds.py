@@ -110,7 +110,7 @@ def check_caps(text: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> None:
         tree = parse(tokens)
     except FormulaError:
         return
-    for shown, signal, threshold in comparisons(tree):
+    for shown, signal, _, threshold in comparisons(tree):
         cap = cap_of(signal, beliefs)
         if cap and not cap.allows(threshold):
             allowed = f"{'at most' if cap.itself else 'less than'} {cap.most_m:g} m"
@@ -120,20 +120,24 @@ def check_caps(text: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> None:
             )
 
 
-def comparisons(tree: Node) -> Iterator[tuple[str, str, float]]:
-    """Yield each comparison of one signal with a number: its text, the signal, the threshold in the signal's unit.
+def comparisons(tree: Node) -> Iterator[tuple[str, str, str, float]]:
+    """Yield each comparison of one signal with a number: its text, and as in `a <= 3.0`, in the signal's unit.
 
     >>> list(comparisons(parse(tokenize("always(a / 3 <= 1 and 2 > b - 0.5)"))))
-    [('a / 3 <= 1', 'a', 3.0), ('2 > b - 0.5', 'b', 2.5)]
+    [('a / 3 <= 1', 'a', '<=', 3.0), ('2 > b - 0.5', 'b', '<', 2.5)]
     """
     if isinstance(tree, Infix) and tree.operator in COMPARATORS:
         line = _line(Infix("-", tree.left, tree.right)) or {}
         factors = [(name, factor) for name, factor in line.items() if name and factor]
         if len(factors) == 1:
             ((name, factor),) = factors
-            yield written(tree), name, round(-line.get("", 0.0) / factor, 9)
+            sense = tree.operator if factor > 0 else tree.operator.translate(_TURNED)
+            yield written(tree), name, sense, round(-line.get("", 0.0) / factor, 9) + 0.0  # never -0.0
     for part in parts(tree):
         yield from comparisons(part)
+
+
+_TURNED = str.maketrans("<>", "><")
 
 
 def _line(node: Node) -> Mapping[str, float] | None:

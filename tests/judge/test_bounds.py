@@ -205,7 +205,7 @@ sums = st.recursive(
 @given(sums, st.sampled_from(["<", "<=", ">", ">="]), sums)
 def test_what_is_read_as_a_threshold_is_where_the_library_changes_its_mind(left: str, sign: str, right: str) -> None:
     text = f"always({left} {sign} {right})"
-    for _, signal, threshold in comparisons(parse(tokenize(text))):
+    for _, signal, _, threshold in comparisons(parse(tokenize(text))):
         assert signal == "a"
         at, below, above = Formula.parse(text.removeprefix("always"), ["a"]).robustness(
             {"a": [threshold, threshold - 1.0, threshold + 1.0]}

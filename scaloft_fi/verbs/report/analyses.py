@@ -7,9 +7,8 @@ alone would say something else.
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from datetime import date
 from typing import Any
 
@@ -23,9 +22,11 @@ from scaloft_fi.analysis.survivor import FAILING, PhasedFault, Tried, background
 from scaloft_fi.campaign.store.held import nothing_to_show
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.hazop.name import cell_of, parse, split_magnitude
+from scaloft_fi.judge.bounds import comparisons
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import TRIGGER, Kind, Requirement
-from scaloft_fi.judge.stl import inside_always, tokenize
+from scaloft_fi.judge.stl import COMPARATORS, SAMPLE_MS, Infix, Interval, Node, Prefix, Signal, tokenize
+from scaloft_fi.judge.stl import parse as parse_formula
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.margin import cell_margins, margin_text
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
@@ -77,11 +78,6 @@ def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
         )
 
 
-_FOR = re.compile(r"historically \[ 0 : (?P<seconds>[\d.]+) \] (?P<rest>\(.*\))")
-_JOINED = {"or", "implies", "iff", "since", "->"}
-"""Words that bind otherwise than `and`, which only brackets may separate from it here."""
-
-
 @dataclass(frozen=True)
 class Bound:
     """A comparison of a signal with a number.
@@ -107,9 +103,11 @@ def bounds_of(requirements: Iterable[Requirement]) -> list[dict[str, Any]]:
 
 
 def _entry(requirement: Requirement) -> dict[str, Any]:
-    defined = dict(requirement.definitions)
-    demands = _demands(inside_always(requirement.text) or "", defined)
-    when = _bounds(requirement.trigger, defined) if requirement.trigger else []
+    defined = {name: parse_formula(tokenize(text)) for name, text in requirement.definitions}
+    tree = parse_formula(tokenize(requirement.text))
+    inside = tree.of if isinstance(tree, Prefix) and (tree.word, tree.interval) == ("always", None) else None
+    demands = inside and _bounds(inside, defined)
+    when = _bounds(parse_formula(tokenize(requirement.trigger)), defined) if requirement.trigger else []
     whole = demands is not None and when is not None
     return {
         "name": requirement.name,
@@ -118,79 +116,24 @@ def _entry(requirement: Requirement) -> dict[str, Any]:
     }
 
 
-def _demands(text: str, defined: Mapping[str, str]) -> list[Bound] | None:
-    limits: list[Bound] = []
-    for part in _conjuncts(text):
-        triggered = part.startswith(f"{TRIGGER} implies ")
-        demanded = part.removeprefix(f"{TRIGGER} implies ")
-        bounds = _bounds(demanded, defined)
-        if bounds is None or (triggered and len(bounds) > 1 and not demanded.startswith("(")):
-            return None
-        limits += [Bound(b.signal, b.sense, b.bound, b.for_s, triggered) for b in bounds]
-    return limits
-
-
-def _bounds(text: str, defined: Mapping[str, str], for_s: float | None = None) -> list[Bound] | None:
+def _bounds(node: Node, defined: Mapping[str, Node]) -> list[Bound] | None:
     """A conjunction as bounds; None where it is something else."""
-    conjunction: list[Bound] = []
-    for part in _conjuncts(text):
-        lasting = _FOR.fullmatch(part)
-        if part in defined:
-            inner = _bounds(defined[part], defined, for_s)
-        elif lasting and for_s is None:
-            inner = _bounds(lasting["rest"], defined, float(lasting["seconds"]))
-        else:
-            inner = _bound(part, for_s)
-        if inner is None:
-            return None
-        conjunction += inner
-    return conjunction
-
-
-def _bound(part: str, for_s: float | None) -> list[Bound] | None:
-    match = COMPARISON.fullmatch(part.replace("- ", "-"))
-    return [Bound(match["signal"], match["sense"], bound_of(match), for_s)] if match else None
-
-
-def _conjuncts(text: str) -> Iterator[str]:
-    """The parts that `and` joins outside all brackets, without the brackets around them.
-
-    >>> list(_conjuncts("((trigger implies (a > 0 and b > 0)) and c > 1)"))
-    ['trigger implies ( a > 0 and b > 0 )', 'c > 1']
-    """
-    tokens = _bare(tokenize(text))
-    parts: list[list[str]] = [[]]
-    outside = set()
-    depth = 0
-    for token in tokens:
-        depth += (token == "(") - (token == ")")
-        outside |= {token} if depth == 0 else set()
-        if token == "and" and depth == 0:
-            parts.append([])
-        else:
-            parts[-1].append(token)
-    if len(parts) == 1 or outside & _JOINED:
-        yield " ".join(tokens)
-        return
-    for part in parts:
-        yield from _conjuncts(" ".join(part))
-
-
-def _bare(tokens: list[str]) -> list[str]:
-    """Without a pair of brackets around everything."""
-    while tokens and tokens[0] == "(" and tokens[-1] == ")":
-        depth = 0
-        for place, token in enumerate(tokens):
-            depth += (token == "(") - (token == ")")
-            if depth == 0 and place < len(tokens) - 1:
-                return tokens
-        tokens = tokens[1:-1]
-    return tokens
-
-
-COMPARISON = re.compile(
-    r"(?P<signal>[A-Za-z_]\w*)\s*(?:/\s*(?P<unit>\d+(?:\.\d+)?)\s*)?(?P<sense><=|>=|<|>)\s*(?P<bound>-?\d+(?:\.\d+)?)"
-)
+    match node:
+        case Signal(name) if name in defined:
+            return _bounds(defined[name], defined)
+        case Infix("and", left, right):
+            one, other = _bounds(left, defined), _bounds(right, defined)
+            return None if one is None or other is None else one + other
+        case Infix("implies", Signal(name), right) if name == TRIGGER:
+            inner = _bounds(right, defined)
+            return inner and [replace(bound, triggered=True) for bound in inner]
+        case Prefix("historically", of, Interval(0, last)):
+            inner = _bounds(of, defined)
+            lasting = inner is not None and all(bound.for_s is None for bound in inner)
+            return [replace(bound, for_s=last * SAMPLE_MS / 1000) for bound in inner or ()] if lasting else None
+        case Infix(operator) if operator in COMPARATORS:
+            return [Bound(signal, sense, bound) for _, signal, sense, bound in comparisons(node)] or None
+    return None
 
 
 def limits(requirements: Iterable[Requirement], signals: Collection[str]) -> list[dict[str, Any]]:
@@ -200,29 +143,13 @@ def limits(requirements: Iterable[Requirement], signals: Collection[str]) -> lis
     """
     limits: list[dict[str, Any]] = []
     for requirement in requirements:
-        when = [requirement.trigger, *(text for _, text in requirement.definitions)]
-        for role, texts in (("demands", [requirement.text]), ("when", when)):
-            for signal, sense, bound in (entry for text in texts for entry in _comparisons(text)):
-                entry = {
-                    "signal": signal,
-                    "sense": sense,
-                    "bound": bound,
-                    "role": role,
-                    "requirement": requirement.name,
-                }
+        name, when = requirement.name, [requirement.trigger, *(text for _, text in requirement.definitions)]
+        for role, text in (("demands", requirement.text), *(("when", text) for text in when if text)):
+            for _, signal, sense, bound in comparisons(parse_formula(tokenize(text))):
+                entry = {"signal": signal, "sense": sense, "bound": bound, "role": role, "requirement": name}
                 if signal in signals and entry not in limits:
                     limits.append(entry)
     return limits
-
-
-def _comparisons(text: str) -> Iterator[tuple[str, str, float]]:
-    for match in COMPARISON.finditer(text):
-        yield match["signal"], match["sense"], bound_of(match)
-
-
-def bound_of(match: re.Match[str]) -> float:
-    """The bound of a comparison, in its signal's own unit."""
-    return round(float(match["bound"]) * float(match["unit"] or 1), 9)
 
 
 def by_ladder(cells: Matrix, roster: Roster) -> Callable[[str], tuple[int, int, float, float, str]]:

@@ -140,11 +140,9 @@ def test_the_reference_studys_limits_are_told_in_the_units_of_their_signals(stud
     [
         "always(a > 0 or b > 0)",
         "always(not (a > 0))",
-        "always(2 * a > 3)",
         "always(a + b > 3)",
         "always(abs(a) > 3)",
         "always(a > 0 and b > 0 implies c > 0)",
-        "always(trigger implies a > 0 and b > 0)",
         "always(once[0:2](a > 0))",
         "always(historically[1:2](a > 0))",
         "always(historically[0:2](historically[0:2](a > 0)))",
@@ -157,7 +155,7 @@ def test_what_is_more_than_a_conjunction_of_bounds_is_not_taken_apart(text: str)
 
 
 def test_brackets_negative_bounds_and_definitions() -> None:
-    text = "always(((trigger implies (a / 2 <= 3 and b >= -1)) and low))"
+    text = "always(((trigger implies (a / 2 <= 3 and -1 <= b)) and low))"
     (entry,) = bounds_of([Requirement("R", Kind.SAFETY, text, trigger="t > 0", definitions=(("low", "c < 5"),))])
     assert json.loads(json.dumps([tuple(bound.values()) for bound in entry["demands"]])) == [
         ["a", "<=", 6.0, None, True],
