@@ -35,7 +35,7 @@ from scaloft_fi.verbs.export.rows import flight_columns
 from scaloft_fi.verbs.margin import MarginMutants, MarginSeeds, Tolerance
 from scaloft_fi.verbs.merge import MergedCampaigns, MergedPlatform
 from scaloft_fi.verbs.options import AsOf, BaselineFrom, Jobs, Operability, SamePlatform, Situations, Today, several
-from scaloft_fi.verbs.replay import compared, fly_with_log, ready_to_fly
+from scaloft_fi.verbs.replay import comparison, fly_with_log, ready_to_fly
 from scaloft_fi.verbs.report.analyses import gather
 from scaloft_fi.verbs.report.page import page
 from scaloft_fi.verbs.run import (
@@ -437,7 +437,7 @@ class OpenCampaign:
         with in_python():
             study = self._study
             flown = fly_with_log(study, ready_to_fly(study, mutant, situation, seed, lambda _text: None))
-            return FlownFlight(flown, compared(flown, self.name, same_platform=same_platform))
+            return FlownFlight(flown, comparison(flown, self.name, same_platform=same_platform).passed())
 
     @described
     def margin(

@@ -156,15 +156,13 @@ def axis_list(grid: Grid) -> Listing[ListedAxis]:
         notes.append(
             "A free axis spans no grid: at its benign value it is left out of the key, else it stands at the end."
         )
-    notes += [f"excluded: {_combination(one.excluded)}: {one.reason}" for one in grid.constraints]
+    for one in grid.constraints:
+        excluded = (f"{axis}{'/'.join(map(str, sorted(values)))}" for axis, values in one.excluded.items())
+        notes.append(f"excluded: {' with '.join(excluded)}: {one.reason}")
     if grid.aliases:
         notes.append("other names: " + ", ".join(f"{alias} = {key}" for alias, key in list(grid.aliases.items())[:12]))
     notes.append("`scaloft-fi axes NAME` shows one whole; category: of the operational design domain.")
     return Listing("axis", f"Axes of the grid {grid.name}: {len(listed)}", OVERVIEW, listed, FORM, tuple(notes))
-
-
-def _combination(excluded: Any) -> str:
-    return " with ".join(f"{axis}{'/'.join(map(str, sorted(values)))}" for axis, values in excluded.items())
 
 
 def _spanning(axis: Axis) -> ListedAxis:

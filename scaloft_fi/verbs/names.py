@@ -106,7 +106,6 @@ def _study(context: click.Context) -> Path:
 
 
 def _catalogue(study: Path) -> Iterator[dict[str, Any]]:
-
     lines = read_text(study / "mutants" / "catalogue.jsonl", CATALOGUE_BYTES).splitlines()
     return map(json.loads, filter(None, lines))
 
@@ -123,7 +122,6 @@ def _cell(mutant: dict[str, Any]) -> str:
 
 
 def _situation_names(study: Path, grid: str | None, typed: str) -> Iterator[str]:
-
     item = _grid(study, grid)
     yield from _keys(item, typed)
     yield from _entries(item, "aliases")
@@ -132,12 +130,10 @@ def _situation_names(study: Path, grid: str | None, typed: str) -> Iterator[str]
 
 
 def _stack(study: Path) -> Item:
-
     return load(study / "sim" / "stack.yaml")
 
 
 def _grid(study: Path, name: str | None) -> Item:
-
     further = study / "sim" / "grids" / f"{name}.yaml"
     known = name and re.fullmatch(r"[\w-]+", name) and further.is_file()
     return load(further if known else study / "sim" / "situations.yaml")
@@ -159,19 +155,16 @@ def _keys(grid: Item, typed: str) -> Names:
         ids = [str(value.need("id").value) for value in values]
         longer = [(f"{key}{axis}{id_}", {**point, axis: id_}) for key, point in keys for id_ in ids]
         keys = [one for one in longer if one[0].startswith(typed[: len(one[0])])][: MOST * MOST]
-    excluded = [_excluded(one) for one in grid.need("constraints")] if grid.get("constraints") else []
+    excluded = [
+        {axis: [str(one.value) for one in (ids if isinstance(ids.value, tuple) else (ids,))] for axis, ids in entries}
+        for constraint in grid.get("constraints") or ()
+        for entries in [constraint.need("exclude").mapping().items()]
+    ]
     return [
         key
         for key, point in keys
         if not any(all(point.get(axis) in ids for axis, ids in one.items()) for one in excluded)
     ]
-
-
-def _excluded(constraint: Item) -> dict[str, tuple[str, ...]]:
-    def ids(item: Item) -> tuple[str, ...]:
-        return tuple(str(one.value) for one in (item if isinstance(item.value, tuple) else (item,)))
-
-    return {axis: ids(item) for axis, item in constraint.need("exclude").mapping().items()}
 
 
 def _campaign_names(study: Path, _context: click.Context, _typed: str) -> Names:
@@ -181,7 +174,6 @@ def _campaign_names(study: Path, _context: click.Context, _typed: str) -> Names:
 
 
 def _grid_names(study: Path, _context: click.Context, _typed: str) -> Iterator[str]:
-
     name = load(study / "sim" / "situations.yaml").get("name")
     own = name.text() if name else "situations"
     yield own
@@ -199,17 +191,9 @@ def _flight_names(study: Path, context: click.Context, typed: str) -> Iterator[s
         yield from (f"{mutant}/{key}/0" for key in _situation_names(study, context.params.get("grid"), rest[0]))
 
 
-def _format_names(_study: Path, _context: click.Context, _typed: str) -> Names:
-    return sorted(declared(FORMAT, "verbs/export"))
-
-
 def _operator_names(study: Path, _context: click.Context, _typed: str) -> Names:
     outside = ["outside"] if _stack(study).need("name").value == "outside" else []
     return sorted(declared(OPERATOR, "mutants", *outside))
-
-
-def _axis_names(study: Path, context: click.Context, _typed: str) -> Names:
-    return _grid(study, context.params.get("grid")).need("axes").mapping()
 
 
 def _seam_names(study: Path, _context: click.Context, _typed: str) -> Iterator[str]:
@@ -224,7 +208,6 @@ def _stack_names(study: Path, what: str) -> Names:
 
 
 def _signal_names(study: Path, _context: click.Context, _typed: str) -> Iterator[str]:
-
     yield from rows(r"^ +([a-z]\w*) +\| ", "sim/log.py")
     for surface in ("wall", "ground", *load(study / "sim" / "world.yaml").need("bodies").mapping()):
         yield f"clearance_{surface}_m"
@@ -232,14 +215,10 @@ def _signal_names(study: Path, _context: click.Context, _typed: str) -> Iterator
     yield from declared(SIGNAL, "sim")
 
 
-def _document_names(_study: Path, _context: click.Context, _typed: str) -> Names:
-    return rows(r'^ +Document\("(\w+)"', "verbs/schema.py")
-
-
 mutants = _completer(lambda study, _context, typed: _mutant_names(study, typed))
 sought = _completer(lambda study, _context, typed: _mutant_names(study, typed, ("baseline", "PLACEBO")))
-axes = _completer(_axis_names)
-documents = _completer(_document_names)
+axes = _completer(lambda study, context, _: _grid(study, context.params.get("grid")).need("axes").mapping())
+documents = _completer(lambda *_: rows(r'^ +Document\("(\w+)"', "verbs/schema.py"))
 operators = _completer(_operator_names)
 seams = _completer(_seam_names)
 signals = _completer(_signal_names)
@@ -254,4 +233,4 @@ situations = _completer(lambda study, context, typed: _situation_names(study, co
 campaigns = _completer(_campaign_names)
 grids = _completer(_grid_names)
 flights = _completer(_flight_names)
-formats = _completer(_format_names)
+formats = _completer(lambda *_: sorted(declared(FORMAT, "verbs/export")))

@@ -280,7 +280,8 @@ def _polls(operator: Operator) -> Iterator[Poll]:
 def argument_facts(argument: Argument) -> ListedArgument:
     """What is told of an argument of an operator."""
     allowed = argument.allowed
-    least, above, most = map(_finite, (allowed.least, allowed.above, allowed.most))
+    bounds = (allowed.least, allowed.above, allowed.most)
+    least, above, most = (bound if math.isfinite(bound) else None for bound in bounds)
     words = number_range(least, most)
     if above is not None:
         words = f"above {above:g}" + (f", up to {most:g}" if most is not None else "")
@@ -303,10 +304,6 @@ def argument_facts(argument: Argument) -> ListedArgument:
         required=argument.required,
         default=None if argument.required else argument.default,
     )
-
-
-def _finite(bound: float) -> float | None:
-    return bound if math.isfinite(bound) else None
 
 
 def _unit(argument: Argument) -> str:

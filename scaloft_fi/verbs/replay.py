@@ -186,17 +186,15 @@ class Comparison(NamedTuple):
     likeness: Likeness
     told: str
 
+    def passed(self) -> str:
+        """The sentence.
 
-def compared(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> str:
-    """How a flight compares with the same flight of a campaign, in a sentence; arguments as of `comparison`.
-
-    Raises:
-        GateError: the digests differ on the same platform or with `same_platform`, or the facts differ.
-    """
-    found = comparison(flown, campaign, same_platform=same_platform)
-    if found.likeness is Likeness.DIFFERS:
-        raise GateError(found.told)
-    return found.told
+        Raises:
+            GateError: the digests differ on the same platform or with `same_platform`, or the facts differ.
+        """
+        if self.likeness is Likeness.DIFFERS:
+            raise GateError(self.told)
+        return self.told
 
 
 def comparison(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> Comparison:
@@ -492,7 +490,6 @@ def replay_command(
     found = comparison(flown, campaign, same_platform=same_platform)
     if style == "json":
         tell(REPLAY.json(Replayed.of(flown, found, output)))
-    if found.likeness is Likeness.DIFFERS:
-        raise GateError(found.told)
+    told = found.passed()
     if style != "json":
-        tell_line(found.told)
+        tell_line(told)

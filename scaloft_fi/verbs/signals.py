@@ -209,12 +209,13 @@ def signal_list(study: Study) -> Listing[ListedSignal]:
 
 
 def _found(study: Study) -> Iterator[Found]:
-    world = study.grid.world()
+    world, depth = study.grid.world(), study.grid.documents["sensors"].need("depth")
+    pixels = depth.need("width").number() * depth.need("height").number()
     seen: set[str] = set()
     for signal in truth_signals(world.surfaces, ()):
         seen.add(signal.name)
         found = _truth(signal, world.bodies)
-        yield replace(found, fact=replace(found.fact, most=_pixels(study))) if signal.name == PIXELS else found
+        yield replace(found, fact=replace(found.fact, most=pixels)) if signal.name == PIXELS else found
     for name in world.signals:
         yield _declared(name, BOTH)
     for belief, signal in zip(study.stack.beliefs, belief_signals(study.stack.beliefs), strict=True):
@@ -231,23 +232,14 @@ def _found(study: Study) -> Iterator[Found]:
             yield _declared(name, TO_ASK)
 
 
-def _pixels(study: Study) -> float:
-    depth = study.grid.documents["sensors"].need("depth")
-    return depth.need("width").number() * depth.need("height").number()
-
-
 def _truth(signal: Signal, bodies: Mapping[str, Any]) -> Found:
     fact, origin = fact_of(signal.name), "ground truth"
     if fact is None:
         surface = signal.name.removeprefix("clearance_").removesuffix("_m")
-        fact = _clearance_fact(signal.name)
+        absent = f"{CLEARANCE_CAP_M:g} where it is not there, and for ground whose contact is excused"
+        fact = SignalFact(f"always({signal.name} > 0)", absent, most=CLEARANCE_CAP_M)
         origin = f"ground truth, body {surface} of sim/world.yaml" if surface in bodies else f"ground truth, {surface}"
     return Found(signal.name, signal.unit, MEANINGS.get(signal.name, signal.meaning), origin, BOTH, fact)
-
-
-def _clearance_fact(name: str) -> SignalFact:
-    absent = f"{CLEARANCE_CAP_M:g} where it is not there, and for ground whose contact is excused"
-    return SignalFact(f"always({name} > 0)", absent, most=CLEARANCE_CAP_M)
 
 
 def _declared(name: str, used_in: str) -> Found:

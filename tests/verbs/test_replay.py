@@ -25,7 +25,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.sim.log import NEVER_S, Ending, Event, FlightLog
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.replay import REPLAY, Comparison, Likeness, LoggedFlight, Replayed, compared, mcap
+from scaloft_fi.verbs.replay import REPLAY, Comparison, Likeness, LoggedFlight, Replayed, comparison, mcap
 from scaloft_fi.views.table import Format, render
 
 STUDY = Path(__file__).parents[2]
@@ -88,7 +88,7 @@ class _Replayed:
         again = LoggedFlight(self.study, self.clean, LOG, replace(self.baseline, digest=clean))
         self._monkeypatch.setattr("scaloft_fi.verbs.replay.fly_with_log", lambda *_: again)
         flown = LoggedFlight(self.study, self.flight, LOG, outcome)
-        return compared(flown, f"{self._folder}/", same_platform=same_platform)
+        return comparison(flown, f"{self._folder}/", same_platform=same_platform).passed()
 
 
 @pytest.fixture
