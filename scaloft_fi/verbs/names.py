@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from scaloft_fi.document import Item
 
 
-BELIEF, FORMAT, OPERATOR, SEAM, SIGNAL = "Belief", "@export_format", "@operator", "Seam", "@signal"
-"""What a declaration begins with; its first argument is the name."""
+BELIEF, FORMAT, SEAM, SIGNAL = "Belief", "@export_format", "Seam", "@signal"
+OPERATOR = r"@(?:operator|on(?:_\w+)?)"
+"""What a declaration begins with; its first argument is the name, or the second behind a type of messages."""
 OWN = Path(__file__).parents[1]
 """The sources of this package."""
 MOST_FILES = 256
@@ -37,11 +38,12 @@ def declared(what: str, *folders: str) -> Iterator[str]:
         what: one of the words above.
         folders: below this package.
     """
-    indent = "" if what.startswith("@") else " *"  # an example in a docstring is indented
-    name = re.compile(rf'^{indent}{what}\(\s*"([\w-]+)"', re.MULTILINE)
+    indent = "" if what.startswith("@") else r" *(?:\*\()?"  # an example in a docstring is indented
+    name = re.compile(rf'^{indent}{what}\(\s*(?:[A-Z]\w*,\s*)?f?"([\w{{}}-]+)"', re.MULTILINE)
     own = (path for folder in folders for path in sorted((OWN / folder).rglob("*.py")))
     for path in (*own, *_plugins()):
-        yield from name.findall(read_text(path))
+        for found in name.findall(read_text(path)):
+            yield from (found.replace("{axis}", axis) for axis in ("xyz" if "{axis}" in found else "x"))
 
 
 def rows(pattern: str, file: str) -> list[str]:
