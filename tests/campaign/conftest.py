@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from paper_flyer import Whole, made
 from running import Runs
 
 from scaloft_fi.analysis.roster import Roster
@@ -24,8 +25,8 @@ from scaloft_fi.campaign.workers.cluster import MAKE, security_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
-from scaloft_fi.judge.requirement import Kind, Reading
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.catalogue import realise, with_events
 from scaloft_fi.mutants.mutant import PLACEBO
@@ -116,19 +117,10 @@ def fly(study: FakeStudy, flight: Flight) -> Outcome:
 
 
 def outcome(flight: Flight, violated: Mapping[str, float], *, digest: str) -> Outcome:
-    readings = tuple(
-        Reading(name, kind, -1.0 if name in violated else 1.0, violated.get(name), 1, open=False)
-        for name, kind in KINDS.items()
-    )
-    violations = tuple(Violation(name, KINDS[name], t_s, 0.1, 1.0, 1.6, "") for name, t_s in violated.items())
     infected = flight.subject.id not in (BASELINE, PLACEBO.id) and digest.startswith(flight.subject.id)
-    return Outcome(
-        flight.subject,
-        flight.situation.key,
-        flight.seed,
-        ending="landed",
-        readings=readings,
-        violations=violations,
+    return made(
+        *(flight.subject, flight.situation.key, flight.seed, KINDS, violated),
+        place=(0.1, 1.0, 1.6),
         carried=10,
         altered=3 if infected else 0,
         infected_at_s=1.0 if infected else None,
@@ -140,14 +132,11 @@ def outcome(flight: Flight, violated: Mapping[str, float], *, digest: str) -> Ou
 
 
 @dataclass
-class Log:
+class Log(Whole):
     """A flyer that notes on disk what it flew, and lets a test change what comes out."""
 
     path: Path
     change: Callable[[Flight, Outcome], Outcome] = lambda _flight, outcome: outcome
-
-    def prepare(self, study: Any, say: Callable[[str], None]) -> None:
-        pass
 
     def __call__(self, study: Any, flight: Flight) -> Outcome:
         with self.path.open("a") as file:

@@ -54,9 +54,6 @@ class Whole:
         for flight in batch.flights:
             home(self(study, flight))
 
-    def __call__(self, study: Study, flight: Flight, baseline: Outcome | None = None) -> Outcome:
-        raise NotImplementedError
-
 
 @dataclass
 class Paper(Whole):
@@ -64,7 +61,7 @@ class Paper(Whole):
 
     tame: bool = False
 
-    def __call__(self, study: Study, flight: Flight, baseline: Outcome | None = None) -> Outcome:
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
         subject, key = flight.subject, flight.situation.key
         control = subject.guideword == "REVERSE"
         late = subject.guideword == "LATE" and key.endswith("H1")

@@ -50,7 +50,7 @@ def copy(tmp_path: Path) -> Path:
 class Papers(Whole):
     """A flyer without physics, whose flights are those of `papers`."""
 
-    def __call__(self, study: Study, flown: Flight, baseline: Outcome | None = None) -> Outcome:
+    def __call__(self, study: Study, flown: Flight) -> Outcome:
         return flight(study, flown.subject.id, flown.situation.key, flown.seed)
 
 

@@ -61,7 +61,7 @@ class Evil(Whole):
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
         say(EVIL)
 
-    def __call__(self, study: Study, flown: Flight, baseline: Outcome | None = None) -> Outcome:
+    def __call__(self, study: Study, flown: Flight) -> Outcome:
         outcome = flight(study, flown.subject.id, flown.situation.key, flown.seed)
         struck = tuple(replace(violation, struck=f"{MARKED} wall") for violation in outcome.violations)
         error = EVIL if flown.mutant else ""

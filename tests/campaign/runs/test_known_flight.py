@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from paper_flyer import Whole
 
-from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.runs.gates import fly_again, packaged_study, published
 from scaloft_fi.campaign.store.origin import DECIDES, fingerprint
 from scaloft_fi.errors import GateError
@@ -22,19 +22,13 @@ RESULTS = Path(__file__).parents[3] / "results" / "published"
 
 
 @dataclass
-class Recorded:
+class Recorded(Whole):
     """A flyer with one outcome."""
 
     outcome: Outcome
 
-    def prepare(self, study: Study, say: Callable[[str], None]) -> None:
-        pass
-
     def __call__(self, study: Study, flight: Flight) -> Outcome:
         return replace(self.outcome, subject=flight.subject, situation=flight.situation.key, seed=flight.seed)
-
-    def share(self, study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:
-        raise NotImplementedError
 
 
 def _fly(monkeypatch: pytest.MonkeyPatch, platform: dict[str, str], **changes: Any) -> str:
