@@ -37,7 +37,7 @@ from scaloft_fi.sim.sensors.camera import DepthSensor
 from scaloft_fi.sim.sensors.detector import Detector
 from scaloft_fi.sim.vehicle import Airframe, spawn
 from scaloft_fi.stack.declaration import PlainWire
-from scaloft_fi.stack.reference import companion
+from scaloft_fi.stack.reference import stack as reference_stack
 from scaloft_fi.stack.reference.estimator import Estimator
 from scaloft_fi.stack.reference.memory import ObstacleMemory
 from scaloft_fi.stack.reference.planner import Planner
@@ -57,7 +57,7 @@ PROBES: tuple[tuple[Any, str, str], ...] = (
     (ProximityMonitor, "sectors", "perception"),
     (ProximityMonitor, "flag", "perception"),
     (Planner, "plan", "planner"),
-    (companion, "shape_velocity", "planner"),
+    (reference_stack, "shape_velocity", "planner"),
     (FlightLoop, "_drive", "inertial sensor, control, rotors"),
     (CompiledStepper, "advance", "free flight"),
     (Estimator, "tick", "estimator"),
