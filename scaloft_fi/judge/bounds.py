@@ -56,10 +56,6 @@ class Cap:
     beyond: str
     itself: bool = False
 
-    def allows(self, threshold_m: float) -> bool:
-        """Whether a formula may compare the signal with `threshold_m` [m]."""
-        return threshold_m < self.most_m or (self.itself and threshold_m == self.most_m)
-
 
 _CLEARANCE = re.compile(r"clearance_(\w+_)?m")
 _CLEAR = Cap(CLEARANCE_CAP_M, f"{CLEARANCE_CAP_M:g} m beyond")
@@ -112,7 +108,7 @@ def check_caps(text: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> None:
         return
     for shown, signal, _, threshold in comparisons(tree):
         cap = cap_of(signal, beliefs)
-        if cap and not cap.allows(threshold):
+        if cap and (threshold > cap.most_m or (threshold == cap.most_m and not cap.itself)):
             allowed = f"{'at most' if cap.itself else 'less than'} {cap.most_m:g} m"
             raise FormulaError(
                 f"compares {signal} with {threshold:g} m in '{shown}', but it is measured up to {cap.most_m:g} m and"
@@ -321,20 +317,10 @@ def _quotient(a: float, b: float) -> float:
     return a / b
 
 
-def _absolute(span: Span) -> Span:
-    ends = sorted(map(abs, span))
-    return (0.0 if span[0] <= 0.0 <= span[1] else ends[0]), ends[1]
-
-
-def _root(span: Span) -> Span:
-    low, high = (math.sqrt(max(end, 0.0)) for end in span)
-    return low, high
-
-
 _FUNCTION: Mapping[str, Callable[[Span], Span]] = {
     "not": lambda span: (-span[1], -span[0]),
-    "abs": _absolute,
-    "sqrt": _root,
+    "abs": lambda span: (0.0 if span[0] <= 0.0 <= span[1] else min(map(abs, span)), max(map(abs, span))),
+    "sqrt": lambda span: (math.sqrt(max(span[0], 0.0)), math.sqrt(max(span[1], 0.0))),
 }
 _JOIN: Mapping[str, Callable[[Span, Span], Span]] = {
     "+": lambda one, other: _span(one[0] + other[0], one[1] + other[1]),

@@ -314,10 +314,9 @@ def _recorded(study: Study) -> Mapping[str, str] | None:
     from scaloft_fi.outside.records.recorded import DERIVED
 
     def place(entry: MappedSignal) -> str:
-        if entry.source is None:
+        if entry.constant is not None:
             return f"always {entry.constant:g}"
-        source = entry.source
-        return f"column {source.column}" if source.column else f"{source.topic}: {source.field}"
+        return f"column {entry.column}" if entry.column else f"{entry.topic}: {entry.field}"
 
     derived = dict.fromkeys([*DERIVED, "elapsed_s"], "follows from others")
     return derived | {name: place(entry) for name, entry in load_record_map(path).signals.items()}

@@ -21,9 +21,9 @@ from scaloft_fi.document import is_folder, opened, read_text
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.outside.records.record_map import (
     MOST_MESSAGES,
+    MappedSignal,
     RecordKind,
     Series,
-    SignalSource,
     Timing,
     damaged,
     lacks,
@@ -71,7 +71,7 @@ def of_messages(open_log: Callable[[Path], AbstractContextManager[MessageLog]]) 
         except Exception as error:
             raise damaged(path, error) from error
 
-    def read_messages(path: Path, sources: Sequence[SignalSource], timing: Timing) -> Mapping[SignalSource, Series]:
+    def read_messages(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Mapping[MappedSignal, Series]:
         with open_log(path) as log:
             asked = topics_of(path, sources, timing, log.topics)
             return collect(path, messages(path, log, asked), sources, timing)
@@ -88,7 +88,7 @@ def of_messages(open_log: Callable[[Path], AbstractContextManager[MessageLog]]) 
     return RecordKind(read_messages, names_in_messages)
 
 
-def topics_of(path: Path, sources: Iterable[SignalSource], timing: Timing, there: Iterable[str]) -> tuple[str, ...]:
+def topics_of(path: Path, sources: Iterable[MappedSignal], timing: Timing, there: Iterable[str]) -> tuple[str, ...]:
     """The topics that sources and timing need.
 
     Raises:
@@ -101,27 +101,27 @@ def topics_of(path: Path, sources: Iterable[SignalSource], timing: Timing, there
         if source.topic not in known:
             raise lacks(path, source, "topic", source.topic, known)
     if timing.clock and timing.clock not in known:
-        raise lacks(path, SignalSource("time"), "topic", timing.clock, known)
+        raise lacks(path, MappedSignal("time"), "topic", timing.clock, known)
     return tuple(dict.fromkeys([*(source.topic for source in sources), *filter(None, [timing.clock])]))
 
 
 def collect(
-    path: Path, messages: Iterable[Message], sources: Sequence[SignalSource], timing: Timing
-) -> Mapping[SignalSource, Series]:
+    path: Path, messages: Iterable[Message], sources: Sequence[MappedSignal], timing: Timing
+) -> Mapping[MappedSignal, Series]:
     """The series of each source.
 
     Raises:
         InputError: there are too many messages, a message lacks a field, or a value is no finite number.
     """
-    by_topic: dict[str, list[tuple[SignalSource, tuple[str | int, ...]]]] = {}
-    for source in sources:
+    found: dict[MappedSignal, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
+    by_topic: dict[str, list[tuple[MappedSignal, tuple[str | int, ...], list[float], list[float]]]] = {}
+    for source, (times, values) in found.items():
         way = steps(source.field)
         if way is None:
             raise InputError(
                 f"{path}: signal {source.signal!r}: field {source.field!r} must be like pose.position.x or q[0]"
             )
-        by_topic.setdefault(source.topic, []).append((source, way))
-    found: dict[SignalSource, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
+        by_topic.setdefault(source.topic, []).append((source, way, times, values))
     ticks: tuple[list[float], list[float]] = ([], [])
     for count, message in enumerate(messages):
         if count >= MOST_MESSAGES:
@@ -136,8 +136,7 @@ def collect(
             continue
         if timing.stamped:
             t_s = _stamp(path, place, _part(message.content, "header") or message.content)
-        for source, way in asked:
-            times, values = found[source]
+        for source, way, times, values in asked:
             times.append(t_s)
             values.append(number(path, source, place, _value(path, source, message.content, way)))
     return {source: _series(times, values, timing, ticks) for source, (times, values) in found.items()}
@@ -157,7 +156,7 @@ def _sorted(times_s: Array, values: Array) -> Series:
     return Series(times_s[order], values[order])
 
 
-def _value(path: Path, source: SignalSource, content: Any, way: Sequence[str | int]) -> Any:
+def _value(path: Path, source: MappedSignal, content: Any, way: Sequence[str | int]) -> Any:
     value = content
     for step in way:
         try:
@@ -180,7 +179,7 @@ def _stamp(path: Path, place: str, content: Any) -> float:
     second, nano = _part(stamp, "sec", "secs"), _part(stamp, "nanosec", "nsec", "nsecs")
     if second is None:
         raise InputError(f"{path}: {place}: the message has no stamp; take the time at which messages were received")
-    told = SignalSource("time")
+    told = MappedSignal("time")
     return number(path, told, place, second) + number(path, told, place, nano or 0) * 1e-9
 
 
@@ -216,7 +215,7 @@ TABLE_BYTES = 256 << 20
 """Largest table."""
 
 
-def read_table(path: Path, sources: Sequence[SignalSource], timing: Timing) -> Mapping[SignalSource, Series]:
+def read_table(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Mapping[MappedSignal, Series]:
     """Read the columns of a table; an empty cell says nothing new.
 
     Raises:
@@ -235,9 +234,9 @@ def read_table(path: Path, sources: Sequence[SignalSource], timing: Timing) -> M
             raise InputError(f"{path}: signal {source.signal!r} must have a column, because the record is a table")
         if source.column not in head:
             raise lacks(path, source, "column", source.column, head)
-    clock, places = head.index(timing.column), {source: head.index(source.column) for source in sources}
-    found: dict[SignalSource, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
-    told, last_s = SignalSource("time", column=timing.column), -math.inf
+    found: dict[MappedSignal, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
+    clock, places = head.index(timing.column), [(head.index(one.column), one, *both) for one, both in found.items()]
+    told, last_s = MappedSignal("time", column=timing.column), -math.inf
     for line, row in rows:
         if len(row) != len(head):
             raise InputError(f"{path}:{line}: {len(row)} cells must be {len(head)}, as in the first line")
@@ -247,10 +246,8 @@ def read_table(path: Path, sources: Sequence[SignalSource], timing: Timing) -> M
                 f"{path}:{line}: {timing.column}={row[clock]} must not be before the time of the line above"
             )
         last_s = t_s
-        for source, place in places.items():
-            cell = row[place]
-            if cell:
-                times, values = found[source]
+        for place, source, times, values in places:
+            if cell := row[place]:
                 times.append(t_s)
                 values.append(_parsed(path, source, line, cell))
     return {source: Series(np.array(times), np.array(values)) for source, (times, values) in found.items()}
@@ -291,7 +288,7 @@ def _opened(path: Path) -> tuple[list[str], Iterator[tuple[int, list[str]]]]:
     return head, rows()
 
 
-def _parsed(path: Path, source: SignalSource, line: int, cell: str) -> float:
+def _parsed(path: Path, source: MappedSignal, line: int, cell: str) -> float:
     try:
         value = float(cell)
     except ValueError:
@@ -310,7 +307,7 @@ TIME = "timestamp"
 """Field with the time of a message [us]."""
 
 
-def read_ulog(path: Path, sources: Sequence[SignalSource], timing: Timing) -> Mapping[SignalSource, Series]:
+def read_ulog(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Mapping[MappedSignal, Series]:
     """Read the fields of messages; their times are their own, so `timing` has no clock.
 
     Raises:
@@ -332,7 +329,7 @@ def names_in_ulog(path: Path) -> Sequence[str]:
     return [f"{topic}: {field}" for topic, data in _sets(path, None).items() for field in data if field != TIME]
 
 
-def _series_of_fields(path: Path, source: SignalSource, data: Mapping[str, Any]) -> Series:
+def _series_of_fields(path: Path, source: MappedSignal, data: Mapping[str, Any]) -> Series:
     if source.field not in data:
         raise lacks(path, source, f"field of {source.topic!r}", source.field, data)
     times_s, values = np.asarray(data[TIME]) * 1e-6, np.asarray(data[source.field], dtype=np.float64)

@@ -21,20 +21,39 @@ MOST_MESSAGES = 5_000_000
 """Most messages, or rows, of a record that are read."""
 
 
+class Keep(StrEnum):
+    """Which value stands for the messages since the last sample."""
+
+    LAST = "last"
+    LEAST = "least"
+    MOST = "most"
+
+
 @dataclass(frozen=True)
-class SignalSource:
-    """Where a signal stands.
+class MappedSignal:
+    """Where a signal comes from.
 
     Attributes:
         signal: name of the signal, for errors.
         column: of a table; "" where the signal stands in no table.
         topic, field: of a record with topics; a field may have parts and places, "pose.position.x", "q[0]".
+        factor, offset: signal = factor x value + offset.
+        constant: its value, where it stands nowhere; else None.
+        unknown: its value before its first message; None = it must have one by the start of the flight.
+        keep: which value stands for the messages since the last sample.
+        least: of a moment: it comes with the first message whose value is at least this.
     """
 
     signal: str
     column: str = ""
     topic: str = ""
     field: str = ""
+    factor: float = 1.0
+    offset: float = 0.0
+    constant: float | None = None
+    unknown: float | None = None
+    keep: Keep = Keep.LAST
+    least: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -62,7 +81,7 @@ class Series:
     values: Array
 
 
-def lacks(path: Path, source: SignalSource, noun: str, name: str, there: Iterable[str]) -> InputError:
+def lacks(path: Path, source: MappedSignal, noun: str, name: str, there: Iterable[str]) -> InputError:
     """The error for a record without the `noun` (a column, topic or field) of a signal."""
     hint = did_you_mean(name, there)
     return InputError(
@@ -70,7 +89,7 @@ def lacks(path: Path, source: SignalSource, noun: str, name: str, there: Iterabl
     )
 
 
-def number(path: Path, source: SignalSource, place: str, value: Any) -> float:
+def number(path: Path, source: MappedSignal, place: str, value: Any) -> float:
     """A value of a record as a number.
 
     Raises:
@@ -132,7 +151,7 @@ class RecordKind:
             InputError: it cannot be read.
     """
 
-    read: Callable[[Path, Sequence[SignalSource], Timing], Mapping[SignalSource, Series]]
+    read: Callable[[Path, Sequence[MappedSignal], Timing], Mapping[MappedSignal, Series]]
     names: Callable[[Path], Sequence[str]]
 
 
@@ -180,42 +199,6 @@ OWN_TOPIC, OWN_TIME = "/signals", "elapsed_s"
 """Topic, and column of the time, in the records that `replay --output` writes."""
 
 
-class Keep(StrEnum):
-    """Which value stands for the messages since the last sample."""
-
-    LAST = "last"
-    LEAST = "least"
-    MOST = "most"
-
-
-@dataclass(frozen=True)
-class MappedSignal:
-    """Where a signal comes from.
-
-    Attributes:
-        source: where it stands; None for a constant.
-        factor, offset: signal = factor x value + offset.
-        constant: its value, where it stands nowhere.
-        unknown: its value before its first message; None = it must have one by the start of the flight.
-        keep: which value stands for the messages since the last sample.
-    """
-
-    source: SignalSource | None
-    factor: float = 1.0
-    offset: float = 0.0
-    constant: float = 0.0
-    unknown: float | None = None
-    keep: Keep = Keep.LAST
-
-
-@dataclass(frozen=True)
-class Threshold:
-    """The first message whose value is at least `least`."""
-
-    entry: MappedSignal
-    least: float
-
-
 @dataclass(frozen=True)
 class Column:
     """A column of a table.
@@ -225,10 +208,6 @@ class Column:
     """
 
     column: Annotated[str, Examples("east")]
-
-    def source(self, signal: str) -> SignalSource:
-        """Where a signal stands."""
-        return SignalSource(signal, column=self.column)
 
 
 @dataclass(frozen=True)
@@ -242,10 +221,6 @@ class Message:
 
     topic: Annotated[str, Examples("/odom")]
     field: Annotated[str, Examples("pose.pose.position.x", "q[0]")]
-
-    def source(self, signal: str) -> SignalSource:
-        """Where a signal stands."""
-        return SignalSource(signal, topic=self.topic, field=self.field)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -362,13 +337,11 @@ def _told(form: Any, made: Callable[[str, Any], Any]) -> Reads:
 
 
 def _entry(signal: str, stands: Column | Message | Constant) -> MappedSignal:
-    if isinstance(stands, Constant):
-        return MappedSignal(None, constant=float(stands.constant))
-    if not isinstance(stands, _Converted):
-        return MappedSignal(stands.source(signal))
-    factor, offset = UNITS[stands.unit] if stands.unit else (stands.factor, stands.offset)
-    unknown = None if stands.unknown is None else float(stands.unknown)
-    return MappedSignal(stands.source(signal), factor, offset, unknown=unknown, keep=stands.keep)
+    told = dict(vars(stands))
+    if unit := told.pop("unit", ""):
+        told["factor"], told["offset"] = UNITS[unit]
+    told |= {name: float(told[name]) for name in ("constant", "unknown") if told.get(name) is not None}
+    return MappedSignal(signal, **told)
 
 
 def _timing(_name: str, told: TimeColumn | TimeOfMessages | TimeOfClock) -> Timing:
@@ -378,13 +351,7 @@ def _timing(_name: str, told: TimeColumn | TimeOfMessages | TimeOfClock) -> Timi
 
 
 Entry = Annotated[MappedSignal, _told(Annotated[SignalInColumn | SignalInMessage | Constant, _STANDS], _entry)]
-Moment = Annotated[
-    Threshold | None,
-    _told(
-        Annotated[FromColumn | FromMessage, Either(_WHERE)],
-        lambda name, stands: Threshold(_entry(name, stands), stands.least),
-    ),
-]
+Moment = Annotated[MappedSignal | None, _told(Annotated[FromColumn | FromMessage, Either(_WHERE)], _entry)]
 Counted = Annotated[
     MappedSignal | None,
     _told(Annotated[Column | Message, Either(_WHERE)], lambda name, stands: replace(_entry(name, stands), unknown=0.0)),
@@ -419,16 +386,17 @@ class RecordMap:
 
     def within(self, there: Collection[str]) -> RecordMap:
         """The mapping without the signals that are not there, among the columns, or fields after their topics."""
-
-        def stands(source: SignalSource | None) -> bool:
-            return source is None or source.column in there or f"{source.topic}: {source.field}" in there
-
-        return replace(self, signals={name: entry for name, entry in self.signals.items() if stands(entry.source)})
+        kept = {
+            name: entry
+            for name, entry in self.signals.items()
+            if entry.constant is not None or entry.column in there or f"{entry.topic}: {entry.field}" in there
+        }
+        return replace(self, signals=kept)
 
 
 def own_map(signals: Sequence[str]) -> RecordMap:
     """The mapping of the records that `replay --output` writes: every signal by its own name."""
-    entries = {name: MappedSignal(SignalSource(name, column=name, topic=OWN_TOPIC, field=name)) for name in signals}
+    entries = {name: MappedSignal(name, name, OWN_TOPIC, name) for name in signals}
     return RecordMap("the mapping of our own records", True, entries, Timing(column=OWN_TIME))
 
 

@@ -17,16 +17,7 @@ import numpy as np
 
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.mutants.wire import SeamCount
-from scaloft_fi.outside.records.record_map import (
-    Keep,
-    MappedSignal,
-    RecordKind,
-    RecordMap,
-    Series,
-    SignalSource,
-    Threshold,
-    kind_of,
-)
+from scaloft_fi.outside.records.record_map import Keep, MappedSignal, RecordKind, RecordMap, Series, kind_of
 from scaloft_fi.sim.log import NEVER_S, SAMPLE_HZ, Ending, FlightLog, clearance_name
 from scaloft_fi.stack.messages import Array, Point
 
@@ -163,7 +154,7 @@ def sampled(path: Path, name: str, entry: MappedSignal, series: Series | None, s
     return held
 
 
-def moment_s(path: Path, name: str, moment: Threshold, series: Series, from_s: float = -math.inf) -> float:
+def moment_s(path: Path, moment: MappedSignal, series: Series, from_s: float = -math.inf) -> float:
     """When a moment comes, at `from_s` or later [s].
 
     Raises:
@@ -171,7 +162,9 @@ def moment_s(path: Path, name: str, moment: Threshold, series: Series, from_s: f
     """
     reached = np.flatnonzero((series.values >= moment.least) & (series.times_s >= from_s))
     if not len(reached):
-        raise InputError(f"{path}: the {name} of the flight never comes: no message is at least {moment.least:g}")
+        raise InputError(
+            f"{path}: the {moment.signal} of the flight never comes: no message is at least {moment.least:g}"
+        )
     return float(series.times_s[reached[0]])
 
 
@@ -211,15 +204,14 @@ def flight_log(
     position = dict.fromkeys(PLACE, "the place of a violation")
     names = _direct(path, kind, mapping, known, {**position, **needed}, wanted)
     entries = {name: mapping.signals[name] for name in names}
-    moments = [moment.entry for moment in (mapping.start, mapping.end) if moment]
-    counted = [entry for entry in (mapping.altered, mapping.carried) if entry]
-    sources = [entry.source for entry in (*entries.values(), *moments, *counted) if entry.source is not None]
-    series = kind.read(path, list(dict.fromkeys(sources)), mapping.timing)
+    beside = filter(None, (mapping.start, mapping.end, mapping.altered, mapping.carried))
+    sources = dict.fromkeys(entry for entry in (*entries.values(), *beside) if entry.constant is None)
+    series = kind.read(path, list(sources), mapping.timing)
     start_s, end_s = _span(path, mapping, series)
     at_s = instants(path, start_s, end_s)
 
     def of(name: str, entry: MappedSignal) -> Array:
-        return sampled(path, name, entry, series[entry.source] if entry.source else None, start_s, at_s)
+        return sampled(path, name, entry, series.get(entry), start_s, at_s)
 
     signals: dict[str, Array] = {"elapsed_s": at_s} | {name: of(name, entry) for name, entry in entries.items()}
     # contacts end the log, so they are asked for always
@@ -282,17 +274,16 @@ def _direct(
     return [name for name in names if name != "elapsed_s"]
 
 
-def _span(path: Path, mapping: RecordMap, series: Mapping[SignalSource, Series]) -> tuple[float, float]:
+def _span(path: Path, mapping: RecordMap, series: Mapping[MappedSignal, Series]) -> tuple[float, float]:
     """Start and end of the flight [s]."""
-    source = mapping.signals["x_m"].source
-    if source is None or not len(series[source].times_s):
+    track = series.get(mapping.signals["x_m"])
+    if track is None or not len(track.times_s):
         raise InputError(f"{path}: signal 'x_m' has no message, so the flight has no start")
-    times_s = series[source].times_s
-    start_s, end_s = float(times_s[0]), float(times_s[-1])
-    if mapping.start and mapping.start.entry.source:
-        start_s = moment_s(path, "start", mapping.start, series[mapping.start.entry.source])
-    if mapping.end and mapping.end.entry.source:
-        end_s = moment_s(path, "end", mapping.end, series[mapping.end.entry.source], start_s)
+    start_s, end_s = float(track.times_s[0]), float(track.times_s[-1])
+    if mapping.start:
+        start_s = moment_s(path, mapping.start, series[mapping.start])
+    if mapping.end:
+        end_s = moment_s(path, mapping.end, series[mapping.end], start_s)
     return start_s, end_s
 
 
