@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import json
-import shutil
 from dataclasses import replace
 from datetime import date
-from pathlib import Path
 from typing import Any
 
 import pytest
 from counting import counts_of, exported
-from papers import SEEDS, STUDY, campaign, evidence_of, flight
+from papers import SEEDS, campaign, evidence_of, flight
 from reading import embedded
 
 from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, Subject
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.study import Study
@@ -183,68 +182,17 @@ def test_a_limit_is_in_the_unit_of_its_signal(text: str, bound: float | None) ->
     assert [limit["bound"] for limit in found] == ([] if bound is None else [bound])
 
 
-ACCEPTED = """\
-MORE-goal:
-  {status: accepted, owner: A. Engineer, reason: there is 1 m of room, expires: 2027-01-31}
-LATE-human:
-  {status: accepted, owner: B. Engineer, reason: old, expires: 2027-01-31}
-NO-pose:
-  {status: accepted, owner: C. Engineer, reason: not flown, expires: 2027-01-31, situations: [T0O0W0D0H0]}
-"""
-
-
-@pytest.fixture(scope="module")
-def accepting(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
-    folder = tmp_path_factory.mktemp("accepting")
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(STUDY / name, folder / name)
-    (folder / "hazop" / "dispositions.yaml").write_text(ACCEPTED, encoding="utf-8")
-    study = Study.open(folder)
-    return evidence_of(study, campaign(study))
-
-
-def judged(evidence: Evidence) -> dict[str, dict[str, Any]]:
-    study = evidence.study
+def test_a_survivor_is_told_with_its_disposition_and_the_situations_that_it_does_not_name(evidence: Evidence) -> None:
+    study, more, day = evidence.study, "MORE-goal@0.6m", date(2027, 1, 31)
     scored = score(evidence.outcomes, study.roster, study.space)
-    told = accepted(scored, study.roster, study.dispositions, evidence.today)
-    return {entry["mutant"]: entry for entry in told["judged"]}
-
-
-def test_every_survivor_of_the_score_is_told_with_its_disposition(accepting: Evidence) -> None:
-    counted = counts_of(exported(accepting))
-    told = judged(accepting)
-    asked = {id_: set(entry["surviving"]) for id_, entry in told.items() if entry["state"] in ("open", "accepted")}
-    assert asked.keys() == {"MORE-goal@0.6m", "LESS-goal@0.05m"}
-    for id_, keys in asked.items():
-        assert keys == {key for key, count in counted[id_].items() if count.tests}
-    found = told["MORE-goal@0.6m"]
-    said = [found[name] for name in ("state", "owner", "reason", "until", "situations")]
-    assert said == ["accepted", "A. Engineer", "there is 1 m of room", "2027-01-31", []]
-    assert {id_: entry["state"] for id_, entry in told.items() if id_ not in asked} == {
-        "LATE-human@3s": "stale",
-        "NO-pose@3s": "untested",
-    }
-
-
-@pytest.mark.parametrize(
-    ("today", "state"), [(None, "accepted"), (date(2027, 1, 31), "accepted"), (date(2027, 2, 1), "expired")]
-)
-def test_only_a_day_that_was_given_makes_one_expire(accepting: Evidence, today: date | None, state: str) -> None:
-    told = judged(replace(accepting, today=today))
-    assert told["MORE-goal@0.6m"]["state"] == state
-    assert told["MORE-goal@0.6m"]["until"] == "2027-01-31"
-    assert told["LATE-human@3s"]["state"] == "stale"
-
-
-def test_a_survival_elsewhere_names_the_situations(accepting: Evidence, tmp_path: Path) -> None:
-    shutil.copytree(accepting.study.folder, tmp_path, dirs_exist_ok=True)
-    path = tmp_path / "hazop" / "dispositions.yaml"
-    text = ACCEPTED.replace("2027-01-31}", "2027-01-31, situations: [T0O0W0D0H0]}", 1)
-    path.write_text(text, encoding="utf-8")
-    entry = judged(replace(accepting, study=Study.open(tmp_path)))["MORE-goal@0.6m"]
-    assert entry["state"] == "uncovered"
-    assert set(entry["unnamed"]) == set(entry["surviving"]) - {"T0O0W0D0H0"}
-
-
-def test_a_study_without_the_file_has_open_survivors_only(evidence: Evidence) -> None:
-    assert {entry["state"] for entry in judged(evidence).values()} == {"open"}
+    known = (Disposition(more, "A. Engineer", "there is 1 m of room", day, (SEARCHED,)),)
+    tests = [key for key, count in counts_of(exported(evidence))[more].items() if count.tests]
+    for today, state in ((None, "uncovered"), (day, "uncovered"), (date(2027, 2, 1), "expired")):
+        told = accepted(scored, study.roster, known, today)
+        assert told["today"] == (today and today.isoformat())
+        found = {entry["mutant"]: entry for entry in told["judged"]}
+        assert found["LESS-goal@0.05m"].keys() == {"mutant", "state", "surviving"}
+        assert (found["LESS-goal@0.05m"]["state"], sorted(found[more]["surviving"])) == ("open", sorted(tests))
+        said = [found[more][name] for name in ("state", "owner", "reason", "until", "situations")]
+        assert said == [state, "A. Engineer", "there is 1 m of room", "2027-01-31", [SEARCHED]]
+        assert sorted(found[more]["unnamed"]) == sorted(set(tests) - {SEARCHED})
