@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import combinations, pairwise
 from typing import Any
@@ -11,6 +11,7 @@ import pytest
 from counting import SAFETY, Count, counts_of, exported, states_of
 from papers import BAR, MUTANTS, SHAKY, campaign, evidence_of, track
 from reading import embedded, unpacked
+from said import as_recorded
 
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.roster import Ratio
@@ -18,8 +19,8 @@ from scaloft_fi.analysis.score import Score, score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.report.analyses import Evidence
-from scaloft_fi.verbs.report.page import MODEL, NO_POOL, WHOLE, head, page
-from scaloft_fi.verbs.verdict import NOT_COMPARED, answers
+from scaloft_fi.verbs.report.page import head, page
+from scaloft_fi.verbs.verdict import answers
 
 VERDICTS = {
     "LATE-human@1s": "detected",
@@ -323,47 +324,21 @@ def test_a_requirement_that_was_never_put_to_the_test_has_no_least_robustness(
     assert told["SR2"] is not None
 
 
-ALL = Ratio(32, 32)
+def test_what_the_head_says_the_drone_fails_and_nobody_claims_is_as_recorded(evidence: Evidence, study: Study) -> None:
+    def scored(outcomes: Iterable[Outcome]) -> Score:
+        return score(outcomes, study.roster, study.space)
 
-
-@pytest.fixture(scope="module")
-def scored(evidence: Evidence) -> Score:
-    return score(evidence.outcomes, evidence.study.roster, evidence.study.space)
-
-
-def test_the_drone_without_a_fault_fails_what_most_or_some_of_its_flights_violate(scored: Score) -> None:
-    # SR1 is red at the bar, unsteady where three of ten strike a wall; SR2 is red in the dark with a person
-    assert {scored.pool.states[key, "SR1"].value for key in (BAR, SHAKY)} == {"red", "unsteady"}
-    assert head(scored, ALL, 0)["fails"] == [
-        "It violates SR1 in most flights of 1 and now and then in 1 of 32 situations.",
-        "It violates SR2 in most flights of 8 of 32 situations.",
-        "No fault is put to the safety test in 2 of these 32 situations: no safety requirement is steady there.",
-    ]
-
-
-def test_breaks_around_the_grid_are_counted(scored: Score) -> None:
-    assert head(scored, ALL, 1)["fails"][-1] == "A search around the grid found 1 situation more that breaks it."
-
-
-def test_a_drone_that_fails_nothing_is_said_to(study: Study) -> None:
+    paper, every = scored(evidence.outcomes), Ratio(32, 32)
     clean = [o for o in campaign(study, ("NO-depth@3s",)) if o.situation in ("T0O0W1D0H0", "T0O0W0D0H1")]
-    (said,) = head(score(clean, study.roster, study.space), ALL, 0)["fails"]
-    assert said == "In none of the 2 situations with a pool does it violate a safety requirement often."
-
-
-def test_without_a_pool_nothing_is_known_of_the_drone(study: Study) -> None:
-    few = score(campaign(study, ("LATE-human@3s",), range(1), range(1)), study.roster, study.space)
-    assert head(few, ALL, 0) == {"fails": [NO_POOL], "claims": [WHOLE, NOT_COMPARED, MODEL]}
-
-
-def test_what_is_not_claimed_names_the_undecided_the_selected_and_what_was_not_flown(scored: Score) -> None:
-    assert head(scored, ALL, 0)["claims"] == [
-        WHOLE,
-        NOT_COMPARED,
-        "Nothing is said of the faults that are not decided: 1 undecided, 1 never put to the test.",
-        MODEL,
-    ]
-    some = replace(scored, selected=("T0O0W0D0H1",))
-    claims = head(some, Ratio(3, 32), 0)["claims"]
-    assert "1 situation was chosen because of verdicts." in claims
-    assert "Only 3 of 32 situations of the grid were flown." in claims
+    # SR1 is red at the bar, unsteady where three of ten strike a wall; SR2 is red in the dark with a person
+    assert {paper.pool.states[key, "SR1"].value for key in (BAR, SHAKY)} == {"red", "unsteady"}
+    heads = {
+        "a campaign of 32 situations": head(paper, every, 0),
+        "a break around the grid": head(paper, every, 1),
+        "situations were chosen, and few of the grid flown": head(
+            replace(paper, selected=("T0O0W0D0H1",)), Ratio(3, 32), 0
+        ),
+        "nothing fails": head(scored(clean), every, 0),
+        "without a pool": head(scored(campaign(study, ("LATE-human@3s",), range(1), range(1))), every, 0),
+    }
+    as_recorded(__file__, {name: "\n".join([*told["fails"], "", *told["claims"]]) for name, told in heads.items()})
