@@ -17,7 +17,7 @@ RECORD = Path(__file__).with_suffix(".txt")
 """A line with the words, and a line with what is said of them."""
 ALONE = ("new", "completion", "matrx")
 """Verbs that take no study."""
-HELD = ("run", "margin", "replay", "score", "kills", "worksheet", "dispositions", "report", "export")
+HELD = ("run", "margin", "replay", "score", "kills", "worksheet", "dispositions", "report", "export", "seek")
 """Verbs that take a campaign."""
 
 
@@ -30,6 +30,7 @@ def said_of(line: str, places: dict[str, str]) -> str:
     verb, *words = [places.get(word, word) for word in shlex.split(line)]
     study = [] if verb in ALONE or "--study" in words else ["--study", str(STUDY)]
     campaign = ["--campaign", "./none"] if verb in HELD and "--campaign" not in words else []
+    campaign += ["--into", "./none"] if verb == "seek" else []
     said = sentence(CliRunner().invoke(main, [verb, *study, *campaign, *words], catch_exceptions=False))
     for name, place in places.items():
         said = said.replace(place, name)
