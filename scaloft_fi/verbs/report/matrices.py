@@ -39,23 +39,22 @@ def folding(space: Space) -> dict[str, Any]:
         and the last row are neighbours, and the same of columns; `keys`, (rows, columns) keys of situations, null
         where the grid has none.
     """
-    if not foldable(space):
-        return {"reason": _reason(space)}
+    if reason := _reason(space):
+        return {"reason": reason}
     folded = fold(space)
+
+    def levels(axes: Sequence[int], points: Iterable[Point]) -> list[list[int]]:
+        return [[space.values[at].index(one) for at, one in zip(axes, point, strict=True)] for point in points]
+
     return {
         "reason": "",
         "down": list(folded.down),
         "across": list(folded.across),
-        "rows": [_levels(space, folded.down, point) for point in folded.rows],
-        "columns": [_levels(space, folded.across, point) for point in folded.columns],
+        "rows": levels(folded.down, folded.rows),
+        "columns": levels(folded.across, folded.columns),
         "cyclic": [cyclic(folded.rows), cyclic(folded.columns)],
         "keys": [list(keys) for keys in folded.keys],
     }
-
-
-def foldable(space: Space) -> bool:
-    """Whether the page has maps of this grid."""
-    return not _reason(space)
 
 
 def _reason(space: Space) -> str:
@@ -70,7 +69,7 @@ def _reason(space: Space) -> str:
 
 def terms(space: Space, row: KillRow) -> list[dict[str, Any]]:
     """The terms of a mutant's condition where its grid has a map: `levels` has those that it admits, for each axis."""
-    if not foldable(space):
+    if _reason(space):
         return []
     return [
         {
@@ -79,10 +78,6 @@ def terms(space: Space, row: KillRow) -> list[dict[str, Any]]:
         }
         for term in cover(space, row.killing, row.surviving)
     ]
-
-
-def _levels(space: Space, axes: Sequence[int], point: Point) -> list[int]:
-    return [space.values[axis].index(value) for axis, value in zip(axes, point, strict=True)]
 
 
 STEPS = (1.0, 0.1, 0.001)
@@ -324,9 +319,8 @@ def _mutant(scored: MutantScore, flights: Situations, roster: Roster, space: Spa
 def _kill(kill: Kill, flights: Sequence[Ruled], pool: Pool) -> dict[str, Any]:
     """A kill with the flight to open, which has it: its seed, when it violates the requirement, what it strikes."""
     seed = opening(flights, (kill.requirement,))
-    (violation,) = (
-        v for one in flights if one.seed == seed for v in one.violations if v.requirement == kill.requirement
-    )
+    own = (violation for one in flights if one.seed == seed for violation in one.violations)
+    (violation,) = (one for one in own if one.requirement == kill.requirement)
     beside = pool.pairs[kill.situation, kill.requirement]
     return {
         **by_field(kill, "situation", "requirement"),
@@ -347,20 +341,16 @@ def _tests(scored: MutantScore, pool: Pool) -> list[dict[str, Any]]:
     records, p = [], {**scored.safety.p, **scored.operability.p}
     for name in (*pool.requirements(Kind.SAFETY), *pool.requirements(Kind.OPERABILITY)):
         tests = [result for result in scored.results if name in (*result.steady, *result.steady_operability)]
-        if not tests:
-            continue
-        kills = sum(name in (*result.kills, *result.operability_kills) for result in tests)
         pairs = [pool.pairs[result.situation, name] for result in tests]
+        kills = sum(name in (*result.kills, *result.operability_kills) for result in tests)
         violated = sum(dict(result.violated).get(name, 0) for result in tests)
-        records.append(
-            {
-                "requirement": name,
-                "p": p[name],
-                "kills": plain(Ratio(kills, len(tests))),
-                "flights": plain(Ratio(violated, sum(result.flown for result in tests))),
-                "baseline": plain(Ratio(sum(own.violated for own in pairs), sum(own.judged for own in pairs))),
-            }
-        )
+        ratios = {
+            "kills": Ratio(kills, len(tests)),
+            "flights": Ratio(violated, sum(result.flown for result in tests)),
+            "baseline": Ratio(sum(own.violated for own in pairs), sum(own.judged for own in pairs)),
+        }
+        if tests:
+            records.append({"requirement": name, "p": p[name], **plain(ratios)})
     return records
 
 
