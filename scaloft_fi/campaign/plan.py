@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import count, islice
 from typing import TYPE_CHECKING
 
@@ -41,6 +42,11 @@ class Plan:
     canary: Mutant | None
     seeds: tuple[int, ...] = ()
     pool_seeds: tuple[int, ...] | None = ()
+
+    @cached_property
+    def subjects(self) -> frozenset[str]:
+        """Ids of the mutants, and of PLACEBO."""
+        return frozenset(flight.subject.id for flight in self.mutants)
 
     @property
     def known(self) -> tuple[Flight, ...]:
@@ -79,10 +85,7 @@ class Plan:
             return tuple(flight for flight in flights if (flight.situation.key, flight.seed) in own)
 
         return replace(
-            self,
-            baselines=ours(self.baselines),
-            mutants=ours(self.mutants),
-            canary=self.canary if own else None,
+            self, baselines=ours(self.baselines), mutants=ours(self.mutants), canary=self.canary if own else None
         )
 
 

@@ -6,7 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from itertools import islice
 from multiprocessing.connection import wait as wait_for
 from typing import Generic, TypeVar
@@ -47,10 +47,11 @@ class _Worker(Generic[TaskT, ResultT]):
         self.started.join()
 
 
+@dataclass(eq=False)
 class ProcessPool(Generic[TaskT, ResultT]):
     """`jobs` processes that turn tasks into results; a context manager, at whose end the processes end.
 
-    Args:
+    Attributes:
         work: called in a worker with a task and a callback for its results; an exception ends the run.
         jobs: number of processes.
         left: the rest of a task after some results, when its worker dies; None = nothing.
@@ -61,22 +62,16 @@ class ProcessPool(Generic[TaskT, ResultT]):
         start: starts a process.
     """
 
-    def __init__(
-        self,
-        work: Callable[[TaskT, Callable[[ResultT], None]], None],
-        jobs: int,
-        *,
-        left: Callable[[TaskT, Sequence[ResultT]], TaskT | None],
-        lost: Callable[[TaskT, str], Iterable[ResultT]],
-        stop: Callable[[], bool] = lambda: False,
-        patient: bool = True,
-        patience_s: float = WORKER_PATIENCE_S,
-        start: Start = forked,
-    ) -> None:
-        self.jobs = jobs
-        self._work, self._left, self._lost = work, left, lost
-        self._stop, self._patient, self._patience_s, self._start = stop, patient, patience_s, start
-        self._workers: list[_Worker[TaskT, ResultT]] = []
+    work: Callable[[TaskT, Callable[[ResultT], None]], None]
+    jobs: int
+    _: KW_ONLY
+    left: Callable[[TaskT, Sequence[ResultT]], TaskT | None]
+    lost: Callable[[TaskT, str], Iterable[ResultT]]
+    stop: Callable[[], bool] = lambda: False
+    patient: bool = True
+    patience_s: float = WORKER_PATIENCE_S
+    start: Start = forked
+    _workers: list[_Worker[TaskT, ResultT]] = field(default_factory=list, init=False)
 
     def __enter__(self) -> ProcessPool[TaskT, ResultT]:
         return self
@@ -97,9 +92,9 @@ class ProcessPool(Generic[TaskT, ResultT]):
         source, waiting = iter(tasks), deque[_Try[TaskT, ResultT]]()
         try:
             while True:
-                if not self._stop():
+                if not self.stop():
                     self._hand_out(source, waiting)
-                elif not self._patient:
+                elif not self.patient:
                     return
                 busy = {worker.started.connection: worker for worker in self._workers if worker.trial is not None}
                 if not busy:
@@ -129,7 +124,7 @@ class ProcessPool(Generic[TaskT, ResultT]):
 
     def _another(self) -> _Worker[TaskT, ResultT]:
         others = [worker.started.connection for worker in self._workers]
-        self._workers.append(_Worker(self._start(self._work, others)))
+        self._workers.append(_Worker(self.start(self.work, others)))
         return self._workers[-1]
 
     def _receive(self, worker: _Worker[TaskT, ResultT], waiting: deque[_Try[TaskT, ResultT]]) -> Iterator[ResultT]:
@@ -149,12 +144,12 @@ class ProcessPool(Generic[TaskT, ResultT]):
             worker.trial = None
             return
         trial.arrived.append(content)
-        if self._stop():
+        if self.stop():
             self._end([worker])
         yield content
 
     def _end_hung(self, waiting: deque[_Try[TaskT, ResultT]]) -> Iterator[ResultT]:
-        due_s = time.monotonic() - self._patience_s
+        due_s = time.monotonic() - self.patience_s
         for worker in [worker for worker in self._workers if worker.trial is not None and worker.last_s < due_s]:
             yield from self._lose(worker, "hung", waiting)
 
@@ -164,11 +159,11 @@ class ProcessPool(Generic[TaskT, ResultT]):
         """Handle a lost worker: try the rest of its task again, up to `ATTEMPTS` times without a result."""
         trial = worker.trial
         self._end([worker])
-        left = self._left(trial.task, trial.arrived) if trial is not None else None
+        left = self.left(trial.task, trial.arrived) if trial is not None else None
         if trial is None or left is None:
             return
         attempt = 1 if trial.arrived else trial.attempt + 1
         if attempt <= ATTEMPTS:
             waiting.appendleft(_Try(left, attempt))
         else:
-            yield from self._lost(left, f"{how} every time it was flown")
+            yield from self.lost(left, f"{how} every time it was flown")

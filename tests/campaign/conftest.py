@@ -112,20 +112,15 @@ def fly(study: FakeStudy, flight: Flight) -> Outcome:
         violated["SR1"] = 5.0
     if subject == LATE.id and "H1" in key:
         violated.setdefault("SR2", 7.0)
-    plain = subject in (BASELINE, PLACEBO.id) or (subject == LATE.id and "H0" in key)
-    return outcome(flight, violated, digest=f"{key}-{flight.seed}" if plain else f"{subject}-{key}-{flight.seed}")
-
-
-def outcome(flight: Flight, violated: Mapping[str, float], *, digest: str) -> Outcome:
-    infected = flight.subject.id not in (BASELINE, PLACEBO.id) and digest.startswith(flight.subject.id)
+    infected = subject not in (BASELINE, PLACEBO.id) and not (subject == LATE.id and "H0" in key)
     return made(
-        *(flight.subject, flight.situation.key, flight.seed, KINDS, violated),
+        *(flight.subject, key, flight.seed, KINDS, violated),
         place=(0.1, 1.0, 1.6),
         carried=10,
         altered=3 if infected else 0,
         infected_at_s=1.0 if infected else None,
         duration_s=flight.situation.nominal_s,
-        digest=digest,
+        digest=f"{subject}-{key}-{flight.seed}" if infected else f"{key}-{flight.seed}",
         perceived_digest="p",
         realised=(("D", True), ("H", True)) if flight.mutant is None else (),
     )

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from processes import alive, soon
 
 from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.campaign.processes import ATTEMPTS, cores, started_clean
@@ -196,10 +197,7 @@ def test_a_worker_started_clean_ends_with_the_process_that_started_it(work: Any)
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.returncode == -signal.SIGKILL, done.stderr
-    deadline_s = time.monotonic() + 10.0
-    while _runs(int(done.stdout)) and time.monotonic() < deadline_s:
-        time.sleep(0.02)
-    assert not _runs(int(done.stdout))
+    assert soon(lambda: not alive(int(done.stdout)))
 
 
 INTERRUPTED = """
@@ -246,15 +244,6 @@ def test_a_worker_hears_no_ctrl_c_from_its_first_moment_on(work: Any, start: str
     heard, said = run.communicate()
     assert (run.returncode, said) == (0, "")
     assert int(heard) > 0
-
-
-def _runs(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    state = Path(f"/proc/{process}/stat")
-    return not state.exists() or state.read_text().rsplit(")", 1)[1].split()[0] != "Z"
 
 
 def test_there_is_at_least_one_core() -> None:

@@ -23,10 +23,7 @@ SOON_S = 1.0
 
 
 def fly_shared(
-    study: Study,
-    batch: Batch,
-    report: Callable[[Outcome], None],
-    fly_apart: Callable[[Flight], Iterable[Outcome]],
+    study: Study, batch: Batch, report: Callable[[Outcome], None], fly_apart: Callable[[Flight], Iterable[Outcome]]
 ) -> None:
     """Fly a shared batch; every outcome equals that of the flight flown alone from take-off.
 

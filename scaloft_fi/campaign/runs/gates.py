@@ -116,10 +116,7 @@ def check_gates(
         *_grounded(listed),
     ]
     if not part:
-        failed += [
-            *_nothing_steady(listed),
-            *_silent_controls(flights_of(listed), roster, canary, whole_grid),
-        ]
+        failed += [*_nothing_steady(listed), *_silent_controls(flights_of(listed), roster, canary, whole_grid)]
     if failed:
         raise GateError("gate failed: " + "; ".join(failed))
 

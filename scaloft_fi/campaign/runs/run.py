@@ -13,10 +13,11 @@ import re
 import time
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from threading import Event
 from typing import Any, TypeVar
 
 from scaloft_fi.analysis.detection import Spending
@@ -35,7 +36,7 @@ from scaloft_fi.campaign.store.held import Keys, counting_flights, current_in, f
 from scaloft_fi.campaign.store.origin import fingerprint
 from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim
 from scaloft_fi.campaign.store.store import Store, read_store
-from scaloft_fi.campaign.workers.local import Flag, Interrupted, Local, Workers, interruptible
+from scaloft_fi.campaign.workers.local import Interrupted, Local, Workers, interruptible
 from scaloft_fi.console import json_text
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
@@ -288,6 +289,7 @@ Arrange = Callable[[Sequence[Flight]], Iterable[Batch]]
 """Arranges flights in batches, in the order in which the workers get them."""
 
 
+@dataclass(eq=False)
 class Run:
     """Flies the flights that the store lacks.
 
@@ -306,32 +308,25 @@ class Run:
         reporter: reports progress to the user.
     """
 
-    def __init__(
-        self,
-        study: Study,
-        folder: Path,
-        store: Store,
-        workers: Workers,
-        progress: Progress,
-        options: RunOptions,
-        stopped: Callable[[], bool],
-    ) -> None:
-        self.study, self.folder, self.store = study, folder, store
-        self.options, self.stopped = options, stopped
-        self.reporter = Reporter(study, progress, folder / LOG_NAME, share=self._shares, warnings=options.warnings)
-        self._workers = workers
-        self._keys = Keys(study)
-        self._planned: Plan | None = None
-        self._asking: set[str] = set()
-        self._expected: set[Situation] = set()
-        self._ours, self._platforms = fingerprint(), Platforms(store)
-        self._claimed: set[Pair] = set()
-        self.flown = 0
-        self.repeats: list[Outcome] = []
+    study: Study
+    folder: Path
+    store: Store
+    workers: Workers
+    progress: InitVar[Progress]
+    options: RunOptions
+    stopped: Callable[[], bool]
+    flown: int = 0
+    repeats: list[Outcome] = field(default_factory=list)
+
+    def __post_init__(self, progress: Progress) -> None:
+        log, warns = self.folder / LOG_NAME, self.options.warnings
+        self.reporter = Reporter(self.study, progress, log, share=self._shares, warnings=warns)
+        self._keys, self._ours, self._platforms = Keys(self.study), fingerprint(), Platforms(self.store)
+        self._planned, self._expected, self._claimed = Plan((), (), None), set[Situation](), set[Pair]()
 
     def prepare(self) -> None:
         """Prepare this process for flights; processes that are forked from it inherit that."""
-        self._workers.ready()
+        self.workers.ready()
 
     def plan(self, flights: Iterable[Flight], *, canary: bool = False) -> None:
         """Record planned flights in the store."""
@@ -344,7 +339,7 @@ class Run:
             flights: the flights.
             jobs: number of processes; None = those of the run.
         """
-        return together(flights, self.weight_s, jobs or self._workers.jobs) if self._shares else alone(flights)
+        return together(flights, self.weight_s, jobs or self.workers.jobs) if self._shares else alone(flights)
 
     @property
     def _shares(self) -> bool:
@@ -383,15 +378,13 @@ class Run:
                 self.repeats.append(outcome)
             self.reporter.arrived(asked[outcome.name], outcome, news=news)
             situation = asked[outcome.name].situation
-            if outcome.mutant in self._asking and infects(outcome) and situation not in self._expected:
+            if infects(outcome) and outcome.mutant in self._planned.subjects and situation not in self._expected:
                 self._expected.add(situation)
-                assert self._planned is not None
                 self.reporter.expect(self.missing(self._planned.pool(situation, LEAST)))
 
     def announce_pool(self, planned: Plan) -> None:
         """Announce the baseline pool of each situation as soon as a mutant of the plan infects there."""
         self._planned = planned
-        self._asking = {flight.subject.id for flight in planned.mutants}
 
     def repeat(self, flights: Sequence[Flight]) -> None:
         """Repeat the shortest of the stored `flights`, if this run flew any; a gate compares the digests."""
@@ -414,7 +407,7 @@ class Run:
 
     def wall_s(self, batch: Batch) -> float:
         """Expected wall time of a batch in one process at the current rate [s]; 0 before the first outcome."""
-        return self.reporter.wall_s(batch.flights) * self._workers.jobs
+        return self.reporter.wall_s(batch.flights) * self.workers.jobs
 
     def hold_gates(self, asked: Plan, outcomes: Sequence[Outcome], *, part: bool = False) -> None:
         """Check the gates on the outcomes of the plan `asked`; `part` when only a part of the plan was flown.
@@ -453,9 +446,9 @@ class Run:
             raise Interrupted(f"interrupted: {saved} saved in {self.folder}; {again}")
 
     def _outcomes(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
-        self._workers.ready()
+        self.workers.ready()
         self.reporter.progress.start()
-        return self._workers.map(batches)
+        return self.workers.map(batches)
 
     def _foreign(self, pair: Pair) -> bool:
         """Whether the flights of a pair are of another platform, or would be taken for such flights."""
@@ -486,13 +479,7 @@ class Run:
 
 @contextmanager
 def opened(
-    study: Study,
-    folder: Path,
-    options: RunOptions,
-    *,
-    progress: Progress,
-    flyer: Flyer | None,
-    first: Sequence[Flight],
+    study: Study, folder: Path, options: RunOptions, *, progress: Progress, flyer: Flyer | None, first: Sequence[Flight]
 ) -> Iterator[Run]:
     """Open the campaign in `folder`; a missing folder is created.
 
@@ -511,9 +498,9 @@ def opened(
     """
     promising(folder)
     executor = options.executor or Local(options.jobs)
-    stopped = Flag()
+    stopped = Event()
     flies = flyer or (Commanded() if study.command else Physics())
-    with executor.workers(study, flies, stop=stopped, say=progress.line) as workers:
+    with executor.workers(study, flies, stop=stopped.is_set, say=progress.line) as workers:
         with read_store(folder / STORE_NAME) as known:
             keys = set(map(Keys(study).key, first))
             all_flown = known is not None and known.known(keys) == keys
@@ -522,9 +509,9 @@ def opened(
         with interruptible(stopped), Store(writable(folder) / STORE_NAME, say=progress.line) as store:
             remember_grid(store, study)
             prove_platform(
-                study, store, workers, say=progress.line, stopped=stopped, same_platform=options.same_platform
+                study, store, workers, say=progress.line, stopped=stopped.is_set, same_platform=options.same_platform
             )
-            yield Run(study, folder, store, workers, progress, options, stopped)
+            yield Run(study, folder, store, workers, progress, options, stopped.is_set)
             store.confirm()
 
 

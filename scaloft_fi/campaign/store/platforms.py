@@ -47,7 +47,7 @@ class Platforms:
         self._notes = store.notes()
         self._own = _hash(self.own)
         self._pairs: dict[Pair, str] = {}
-        self._platforms: dict[str, Platform] = {}
+        self._platforms: dict[str, Platform] = {self._own: self.own}
         for name, hash_ in self._notes.items():
             if not is_pair_note(name):
                 continue
@@ -62,7 +62,7 @@ class Platforms:
 
     def of(self, pair: Pair) -> Platform:
         """The platform of the flights of a pair."""
-        return self._named(self._pairs.get(pair, self._own))
+        return self._platforms[self._pairs.get(pair, self._own)]
 
     def only(self, ours: Platform) -> bool:
         """Whether every flight of the store has the bits of the platform `ours`."""
@@ -76,7 +76,7 @@ class Platforms:
         for flight in listed:
             groups.setdefault(self._pairs.get((flight.situation, flight.seed), self._own), []).append(flight)
         most_first = sorted(groups.items(), key=lambda group: (-len(group[1]), group[0]))
-        return [(self._named(hash_), group) for hash_, group in most_first]
+        return [(self._platforms[hash_], group) for hash_, group in most_first]
 
     def equal(self, first: Platform, second: Platform) -> bool:
         """Whether the flights of two platforms have the same bits, as far as is known."""
@@ -114,9 +114,6 @@ class Platforms:
             f"{len(most)} flights of one platform and {' and '.join(others)}: "
             "each mutant is judged beside a baseline of its own platform"
         )
-
-    def _named(self, hash_: str) -> Platform:
-        return self._platforms.get(hash_, self.own)
 
 
 def warning_for(known: Platforms, outcomes: Iterable[Outcome]) -> str:

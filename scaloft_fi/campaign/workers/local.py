@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import threading
 import time
@@ -78,28 +79,9 @@ class Interrupted(ScaloftError):  # noqa: N818 - an event, not an error
     exit_code = 130
 
 
-class Flag:
-    """Whether the user asked to stop."""
-
-    def __init__(self) -> None:
-        self._since_s: float | None = None
-
-    def __call__(self) -> bool:
-        """Whether a signal has arrived."""
-        return self._since_s is not None
-
-    def again(self) -> bool:
-        """Note a signal; returns whether the user asks for the second time."""
-        now_s = time.monotonic()
-        if self._since_s is None:
-            self._since_s = now_s
-            return False
-        return now_s - self._since_s > ECHO_S
-
-
 @contextmanager
-def interruptible(flag: Flag) -> Iterator[None]:
-    """In this context the first signal that asks to stop sets the flag, the second one does what it did before.
+def interruptible(stopped: threading.Event) -> Iterator[None]:
+    """In this context the first signal that asks to stop sets the event, the second one does what it did before.
 
     A SIGHUP that is ignored, as `nohup` has it, stays ignored.
     """
@@ -107,9 +89,13 @@ def interruptible(flag: Flag) -> Iterator[None]:
         yield
         return
     before: dict[int, Any] = {}
+    first_s = math.inf
 
     def handle(number: int, frame: FrameType | None) -> None:
-        if flag.again():
+        nonlocal first_s
+        stopped.set()
+        first_s = min(first_s, time.monotonic())
+        if time.monotonic() - first_s > ECHO_S:
             if not callable(before[number]):
                 raise KeyboardInterrupt
             before[number](number, frame)

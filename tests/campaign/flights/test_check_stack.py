@@ -190,10 +190,7 @@ DEFECTS: dict[str, tuple[Declaration, str]] = {
         "seam 'spare' is declared, but never polled",
     ),
     "a seam is polled twice": (hop(PolledTwice), "seam 'level' is polled twice for the time 0 s"),
-    "a seam is polled at every second tick": (
-        hop(PolledSeldom),
-        "seam 'level' declares rate_hz=20, but is polled 10",
-    ),
+    "a seam is polled at every second tick": (hop(PolledSeldom), "seam 'level' declares rate_hz=20, but is polled 10"),
     "a seam of every step is polled at ticks": (
         hop(PolledAtTicks),
         "seam 'gyro' declares rate_hz=240, but is polled 20",
@@ -210,10 +207,7 @@ DEFECTS: dict[str, tuple[Declaration, str]] = {
     "a belief is NaN": (hop(NanBelief), "belief 'clock_s' is NaN, but declares no value for unknown"),
     "a belief is greater than declared": (hop(TooGreatBelief), "belief 'doubt' reaches 2, but declares most=1"),
     "it draws random numbers": (hop(RandomThrust), "two flights of the baseline differ; draw no random numbers"),
-    "it believes at random": (
-        hop(RandomBelief),
-        "are alike, but the stack's beliefs differ",
-    ),
+    "it believes at random": (hop(RandomBelief), "are alike, but the stack's beliefs differ"),
     "it keeps state between flights": (hop(KeepsState), "keep no state between flights"),
     "it asks whether the wire listens": (hop(AsksTheWire), "the identity on every seam changes the flight"),
     "its fast path has other bits": (hop(OtherBits), "a fast path must have the bits of `step`"),

@@ -6,10 +6,10 @@ import os
 import signal
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
+from processes import alive, soon
 
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import invalid
@@ -109,20 +109,7 @@ def test_no_child_outlives_the_trunk(study: Any, tmp_path: Any) -> None:
 
         _split(_flight(study), wait)
         os._exit(0)
-    while not (number.exists() and number.read_text()):
-        time.sleep(0.01)
+    assert soon(lambda: number.exists() and bool(number.read_text()))
     os.kill(trunk, signal.SIGKILL)
     os.waitpid(trunk, 0)
-    assert _ends(int(number.read_text()))
-
-
-def _ends(process: int) -> bool:
-    """Whether a process that is nobody's child any more ends within a few seconds."""
-    for _ in range(500):
-        try:
-            if " Z " in Path(f"/proc/{process}/stat").read_text():
-                return True
-        except FileNotFoundError:
-            return True
-        time.sleep(0.01)
-    return False
+    assert soon(lambda: not alive(int(number.read_text())))

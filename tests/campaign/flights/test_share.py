@@ -28,10 +28,7 @@ from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[3]
-pytestmark = [
-    pytest.mark.flight,
-    pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole"),
-]
+pytestmark = [pytest.mark.flight, pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")]
 SHORT = ("T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H1")
 """Situations without a corner: the shortest missions."""
 

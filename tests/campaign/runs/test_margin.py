@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from paper_flyer import made
 from running import Runs, asked, quiet
 
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margin_of, margins
@@ -22,7 +23,7 @@ from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.margin import WIDENINGS, Search, find, target
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
+from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.margin import cell_margins, margin_text, margin_texts
@@ -38,19 +39,10 @@ def delayed(flight: Flight, flown: Outcome) -> Outcome:
     if flight.mutant is None or flight.mutant.cell != "LATE-human" or flight.situation.key == "D1H1":
         return flown
     kills = float(flight.mutant.arguments["delay_s"]) >= THRESHOLDS[flight.situation.key]
-    readings = tuple(
-        replace(reading, rho=-1.0, violated_at_s=7.0) if kills and reading.requirement == "SR2" else reading
-        for reading in (replace(reading, rho=1.0, violated_at_s=None) for reading in flown.readings)
-    )
-    violation = Violation("SR2", readings[1].kind, 7.0, 0.1, 1.0, 1.6, "")
-    return replace(
-        flown,
-        readings=readings,
-        violations=(violation,) if kills else (),
-        altered=3,
-        infected_at_s=1.0,
-        digest=flight.name,
-    )
+    kinds = {reading.requirement: reading.kind for reading in flown.readings}
+    how = made(flown.subject, flown.situation, flown.seed, kinds, {"SR2": 7.0} if kills else {})
+    told = {"readings": how.readings, "violations": how.violations}
+    return replace(flown, **told, altered=3, infected_at_s=1.0, digest=flight.name)
 
 
 @pytest.fixture

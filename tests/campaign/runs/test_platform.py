@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from paper_flyer import made
 from running import CONTROL, LATE, MORE, Runs, asked, interrupting, quiet, same
 
 from scaloft_fi.campaign.flight import Batch, Flight
@@ -25,8 +26,7 @@ from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import FlownFlight
 from scaloft_fi.campaign.workers.local import Interrupted
 from scaloft_fi.errors import GateError
-from scaloft_fi.judge.outcome import PLACEBO_ID, Outcome, Violation
-from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.outcome import PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import Status, flights_of
 from scaloft_fi.mutants.catalogue import realise
 
@@ -288,14 +288,12 @@ def _bits(_flight: Flight, outcome: Outcome) -> Outcome:
 
 def _violating_placebo(flight: Flight, outcome: Outcome) -> Outcome:
     """PLACEBO violates SR2 wherever the baseline does not."""
+    flown = _bits(flight, outcome)
     if flight.subject.id != PLACEBO_ID or outcome.violations:
-        return _bits(flight, outcome)
-    violation = Violation("SR2", Kind.SAFETY, 7.0, 0.1, 1.0, 1.6, "")
-    readings = tuple(
-        replace(reading, rho=-1.0, violated_at_s=7.0) if reading.requirement == "SR2" else reading
-        for reading in outcome.readings
-    )
-    return replace(_bits(flight, outcome), violations=(violation,), readings=readings)
+        return flown
+    kinds = {reading.requirement: reading.kind for reading in flown.readings}
+    how = made(flown.subject, flown.situation, flown.seed, kinds, {"SR2": 7.0})
+    return replace(flown, readings=how.readings, violations=how.violations)
 
 
 @pytest.fixture

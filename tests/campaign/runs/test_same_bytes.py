@@ -10,13 +10,13 @@ import signal
 import sqlite3
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
+from processes import alive, soon
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 
@@ -104,18 +104,13 @@ def test_a_cluster_whose_worker_is_killed_in_flight_and_another_joins(
     killed = dask.worker(address, "--no-nanny")
     cluster = ("--executor", f"dask://{address}", "--cluster-security", dask.certificates)
     run = _start("run", *WORDS, "--campaign", tmp_path / "c", *cluster)
-    while _saved(tmp_path / "c") < 2:
-        assert run.poll() is None
-        time.sleep(0.02)
+    assert soon(lambda: _saved(tmp_path / "c") >= 2 or run.poll() is not None, 300.0)
     flying = _children(killed.pid)
     killed.send_signal(signal.SIGKILL)
     killed.wait()
     assert 2 <= _saved(tmp_path / "c") < FLIGHTS
     assert flying
-    deadline_s = time.monotonic() + 10.0
-    while any(Path(f"/proc/{process}").exists() for process in flying):
-        assert time.monotonic() < deadline_s, "what flew for the worker outlived it"
-        time.sleep(0.05)
+    assert soon(lambda: not any(map(alive, flying))), "what flew for the worker outlived it"
     dask.worker(address, "--no-nanny")
     _output(run)
     assert _export(tmp_path / "c") == one_process

@@ -18,6 +18,7 @@ from typing import Any
 
 import distributed
 import pytest
+from processes import alive, soon
 
 from scaloft_fi.campaign.flight import Batch, Flight
 from scaloft_fi.campaign.workers.cluster import MAKE, Cluster, security_of
@@ -112,7 +113,7 @@ def test_what_flies_for_a_run_that_is_killed_ends_with_it(
     os.kill(flying, 0)
     run.kill()
     run.wait()
-    _wait_for(lambda: not Path(f"/proc/{flying}").exists())
+    assert soon(lambda: not alive(flying), 60.0)
 
 
 def test_a_further_grid_is_flown_by_its_own_situations(dask: Any, address: str, flyer: Any) -> None:
@@ -308,15 +309,8 @@ def test_a_run_whose_tasks_somebody_takes_away_flies_them_again_or_ends(
     assert not said or "is saved" in said
 
 
-def _wait_for(fact: Callable[[], bool]) -> None:
-    deadline_s = time.monotonic() + 60.0
-    while not fact():
-        assert time.monotonic() < deadline_s
-        time.sleep(0.05)
-
-
 def _written(path: Path) -> int:
-    _wait_for(lambda: path.exists() and path.read_text().endswith("\n"))
+    assert soon(lambda: path.exists() and path.read_text().endswith("\n"), 60.0)
     return int(path.read_text())
 
 

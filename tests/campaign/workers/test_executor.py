@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import signal
 import subprocess
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import pytest
 
 from scaloft_fi.campaign.processes import HANGUP
 from scaloft_fi.campaign.workers.cluster import MAKE, Cluster, executor_named, packed, unpacked
-from scaloft_fi.campaign.workers.local import ECHO_S, Flag, Local, interruptible
+from scaloft_fi.campaign.workers.local import ECHO_S, Local, interruptible
 from scaloft_fi.errors import InputError
 
 
@@ -89,20 +90,20 @@ def hangup() -> Iterator[signal.Signals]:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, *HANGUP])
 def test_the_first_signal_asks_to_stop_and_the_handlers_come_back(number: signal.Signals) -> None:
     before = signal.getsignal(number)
-    stopped = Flag()
+    stopped = threading.Event()
     with interruptible(stopped):
-        assert not stopped()
+        assert not stopped.is_set()
         signal.raise_signal(number)
-        assert stopped()
+        assert stopped.is_set()
     assert signal.getsignal(number) == before
 
 
 def test_what_nohup_ignores_stays_ignored(hangup: signal.Signals) -> None:
     signal.signal(hangup, signal.SIG_IGN)
-    stopped = Flag()
+    stopped = threading.Event()
     with interruptible(stopped):
         signal.raise_signal(hangup)
-        assert not stopped()
+        assert not stopped.is_set()
     assert signal.getsignal(hangup) == signal.SIG_IGN
 
 
@@ -111,7 +112,7 @@ def test_the_second_signal_does_what_it_did_before_and_an_echo_of_the_first_does
 ) -> None:
     now_s = 100.0
     monkeypatch.setattr("scaloft_fi.campaign.workers.local.time.monotonic", lambda: now_s)
-    stopped = Flag()
+    stopped = threading.Event()
     with interruptible(stopped):
         signal.raise_signal(signal.SIGINT)
         now_s += ECHO_S / 2
