@@ -19,9 +19,11 @@ from scaloft_fi.verbs.options import (
     FlownGrid,
     Jobs,
     Option,
+    Otherwise,
     Quiet,
     SamePlatform,
     Several,
+    Situations,
     StudyFolder,
     TableFormat,
     TablesFolder,
@@ -43,16 +45,7 @@ FlownMutants = Annotated[
         otherwise="every cell's default and the controls",
     ),
 ]
-FlownSituations = Annotated[
-    Several,
-    Option(
-        "A situation's key or alias, or a pattern (repeatable).",
-        "--situation",
-        metavar="KEY|GLOB",
-        complete=names.situations,
-        otherwise="those of --choose",
-    ),
-]
+FlownSituations = Annotated[Situations, Otherwise("those of --choose")]
 Choose = Annotated[
     str | None,
     Option(
