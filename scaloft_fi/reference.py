@@ -19,7 +19,7 @@ from scaloft_fi.verbs.verb import Verb
 from scaloft_fi.views.output import SUMMARY, Output, Rows, flat_tables
 from scaloft_fi.views.table import markdown
 
-_ELSEWHERE = {"matrix": "matrix_record", "run": "score_record", "export": "export.rows"}
+_ELSEWHERE = {"matrix": "matrix_record", "run": "score", "export": "export.rows"}
 """The module that has a verb's form, where it is not that of the verb."""
 OUTPUTS = tuple(verb for verb in VERBS if verb not in ("schema", "completion"))
 """Verbs that print JSON of a declared form."""
@@ -77,7 +77,7 @@ def _exit_codes() -> Iterator[str]:
 
 def _form(output: Output) -> Iterator[str]:
     yield from (f"## `{output.verb} --format json`", "")
-    yield f"{output.about[:1].upper()}{output.about[1:]}.  Version {output.version}."
+    yield f"{output.says[:1].upper()}{output.says[1:]}.  Version {output.version}."
     if isinstance(output, Rows):
         yield "A bare list, without a version in it; `--format csv` has the same columns."
     elif output.verb not in ONE_CSV:

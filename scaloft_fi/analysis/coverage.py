@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from itertools import combinations, product
 from math import prod
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +27,30 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.space import Point, Space
 from scaloft_fi.judge.status import apart
+from scaloft_fi.marks import About, ByName, Called, Choices
 from scaloft_fi.streams import generator
 
 Levels = NDArray[np.int64]
 """(points, axes): the place of each value on its axis, 0 = benign."""
 Ids = NDArray[np.int64]
+
+
+STRENGTHS = (1, 2, 3, 4, 5)
+SHARES = (0.5, 0.75, 1.0)
+
+
+class Completeness(NamedTuple):
+    """Choices of axes by the share of their combinations that was flown.
+
+    Attributes:
+        half: choices with 50% or more, of all.
+        three_quarters: choices with 75% or more, of all.
+        whole: choices with 100% or more, of all.
+    """
+
+    half: Annotated[Ratio, Called("0.5")]
+    three_quarters: Annotated[Ratio, Called("0.75")]
+    whole: Annotated[Ratio, Called("1")]
 
 
 @dataclass(frozen=True)
@@ -50,6 +69,11 @@ class TWay:
     def total(self) -> Ratio:
         """Combinations covered, over all choices of axes."""
         return Ratio(sum(one.part for one in self.axes), sum(one.whole for one in self.axes))
+
+    @property
+    def completeness(self) -> Completeness:
+        """Choices of axes by the share of their combinations that was flown."""
+        return Completeness(*map(self.complete, SHARES))
 
     def complete(self, share: float) -> Ratio:
         """(p, t)-completeness: choices of axes with at least the share p of their combinations covered, of all."""
@@ -235,45 +259,64 @@ def _whole(rows: list[int], codes: Ids, wanted: NDArray[np.bool_]) -> list[int]:
     return kept
 
 
-STRENGTHS = (1, 2, 3, 4, 5)
-SHARES = (0.5, 0.75, 1.0)
 """The p of (p, t)-completeness."""
+
+
+_Strength = Annotated[int, Choices([str(strength) for strength in STRENGTHS])]
+_Total = Annotated[Ratio, About("combinations of values of {} axes")]
+_Complete = Annotated[Completeness, About("choices of {} axes, by that share (0..1)")]
+_Realised = Annotated[
+    Ratio, About("situations where its value came true in a baseline flight, of those with such a flight")
+]
+_Triggered = Annotated[
+    Ratio, About("situations where a baseline flight put it to the test, of those with such a flight")
+]
 
 
 @dataclass(frozen=True)
 class Coverage:
-    """Coverage of the situation space.  A number drawn from a range covers its bin: bins count, not drawn numbers.
+    """How much of the situations the flights cover.
+
+    A number drawn from a range covers its bin: bins count, not drawn numbers.
 
     Attributes:
         situations: distinct situations flown, of the grid.
-        draws: test cases flown, a situation with a seed each.
+        draws: test cases flown: a situation with a seed each.
         pool: those of them in which the baseline alone was flown, to decide by.
         combinations: per strength t, the combinations of values of t axes that were flown, of all that situations have.
-        realised: situations whose every value came true together in a baseline flight, of the grid.
-        states: how many safety pairs (situation flown x safety requirement) the baseline pool finds in each state; a
+        realised: situations whose every value came true in a baseline flight, of the grid.
+        states: safety pairs (a situation flown, a safety requirement) by what the baseline pool says of them; a
             situation with drawn numbers has pairs of its own.
-        by_axis: per axis, the situations whose value there came true in a baseline flight, of those with one.
-        requirements: per requirement, the situations where it was triggered in a baseline flight, of those with one: in
-            the others it was vacuous or left open, and nothing was tested by it.
+        by_axis: by axis.
+        requirements: by requirement; in the other situations it was vacuous or left open, and nothing was tested by it.
     """
 
+    KEYS = (
+        *("situations", "draws", "pool", "t_way", "complete", "realised", "realised_by_axis=by_axis", "steady"),
+        *("states", "requirements"),
+    )
     situations: Ratio
     draws: int
     pool: int
     combinations: tuple[TWay, ...]
     realised: Ratio
-    states: Mapping[State, int]
-    by_axis: tuple[tuple[str, Ratio], ...]
-    requirements: tuple[tuple[str, Ratio], ...]
+    states: Mapping[State, Annotated[int, About("pairs that are {}")]]
+    by_axis: Annotated[tuple[tuple[str, _Realised], ...], ByName()]
+    requirements: Annotated[tuple[tuple[str, _Triggered], ...], ByName()]
 
     @property
-    def t_way(self) -> tuple[tuple[int, Ratio], ...]:
-        """Per strength t, the combinations flown, of all."""
+    def t_way(self) -> Annotated[tuple[tuple[_Strength, _Total], ...], ByName()]:
+        """By the number of axes t, the combinations of values of t axes that were flown, of all."""
         return tuple((one.strength, one.total) for one in self.combinations)
 
     @property
+    def complete(self) -> Annotated[tuple[tuple[_Strength, _Complete], ...], ByName()]:
+        """By the number of axes t, the choices of t axes of which at least a share of the combinations was flown."""
+        return tuple((one.strength, one.completeness) for one in self.combinations)
+
+    @property
     def steady(self) -> Ratio:
-        """Safety pairs that put a fault to the test, of those in situations with a pool."""
+        """Safety pairs that put a fault to the test, of those with ten baseline flights."""
         return Ratio(self.states[State.STEADY], sum(self.states.values()) - self.states[State.UNKNOWN])
 
 

@@ -37,13 +37,14 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
 from itertools import chain
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
 from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.stratified import GATE, Stratum, p_value
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.requirement import Kind, measured_rho
 from scaloft_fi.judge.status import baselines_of
+from scaloft_fi.marks import About
 
 K = TypeVar("K")
 
@@ -150,16 +151,18 @@ class Detection:
 
     Attributes:
         verdict: detected or not.
-        p: per requirement, adjusted by Holm, at the look that decided or the last one reached.
+        p: by requirement, the chance of as many violations if the fault did nothing: exact test, adjusted by Holm, at
+            the look that decided or the last one reached.
         by: the requirements whose p is at most `share`.
-        seeds: flights in each situation that the p rest on.
-        share: what of alpha the p is compared with.
-        needed: seeds that would decide it, if what was seen goes on; null: decided, or none would.
+        seeds: seeds that the p rest on.
+        share: the share of alpha that p is held against (0..1).
+        needed: least number of seeds that would decide if what was seen goes on; null: decided, or none would.
         anew: whether that takes a campaign of its own, whose size is fixed before it flies.
     """
 
+    KEYS = ("seeds", "alpha=share", "needed", "anew")
     verdict: Verdict
-    p: Mapping[str, float] = field(default_factory=dict)
+    p: Mapping[str, Annotated[float, About("p (0..1)")]] = field(default_factory=dict)
     by: tuple[str, ...] = ()
     seeds: int = 0
     share: float = ALPHA
@@ -347,12 +350,12 @@ class Noise:
     """The noise of the robustness of one requirement, in its unit.
 
     Attributes:
-        requirement: its id.
+        requirement: name of the requirement.
         pairs: pairs of flights of one situation and seed that both measure it.
         stack: standard deviation of one flight by what the stack did alone: the root mean square of the differences,
-            divided by the root of two; None without a pair.
+            divided by the root of two; null: there is no pair.
         seeds: standard deviation between the seeds of a situation, by sensors and stack together, pooled over the
-            situations; None where no situation has two baselines.
+            situations; null: no situation has two baselines.
         apart: pairs of which one flight violates it and the other one holds it.
     """
 

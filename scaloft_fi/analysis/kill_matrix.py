@@ -11,15 +11,16 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any
+from typing import Annotated, Literal, NamedTuple
 
 from scaloft_fi.analysis.detection import Firmness, Verdict
-from scaloft_fi.analysis.roster import Ratio, Roster, by_field
+from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import MutantScore, Result, Score
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Subject, unpack_track
 from scaloft_fi.judge.requirement import Compliance, Reading
 from scaloft_fi.judge.space import Point, Space
 from scaloft_fi.judge.status import JudgedFlight, Status
+from scaloft_fi.marks import ByName, Choices
 
 
 def gray_order(space: Space) -> tuple[str, ...]:
@@ -112,12 +113,14 @@ class Loss:
     """Robustness of a requirement in a flight beside its baseline's, in the requirement's unit.
 
     Attributes:
-        requirement: name.
-        situation, seed: of the flight.
-        baseline: robustness of the baseline, above 0.
-        flown: robustness of the flight.
+        requirement: name of the requirement.
+        situation: key of the situation.
+        seed: seed of the flight.
+        baseline: robustness of the baseline, above 0, in the requirement's unit.
+        flown: robustness of the flight, in the requirement's unit.
     """
 
+    KEYS = ("*", "share")
     requirement: str
     situation: str
     seed: int
@@ -128,10 +131,6 @@ class Loss:
     def share(self) -> float:
         """Share of the baseline's margin that the fault took; below 0 where it gained some."""
         return (self.baseline - self.flown) / self.baseline
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return {**by_field(self), "share": self.share}
 
 
 def losses(flight: JudgedFlight, steady: Collection[str]) -> tuple[Loss, ...]:
@@ -179,29 +178,34 @@ class KillEntry:
     """A mutant in a situation.
 
     Attributes:
-        situation: key.
+        mutant: id of the mutant.
+        situation: key of the situation.
         state: the furthest stage that a flight reached, or `not_flown`.
         kills: requirements that kill the mutant here, as the scores count.
         seen: safety requirements that put the fault to the test here and that a flight violates.
         tested: whether a safety requirement puts the fault to the test here.
         flown: flights that count.
         infected: whether the fault changed a sample in any.
-        violated: per requirement, the flights that violate it, where any does.
+        violated: by requirement that any flight violates, the flights that violate it.
     """
 
+    mutant: str
     situation: str
-    state: str = NOT_FLOWN
+    state: Annotated[str, Choices((*Status, NOT_FLOWN))] = NOT_FLOWN
     kills: tuple[str, ...] = ()
     seen: tuple[str, ...] = ()
     tested: bool = False
     flown: int = 0
     infected: bool = False
-    violated: tuple[tuple[str, int], ...] = ()
+    violated: Annotated[tuple[tuple[str, int], ...], ByName()] = ()
 
     @property
     def survived(self) -> bool:
         """Whether it does not kill though the fault was tested, or could change nothing."""
         return not self.kills and (self.tested or (self.flown > 0 and not self.infected))
+
+
+MutantKind = Literal["mutant", "control", "placebo"]
 
 
 @dataclass(frozen=True)
@@ -210,17 +214,18 @@ class KillRow:
 
     Attributes:
         subject: the mutant.
-        kind: `mutant`, `control` or `placebo`.
+        kind: what it is.
         counted: whether the ratios count it: the default mutant of a credible cell.
         status: the furthest stage that a flight reached.
         verdict: on the mutant.
         kill_rate: situations with a kill, of those that put it to the test.
         entries: in the grid's order; a situation that the grid does not have is left out.
-        firmness: what remains of the verdict when one seed is left out; None where the mutant is not detected.
+        firmness: what remains of the verdict when one seed is left out; null: it is not detected.
     """
 
+    KEYS = ("subject.*", "kind", "counted", "status", "verdict", "firm=firmness", "kill_rate")
     subject: Subject
-    kind: str
+    kind: MutantKind
     counted: bool
     status: Status
     verdict: Verdict
@@ -249,13 +254,27 @@ class KillRow:
         return frozenset(self.killing)
 
 
+class AxisWord(NamedTuple):
+    """A value of an axis.
+
+    Attributes:
+        axis: id of the axis.
+        value: as in keys.
+        word: its short name.
+    """
+
+    axis: str
+    value: str
+    word: str
+
+
 @dataclass(frozen=True)
 class KillMatrix:
     """Mutants x situations.
 
     Attributes:
         space: the grid.
-        rows: mutants in the canonical order, then controls, then PLACEBO.
+        rows: the mutants asked for in the canonical order, then controls, then PLACEBO.
     """
 
     space: Space
@@ -281,8 +300,20 @@ class KillMatrix:
         return {row.id: row.kills for row in self.mutants if row.kills}
 
     @property
+    def values(self) -> tuple[AxisWord, ...]:
+        """The values of the axes."""
+        space = self.space
+        axes = zip(space.axes, space.values, space.words, strict=True)
+        return tuple(AxisWord(axis, *each) for axis, *told in axes for each in zip(*told, strict=True))
+
+    @property
+    def results(self) -> tuple[KillEntry, ...]:
+        """Each of them in each situation of the grid; of a large grid in those flown."""
+        return tuple(entry for row in self.rows for entry in row.entries)
+
+    @property
     def scattered(self) -> tuple[str, ...]:
-        """Detected mutants without a kill: some flights violate in several situations, most in none."""
+        """Ids of detected mutants without a kill: some flights violate in several situations, most in none."""
         return tuple(row.id for row in self.mutants if row.verdict is Verdict.DETECTED and not row.kills)
 
     @property
@@ -300,13 +331,15 @@ class KillMatrix:
 def kill_matrix(scored: Score, roster: Roster, space: Space) -> KillMatrix:
     """The kill matrix of a campaign's score; the roster says which mutants the ratios count."""
     placebo = [scored.placebo] if scored.placebo else []
-    groups = (("mutant", scored.mutants), ("control", scored.controls), ("placebo", placebo))
-    space = space.holding({result.situation for _, members in groups for one in members for result in one.results})
-    rows = [_row(mutant, kind, roster, space) for kind, members in groups for mutant in members]
+    groups: Mapping[MutantKind, Sequence[MutantScore]]
+    groups = {"mutant": scored.mutants, "control": scored.controls, "placebo": placebo}
+    scores = [mutant for members in groups.values() for mutant in members]
+    space = space.holding({result.situation for mutant in scores for result in mutant.results})
+    rows = [_row(mutant, kind, roster, space) for kind, members in groups.items() for mutant in members]
     return KillMatrix(space, tuple(rows))
 
 
-def _row(mutant: MutantScore, kind: str, roster: Roster, space: Space) -> KillRow:
+def _row(mutant: MutantScore, kind: MutantKind, roster: Roster, space: Space) -> KillRow:
     results = {result.situation: result for result in mutant.results}
     return KillRow(
         subject=mutant.subject,
@@ -315,16 +348,17 @@ def _row(mutant: MutantScore, kind: str, roster: Roster, space: Space) -> KillRo
         status=mutant.status,
         verdict=mutant.verdict,
         kill_rate=mutant.kill_rate,
-        entries=tuple(_entry(key, results.get(key)) for key, _ in space.situations),
+        entries=tuple(_entry(mutant.subject.id, key, results.get(key)) for key, _ in space.situations),
         firmness=mutant.firmness,
     )
 
 
-def _entry(key: str, result: Result | None) -> KillEntry:
+def _entry(mutant: str, key: str, result: Result | None) -> KillEntry:
     if result is None:
-        return KillEntry(key)
+        return KillEntry(mutant, key)
     return KillEntry(
-        situation=key,
+        mutant,
+        key,
         state=result.status.value,
         kills=result.kills,
         seen=result.seen,

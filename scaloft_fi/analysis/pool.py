@@ -6,9 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
-from typing import Any
 
-from scaloft_fi.analysis.roster import by_field
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.judge.space import Space
@@ -39,12 +37,16 @@ class Pair:
     """A requirement in a situation, by the baseline flights that count.
 
     Attributes:
-        situation, requirement, kind: of the pair.
+        situation: key of the situation.
+        requirement: name of the requirement.
+        kind: of the requirement.
         flights: of the baseline.
         violated: flights that violate the requirement.
         open: flights cut short before it was judged.
         triggered: flights in which its trigger came true, or that violate it.
     """
+
+    KEYS = ("*", "state")
 
     situation: str
     requirement: str
@@ -76,10 +78,6 @@ class Pair:
     def tests(self) -> bool:
         """Whether the pair enters the stratified test: it is neither unknown nor vacuous nor open."""
         return self.state in (State.STEADY, State.RED, State.UNSTEADY)
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values."""
-        return {**by_field(self), "state": self.state.value}
 
 
 @dataclass(frozen=True)
@@ -156,7 +154,7 @@ class SituationBaseline:
     """A situation's baseline over the seeds.
 
     Attributes:
-        situation: key.
+        situation: key of the situation.
         flown: baseline flights that count.
         violated: requirements that any of them violates, in the study's order.
         open: requirements left open by a flight cut short, and violated in none.
@@ -165,6 +163,7 @@ class SituationBaseline:
         red: flights that violate a safety requirement.
     """
 
+    KEYS = ("situation", "violated")
     situation: str
     flown: int
     violated: tuple[str, ...]

@@ -36,7 +36,16 @@ EARLY_S = 5.0
 
 
 class FirstViolation(NamedTuple):
-    """A violation: of which requirement, when [s from take-off], where [m, world], what was struck."""
+    """The earliest violation of a requirement.
+
+    Attributes:
+        requirement: name of the requirement.
+        t_s: time [s from take-off].
+        situation: key of the situation.
+        seed: seed of the flight.
+        position: x, y, z of the vehicle [m, world].
+        struck: name of the body that was struck; empty for none.
+    """
 
     requirement: str
     t_s: float
@@ -51,11 +60,14 @@ class Kill:
     """A steady pair in which most flights of a detected mutant violate.
 
     Attributes:
-        situation, requirement: the pair.
-        violated: flights that violate it; flights: those that count.
+        situation: key of the situation.
+        requirement: name of the requirement.
+        violated: flights that violate the requirement.
+        flights: flights that count.
         first: the earliest violation.
     """
 
+    KEYS = ("situation", "requirement", "violated", "flights")
     situation: str
     requirement: str
     violated: int
@@ -102,6 +114,32 @@ class Result:
         return tuple(name for name, _ in self.violated if name in self.steady)
 
 
+class Effectless(NamedTuple):
+    """A mutant whose flights all equal the baseline's to the bit.
+
+    Attributes:
+        id: canonical id.
+        acted: flights in which it changed a sample, of those that count.
+    """
+
+    id: str
+    acted: Ratio
+
+
+@dataclass(frozen=True)
+class ByOperability:
+    """The same by operability requirements.
+
+    Attributes:
+        detection: what the verdict rests on.
+        kills: in the grid's order.
+    """
+
+    detection: Detection
+    kills: tuple[Kill, ...]
+    KEYS = ("detection.verdict", "detection.p", "kills", "decided_at=detection")
+
+
 _Kills = Annotated[Ratio, About("situations with such a kill, of those that test it by it")]
 
 
@@ -112,11 +150,13 @@ class MutantScore:
     Attributes:
         subject: the mutant.
         status: the furthest stage that a flight reached.
-        safety: the verdict, by safety requirements.
+        safety: what the verdict rests on, by safety requirements.
         operability: the same by operability requirements.
         results: one per situation with a flight that counts, in the grid's order.
-        kills: by safety requirements, in the grid's order; operability_kills: by operability requirements.
-        first: the earliest violation in a kill; of a mutant without one the earliest in a pair that tests it.
+        kills: steady pairs of a safety requirement in which most of its flights violate, in the grid's order.
+        operability_kills: the same of operability requirements.
+        first: its earliest violation in a kill; of a mutant without one the earliest in a pair that tests it; null:
+            there is none.
         statuses: flights of each status.
         firmness: whether it stays detected when any one seed is left out; null: it is not detected.
         severity: class of its cell; None where the cell has none.  It enters no ratio.
@@ -133,10 +173,24 @@ class MutantScore:
     statuses: tuple[tuple[Status, int], ...]
     firmness: Firmness | None = None
     severity: SeverityClass | None = None
+    KEYS = (
+        *("subject.*", "severity=severity_id", "status", "verdict", "firm=firmness", "p=safety.p", "kill_rate"),
+        *("kill_rate_flown", "kills", "requirements", "first", "decided_at=safety", "operability=by_operability"),
+    )
+
+    @property
+    def severity_id(self) -> str | None:
+        """Class of severity, one of the study's own; in no ratio; null: it has none."""
+        return self.severity.id if self.severity else None
+
+    @property
+    def by_operability(self) -> ByOperability:
+        """The same by operability requirements."""
+        return ByOperability(self.operability, self.operability_kills)
 
     @property
     def verdict(self) -> Verdict:
-        """By safety requirements."""
+        """Of all its flights, by safety requirements."""
         return self.safety.verdict
 
     @property
@@ -312,27 +366,32 @@ def _first(result: Result, requirement: str, flights: Sequence[Ruled]) -> FirstV
 
 @dataclass(frozen=True)
 class Score:
-    """The campaign's score.  Ratios count the default mutants of credible cells and nothing else.
+    """The campaign's score.
+
+    Ratios count the default mutants of credible cells and nothing else; without a pool nothing is detected, of none.
 
     Attributes:
-        alpha: accepted chance that a fault which does nothing is called detected.
-        exercised: cells flown, of all credible cells.
-        infected: mutants that changed a sample, of those flown.
-        tested: mutants put to the test, of those flown.
-        mutation_score: mutants detected by safety requirements, of those flown; 0 of 0 without a pool.
-        operability: the same by operability requirements.
+        alpha: accepted chance that a fault which does nothing is called detected (0..1).
+        exercised: credible cells whose default mutant was flown, of all credible cells.
+        infected: default mutants that changed a sample, of those flown.
+        tested: default mutants put to the test: they infect where a safety requirement is steady; of those flown.
+        mutation_score: default mutants detected by safety requirements, of those flown.
+        operability: default mutants detected by operability requirements, of those flown.
         mutants: every mutant flown, ladders too, in the canonical order.
         counted: those of them that the ratios count and of which a flight counts.
-        controls: every control flown.
+        controls: every control flown; no ratio counts them.
         placebo: PLACEBO, when flown.
         pool: the pairs of the unmutated drone.
         redraw: how often redraws of the unmutated drone are called detected.
-        lacking: situations where a mutant, controls left out, infects and the pool has too few flights, in order.
-        pooled: whether there is a pool to decide by where mutants infect; without one there are only observations.
-        selected: the situations flown that a search found because of verdicts; a score that uses them is selected.
-        behaviours: the counted mutants that are detected, those whose flights all equal each other's together.
+        lacking: keys of situations where a mutant, controls left out, infects and the pool has too few flights.
+        pooled: whether there is a baseline pool to decide by where mutants infect; without one there are only
+            observations.
+        selected: keys of situations flown that a search found because of verdicts; a score that uses them is selected.
+        behaviours: the counted mutants that are detected; those whose flights all equal each other's to the bit
+            together.
     """
 
+    KEYS = ("exercised", "infected", "tested", "mutation_score", "firm", "operability")
     alpha: float
     exercised: Ratio
     infected: Ratio
@@ -352,33 +411,28 @@ class Score:
 
     @property
     def firm(self) -> Ratio:
-        """Mutants detected whichever seed is left out, of those that `mutation_score` counts."""
+        """Default mutants detected whichever one seed is left out, of those flown."""
         return Ratio(sum(mutant.firm for mutant in self.counted) if self.pooled else 0, self.mutation_score.whole)
 
     @property
-    def without_kill(self) -> tuple[MutantScore, ...]:
-        """Counted mutants that are detected, and killed in no situation."""
-        return tuple(mutant for mutant in self.counted if mutant.detected and not mutant.kills)
+    def without_kill(self) -> tuple[str, ...]:
+        """Ids of counted mutants that are detected, of which most flights violate in no situation."""
+        return tuple(mutant.subject.id for mutant in self.counted if mutant.detected and not mutant.kills)
 
     @property
-    def trivial(self) -> tuple[MutantScore, ...]:
-        """Counted mutants that are detected where any test would do."""
-        return tuple(mutant for mutant in self.counted if mutant.trivial)
+    def trivial(self) -> tuple[str, ...]:
+        """Ids of counted mutants killed in nine tenths of the situations that test them, or within 5 s of take-off."""
+        return tuple(mutant.subject.id for mutant in self.counted if mutant.trivial)
 
     @property
-    def without_effect(self) -> tuple[MutantScore, ...]:
-        """Counted mutants whose flights all equal the baseline's to the bit."""
-        return tuple(mutant for mutant in self.counted if mutant.without_effect)
+    def without_effect(self) -> tuple[Effectless, ...]:
+        """The counted mutants whose flights all equal the baseline's to the bit."""
+        return tuple(Effectless(mutant.subject.id, mutant.acted) for mutant in self.counted if mutant.without_effect)
 
     @property
     def expected_false(self) -> float:
-        """Mutants called detected that do nothing, expected at most: alpha for each one that is put to the test."""
+        """Mutants that would be called detected if none had any effect, expected at most."""
         return self.alpha * self.tested.part
-
-    @property
-    def fates(self) -> Counter[Verdict]:
-        """Mutants of each verdict; they sum to the mutants."""
-        return Counter(mutant.verdict for mutant in self.mutants)
 
 
 def score(
@@ -464,11 +518,13 @@ class Group:
 
     Attributes:
         by: what the parts are.
-        name: of the part.
+        name: of the part: a guideword, a parameter, a class of severity (worst first, `no class` last), a key, a
+            requirement, an axis with its value.
         tested: detected mutants of those put to the test; of a situation, a requirement or an axis value those with a
             kill there of those that it tests, and of an axis value mutants in situations.
         flown: the same detected, of those flown.
-        axis, value: ids of an axis and of its value; None where the parts are none.
+        axis: id of the axis; null: not by axis.
+        value: id of the axis's value, as in keys of situations; null: not by axis.
     """
 
     by: By
@@ -532,7 +588,8 @@ class Redraw:
 
     Attributes:
         seeds: flights of a redraw in each situation; 0 where none was made.
-        safety, operability: redraws called detected by requirements of that kind, of all.
+        safety: redraws detected by safety requirements, of all.
+        operability: redraws detected by operability requirements, of all.
     """
 
     seeds: int = 0

@@ -21,14 +21,14 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scaloft_fi.analysis.condition import condition, sides
 from scaloft_fi.analysis.kill_matrix import KillMatrix, KillRow
-from scaloft_fi.analysis.roster import Ratio, by_field, plain
+from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.hazop.name import cell_of
 from scaloft_fi.judge.space import Space
 
@@ -45,10 +45,10 @@ class Suite:
     """Situations that together kill every mutant that any situation kills.
 
     Attributes:
-        situations: in the order of the columns; the first such set in that order, when exact.
+        situations: their keys in the order of the columns; the first such set in that order, when exact.
         exact: whether no smaller set does; else it is at most this many.
-        alternatives: how many sets of this size do; None when not exact or too many to count.
-        needed: situations in every such set, because some mutant dies nowhere else.
+        alternatives: sets of this size that do; null: not exact, or too many to count.
+        needed: keys of situations in every such set, because some mutant dies nowhere else.
     """
 
     situations: tuple[str, ...]
@@ -215,55 +215,76 @@ def _greedy(rows: Rows) -> frozenset[int]:
 
 @dataclass(frozen=True)
 class Node:
-    """Mutants that the same situations kill.
+    """Mutants with the same kills.
 
     Attributes:
+        node: its number, from 0.
         mutants: ids, in the order given.
-        kills: what kills them.
+        kills: what kills them: keys of situations, with --by-requirement key and requirement.
+        layer: the longest way to it from a node that no other subsumes.
     """
 
+    KEYS = ("*", "minimal")
+    node: int
     mutants: tuple[str, ...]
     kills: frozenset[str]
+    layer: int
 
     @property
     def name(self) -> str:
         """The first mutant's id."""
         return self.mutants[0]
 
+    @property
+    def minimal(self) -> bool:
+        """Whether no other subsumes it."""
+        return self.layer == 0
+
+
+class Edge(NamedTuple):
+    """What kills one also kills the other.
+
+    Attributes:
+        subsuming: number of a node.
+        subsumed: number of a node.
+    """
+
+    subsuming: int
+    subsumed: int
+
 
 @dataclass(frozen=True)
 class Subsumption:
-    """The subsumption graph.
+    """Which kills imply which.
 
     Attributes:
-        nodes: in the order of their first mutants.
-        edges: (subsuming, subsumed) places in `nodes`, without those that follow from others.
+        nodes: mutants with the same kills, in the order of their first mutants.
+        edges: what kills one also kills the other; those that follow from others are left out.
     """
 
+    KEYS = ("*", "killed", "distinct", "minimal=least")
     nodes: tuple[Node, ...]
-    edges: tuple[tuple[int, int], ...]
+    edges: tuple[Edge, ...]
 
     @cached_property
     def minimal(self) -> tuple[Node, ...]:
         """The nodes that no other subsumes."""
-        subsumed = {below for _, below in self.edges}
-        return tuple(node for place, node in enumerate(self.nodes) if place not in subsumed)
+        return tuple(node for node in self.nodes if node.minimal)
 
     @property
     def killed(self) -> int:
         """Mutants in the graph: those that something kills."""
         return sum(len(node.mutants) for node in self.nodes)
 
-    def layers(self) -> tuple[tuple[int, ...], ...]:
-        """The nodes by the longest way down to them; the first layer is the minimal ones."""
-        depth: dict[int, int] = {}
-        # a node's kill set is larger than those of the nodes above it
-        for place in sorted(range(len(self.nodes)), key=lambda n: (len(self.nodes[n].kills), n)):
-            depth[place] = max((depth[above] + 1 for above, below in self.edges if below == place), default=0)
-        return tuple(
-            tuple(place for place in range(len(self.nodes)) if depth[place] == layer)
-            for layer in range(max(depth.values(), default=-1) + 1)
-        )
+    @property
+    def distinct(self) -> int:
+        """Nodes."""
+        return len(self.nodes)
+
+    @property
+    def least(self) -> int:
+        """Nodes that no other subsumes."""
+        return len(self.minimal)
 
     def dominator_score(self, chosen: Collection[str]) -> Ratio:
         """Minimal nodes that the chosen columns kill, of all minimal nodes.
@@ -274,25 +295,6 @@ class Subsumption:
         columns = set(chosen)
         return Ratio(sum(bool(node.kills & columns) for node in self.minimal), len(self.minimal))
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values; `layer` and `minimal` of each node beside its mutants and what kills them."""
-        layer = {place: number for number, members in enumerate(self.layers()) for place in members}
-        return {
-            "nodes": [
-                {
-                    "mutants": list(node.mutants),
-                    "kills": sorted(node.kills),
-                    "layer": layer[place],
-                    "minimal": layer[place] == 0,
-                }
-                for place, node in enumerate(self.nodes)
-            ],
-            "edges": [list(edge) for edge in self.edges],
-            "killed": self.killed,
-            "distinct": len(self.nodes),
-            "minimal": len(self.minimal),
-        }
-
 
 def subsumption(kills: Mapping[str, Collection[str]]) -> Subsumption:
     """The subsumption graph of kill sets, by mutant; mutants that nothing kills are not in it."""
@@ -302,16 +304,15 @@ def subsumption(kills: Mapping[str, Collection[str]]) -> Subsumption:
     for mutant, keys in kills.items():
         if keys:
             classes.setdefault(frozenset(keys), []).append(mutant)
-    nodes = tuple(Node(tuple(mutants), keys) for keys, mutants in classes.items())
     full = nx.DiGraph()
-    full.add_nodes_from(range(len(nodes)))
+    full.add_nodes_from(range(len(classes)))
     full.add_edges_from(
-        (above, below)
-        for above, upper in enumerate(nodes)
-        for below, lower in enumerate(nodes)
-        if upper.kills < lower.kills
+        (above, below) for above, upper in enumerate(classes) for below, lower in enumerate(classes) if upper < lower
     )
-    return Subsumption(nodes, tuple(sorted(nx.transitive_reduction(full).edges)))
+    reduced = nx.transitive_reduction(full)
+    layers = {node: layer for layer, nodes in enumerate(nx.topological_generations(reduced)) for node in nodes}
+    nodes = (Node(node, tuple(classes[keys]), keys, layers[node]) for node, keys in enumerate(classes))
+    return Subsumption(tuple(nodes), tuple(Edge(*edge) for edge in sorted(reduced.edges)))
 
 
 def kills_by_requirement(matrix: KillMatrix) -> dict[str, frozenset[str]]:
@@ -331,18 +332,19 @@ class Redundancy:
     """How many killed mutants of a cell say the same.
 
     Attributes:
-        cell: name.
-        killed: mutants of the cell that something kills: magnitudes and phases.
-        duplicates: groups of two or more of them with the same kill set.
+        cell: its name.
+        killed: its mutants that something kills: magnitudes and phases.
+        duplicates: groups of two or more of them with the same kills.
     """
 
+    KEYS = ("*", "redundant")
     cell: str
     killed: int
     duplicates: tuple[tuple[str, ...], ...]
 
     @property
     def redundant(self) -> Ratio:
-        """Mutants that could be left out without losing a kill set of the cell, of those killed."""
+        """Mutants that could be left out without losing a set of kills of the cell, of those killed."""
         return Ratio(sum(len(group) - 1 for group in self.duplicates), self.killed)
 
 
@@ -368,11 +370,11 @@ class SituationKills:
     """A situation as a test.
 
     Attributes:
-        situation: key.
-        killed: ids of the mutants it kills, as the scores count.
+        situation: its key.
+        killed: ids of the mutants killed there, as the scores count.
         tested: mutants that could have been killed there: it puts them to the test.
-        alone: those of the killed that no other situation kills.
-        minimal: minimal mutants it kills, of all: what it would score without redundant mutants.
+        alone: ids of those killed in no other situation.
+        minimal: minimal mutants killed there, of all: what it would score without redundant mutants.
     """
 
     situation: str
@@ -403,10 +405,10 @@ class ChosenKills:
     """What some situations kill together.
 
     Attributes:
-        situations: keys.
-        killed: mutants they kill, of those that any situation flown kills.
-        dominator_score: the same among the minimal mutants: the dominator score (`Subsumption.dominator_score`).
-        lost: ids of the mutants that only other situations kill.
+        situations: their keys.
+        killed: mutants killed there, of those that are killed anywhere.
+        dominator_score: minimal mutants killed there, of all minimal mutants (`Subsumption.dominator_score`).
+        lost: ids of mutants that are killed elsewhere only.
     """
 
     situations: tuple[str, ...]
@@ -444,9 +446,9 @@ class Interaction:
     """How a mutant's kills depend on the axes.
 
     Attributes:
-        mutant: id.
+        mutant: id of the mutant.
         counted: whether the ratios count it.
-        condition: the shortest condition, as `human & light`.
+        condition: the shortest condition: `human & light`.
         order: fewest axes that have to be right; 0 when it dies wherever it is tested.
         order_at_most: the same if it survived in every situation that does not say: there an order may rest on nothing.
         killing: situations where it is killed.
@@ -462,31 +464,20 @@ class Interaction:
     unknown: int
 
 
-@dataclass(frozen=True)
-class Orders:
-    """The histogram of kill interaction orders.
+class KillOrder(NamedTuple):
+    """The mutants of an order.
 
     Attributes:
-        counts: mutants of each order, from 0 to the number of axes.
-        counts_at_most: the same of the orders where nothing unknown helps.
+        order: number of axes.
+        mutants: killed mutants of this order.
+        mutants_at_most: the same where nothing unknown helps.
+        cumulative_percent: share of the killed mutants with at most this order [%]; null: none was killed.
     """
 
-    counts: tuple[int, ...]
-    counts_at_most: tuple[int, ...]
-
-    def cumulative(self) -> tuple[float | None, ...]:
-        """Share of the killed mutants with at most this order [%], per order; None where none was killed."""
-        whole = sum(self.counts)
-        return tuple(100 * sum(self.counts[: t + 1]) / whole if whole else None for t in range(len(self.counts)))
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain JSON values, NIST's published shares beside them."""
-        return {
-            **by_field(self),
-            "cumulative_percent": plain(self.cumulative()),
-            "nist_cumulative_percent": plain(NIST),
-            "nist_source": NIST_SOURCE,
-        }
+    order: int
+    mutants: int
+    mutants_at_most: int
+    cumulative_percent: float | None
 
 
 def interactions(matrix: KillMatrix) -> tuple[Interaction, ...]:
@@ -514,12 +505,19 @@ def interaction(space: Space, row: KillRow) -> Interaction:
     )
 
 
-def orders(interactions: Iterable[Interaction], space: Space) -> Orders:
+def orders(interactions: Iterable[Interaction], space: Space) -> tuple[KillOrder, ...]:
     """The histogram over the mutants that the ratios count: ladders would count one fault several times."""
     counted = [entry for entry in interactions if entry.counted]
-    sizes = range(len(space.axes) + 1)
     least, most = Counter(entry.order for entry in counted), Counter(entry.order_at_most for entry in counted)
-    return Orders(tuple(least[size] for size in sizes), tuple(most[size] for size in sizes))
+    return tuple(
+        KillOrder(
+            size,
+            least[size],
+            most[size],
+            100 * sum(least[smaller] for smaller in range(size + 1)) / len(counted) if counted else None,
+        )
+        for size in range(len(space.axes) + 1)
+    )
 
 
 def order(space: Space, killing: Collection[str], surviving: Collection[str]) -> int:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from datetime import date
 from enum import StrEnum
 from functools import cached_property
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 from scaloft_fi.analysis.condition import condition
 from scaloft_fi.analysis.detection import Detection, Verdict
@@ -39,13 +39,14 @@ class Disposition:
 
     Attributes:
         mutant: canonical id.
-        owner: who answers for it.
+        owner: who accepted it and answers for it.
         reason: why it may survive.
         expires: the last day on which it holds.
         situations: keys of those where it may survive; empty = in all.
         place: file:line.
     """
 
+    KEYS = ("mutant", "owner", "reason", "expires")
     mutant: str
     owner: str
     reason: str
@@ -94,13 +95,6 @@ class Judged:
     verdict: Verdict | None = None
 
 
-class Accepted(NamedTuple):
-    """A survivor that somebody accepted: its canonical id, and who, why and until when."""
-
-    mutant: str
-    disposition: Disposition
-
-
 def survives(mutant: MutantScore) -> bool:
     """Whether it is not detected though it was put to the test, or undecided."""
     return mutant.verdict in (Verdict.NOT_DETECTED, Verdict.UNDECIDED)
@@ -126,7 +120,7 @@ def judge(
 
 def accepted_survivors(
     scored: Score, roster: Roster, dispositions: Iterable[Disposition], today: date | None = None
-) -> tuple[Accepted, ...]:
+) -> tuple[Disposition, ...]:
     """The survivors that the score counts and somebody accepted, in the canonical order; the arguments of `judge`.
 
     Without a pool nobody knows what survives, so there are none.
@@ -135,13 +129,13 @@ def accepted_survivors(
         return ()
     counted = {mutant.subject.id for mutant in scored.counted}
     return tuple(
-        Accepted(one.mutant, one.disposition)
+        one.disposition
         for one in judge(scored, roster, dispositions, today)
         if one.disposition is not None and one.state is Standing.ACCEPTED and one.mutant in counted
     )
 
 
-def score_without(scored: Score, accepted: Sequence[Accepted]) -> Ratio:
+def score_without(scored: Score, accepted: Collection[Disposition]) -> Ratio:
     """Mutants detected, of those that `mutation_score` counts and nobody accepted as survivors."""
     return Ratio(scored.mutation_score.part, scored.mutation_score.whole - len(accepted))
 

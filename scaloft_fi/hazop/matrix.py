@@ -222,6 +222,17 @@ class Magnitude:
     worse: Annotated[str, Choices(_WORSE)] = ""
     neutral: float | None = None
     place: Place = field(default="", compare=False)
+    KEYS = ("argument", "unit", "scale", "ladder=rungs", "default=default_rung")
+
+    @property
+    def rungs(self) -> tuple[str, ...]:
+        """The magnitudes, as in ids."""
+        return tuple(map(self.text, self.ladder))
+
+    @property
+    def default_rung(self) -> str:
+        """The magnitude that the name of the cell stands for, as in ids."""
+        return self.text(self.default)
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
         """Refuse a ladder of unlike or equal rungs, a default that is not on it, and what only numbers have."""
@@ -275,6 +286,7 @@ class Expected:
     magnitudes: Annotated[tuple[RungText, ...], Size(1, MOST_ENTRIES)] = ()
     status: Annotated[Literal["not_infected"], Needed()] = "not_infected"
     place: Place = field(default="", compare=False)
+    KEYS = ("status", "reason", "magnitudes")
 
 
 @dataclass(frozen=True)
@@ -359,7 +371,8 @@ class Cell:
     """One guideword applied to one parameter.
 
     Attributes:
-        guideword, parameter: their ids.
+        guideword: the guideword.
+        parameter: the parameter.
         status: credible, a control, or not meaningful.
         deviation: how the parameter differs from the design intent.  A cell that is not meaningful has no deviation,
             and its attributes below are empty too.
@@ -388,7 +401,7 @@ class Cell:
 
     @property
     def name(self) -> str:
-        """`GUIDEWORD-parameter`, the stem of its mutants' ids."""
+        """Its name, `GUIDEWORD-parameter`, the stem of its mutants' ids."""
         return f"{self.guideword}-{self.parameter}"
 
     @property
@@ -405,7 +418,7 @@ class Cell:
     def default_magnitude(self) -> str:
         """The magnitude of the default mutant, as in its id; empty when the default fault has no ladder."""
         magnitude = self.faults[0].magnitude if self.faults else None
-        return magnitude.text(magnitude.default) if magnitude else ""
+        return magnitude.default_rung if magnitude else ""
 
     def mutant_ids(self, fault: Fault, rung: Rung | None) -> tuple[str, ...]:
         """Return the canonical ids of `fault` at this magnitude, one for each phase of the catalogue: 0, times, events.

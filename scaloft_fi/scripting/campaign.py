@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, update_wrapper
 from pathlib import Path
 from typing import Any, Concatenate, ParamSpec, TypeVar
@@ -52,7 +52,7 @@ from scaloft_fi.verbs.run import (
     Sequential,
     Shard,
 )
-from scaloft_fi.verbs.score import ScoredFlights, scored_campaign, scored_run
+from scaloft_fi.verbs.score import SCORE, ScoredFlights, scored_campaign, scored_run
 from scaloft_fi.verbs.seek import (
     Anyhow,
     Into,
@@ -64,7 +64,7 @@ from scaloft_fi.verbs.seek import (
     SoughtMutants,
     study_to_search,
 )
-from scaloft_fi.views.output import Answer, Columns, ColumnType
+from scaloft_fi.views.output import Answer, Columns, ColumnType, plain
 from scaloft_fi.views.table import Format, Table, html
 
 Told = bool | Callable[[int, int], object]
@@ -185,7 +185,7 @@ class CampaignScore:
 
         The state is `steady`, `red`, `unsteady`, `open`, `vacuous` or `unknown`.
         """
-        return Columns("Pairs", PAIR_COLUMNS, [pair.to_json() for pair in self._scored.score.pool.pairs.values()])
+        return Columns("Pairs", PAIR_COLUMNS, plain(self._scored.pairs))
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -202,7 +202,7 @@ class CampaignScore:
         Raises:
             InputError: there is no such grouping.
         """
-        return self._scored.record(_by(by))
+        return SCORE.record(replace(self._scored, by=_by(by)))
 
     def text(self, *, by: str | None = None, everything: bool = False) -> str:
         """What `scaloft-fi score` prints.
@@ -215,7 +215,7 @@ class CampaignScore:
             InputError: there is no such grouping.
         """
         with in_python():
-            return self._scored.text(Format.TABLE, by=_by(by), everything=everything)
+            return replace(self._scored, by=_by(by)).text(Format.TABLE, everything=everything)
 
     def __str__(self) -> str:
         return self.text()

@@ -143,7 +143,7 @@ class Axes:
     axes: tuple[ListedAxis, ...]
 
 
-FORM = Output.of("axes", "1.0", Axes, rows="axes")
+FORM = Output("axes", "1.0", Axes, rows="axes")
 OVERVIEW = {"axis": "name", "title": "title", "category": "category", "kind": "kind", "values": "summary"}
 
 

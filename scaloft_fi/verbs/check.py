@@ -16,7 +16,7 @@ from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Format, Table, TableCell, render
 
 NOT_CHECKED = "not checked"
-CHECK = Output.of("check", "1.0", Check, rows="findings")
+CHECK = Output("check", "1.0", Check, rows="findings")
 
 
 def check_tables(check: Check) -> tuple[Table, Table]:

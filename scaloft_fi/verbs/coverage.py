@@ -2,95 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, NamedTuple
+from typing import NamedTuple
 
-from scaloft_fi.analysis.coverage import SHARES, STRENGTHS, Coverage, coverage_of
+from scaloft_fi.analysis.coverage import SHARES, Coverage, coverage_of
 from scaloft_fi.analysis.pool import LEAST, State
-from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.judge.space import Space
-from scaloft_fi.marks import About, Called, Choices
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.options import Campaign
 from scaloft_fi.verbs.snapshot import Stale, snapshot
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.output import Answer, Output, shape_of, writer_of
+from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
-
-_Strength = Annotated[str, Choices([str(strength) for strength in STRENGTHS])]
-"""A number of axes."""
-
-
-class Completeness(NamedTuple):
-    """Choices of axes by the share of their combinations that was flown.
-
-    Attributes:
-        half: choices with 50% or more, of all.
-        three_quarters: choices with 75% or more, of all.
-        whole: choices with 100% or more, of all.
-    """
-
-    half: Annotated[Ratio, Called("0.5")]
-    three_quarters: Annotated[Ratio, Called("0.75")]
-    whole: Annotated[Ratio, Called("1")]
-
-
-_Realised = Annotated[
-    Ratio, About("situations where its value came true in a baseline flight, of those with such a flight")
-]
-_Triggered = Annotated[
-    Ratio, About("situations where a baseline flight put it to the test, of those with such a flight")
-]
-
-
-@dataclass(frozen=True)
-class Covered:
-    """How much of the situations the flights cover.
-
-    Attributes:
-        situations: distinct situations flown, of the grid.
-        draws: test cases flown: a situation with a seed each.
-        pool: those of them in which the baseline alone was flown, to decide by.
-        t_way: by the number of axes t, the combinations of values of t axes that were flown, of all.
-        complete: by the number of axes t, the choices of t axes of which at least a share of the combinations was
-            flown.
-        realised: situations whose every value came true in a baseline flight, of the grid.
-        realised_by_axis: by axis.
-        steady: safety pairs that put a fault to the test, of those with ten baseline flights.
-        states: safety pairs (a situation flown, a safety requirement) by what the baseline pool says of them.
-        requirements: by requirement.
-    """
-
-    situations: Ratio
-    draws: int
-    pool: int
-    t_way: Mapping[_Strength, Annotated[Ratio, About("combinations of values of {} axes")]]
-    complete: Mapping[_Strength, Annotated[Completeness, About("choices of {} axes, by that share (0..1)")]]
-    realised: Ratio
-    realised_by_axis: Mapping[str, _Realised]
-    steady: Ratio
-    states: Mapping[State, Annotated[int, About("pairs that are {}")]]
-    requirements: Mapping[str, _Triggered]
-
-    @classmethod
-    def of(cls, covered: Coverage) -> Covered:
-        """What is told of a coverage."""
-        return cls(
-            situations=covered.situations,
-            draws=covered.draws,
-            pool=covered.pool,
-            t_way={str(one.strength): one.total for one in covered.combinations},
-            complete={
-                str(one.strength): Completeness(*(one.complete(share) for share in SHARES))
-                for one in covered.combinations
-            },
-            realised=covered.realised,
-            realised_by_axis=dict(covered.by_axis),
-            steady=covered.steady,
-            states=covered.states,
-            requirements=dict(covered.requirements),
-        )
 
 
 class TestCase(NamedTuple):
@@ -132,20 +56,12 @@ class CampaignCoverage:
         stale: the stored flights that no longer count and were not flown again.
     """
 
-    coverage: Covered
+    coverage: Coverage
     choices: tuple[Choice, ...]
     stale: Stale
 
 
-COVERAGE = Output.of("coverage", "1.1", CampaignCoverage, rows="summary")
-COVERED = shape_of(Covered)
-
-
-def coverage_record(covered: Coverage) -> dict[str, Any]:
-    """Plain JSON values of `COVERED`."""
-    values: dict[str, Any] = writer_of(Covered)(Covered.of(covered))
-    return values
-
+COVERAGE = Output("coverage", "1.1", CampaignCoverage, rows="summary")
 
 MEANINGS = {
     State.STEADY: "at least nine tenths of the baseline's flights hold it: it tests a fault",
@@ -199,7 +115,7 @@ def _states(covered: Coverage) -> Table:
 
 def _t_way(covered: Coverage, axes: int) -> Table:
     rows = tuple(
-        (f"{one.strength}-way", str(one.total), *(str(one.complete(share)) for share in SHARES))
+        (f"{one.strength}-way", str(one.total), *map(str, one.completeness))
         for one in covered.combinations
         if one.strength <= axes
     )
@@ -225,7 +141,7 @@ def coverage(study: Study, campaign: Campaign) -> Answer:
     )
     return Answer(
         COVERAGE,
-        lambda: CampaignCoverage(Covered.of(covered), choices, stale),
+        lambda: CampaignCoverage(covered, choices, stale),
         lambda: coverage_tables(covered, space, choices),
         warnings=stale.sentences,
     )

@@ -59,7 +59,7 @@ class Comparison:
     differences: tuple[Difference, ...]
 
 
-DIFF = Output.of("diff", "1.0", Comparison, rows="differences")
+DIFF = Output("diff", "1.0", Comparison, rows="differences")
 
 
 def compare(

@@ -82,7 +82,7 @@ class Dispositions:
     survivors: tuple[JudgedSurvivor, ...]
 
 
-DISPOSITIONS = Output.of("dispositions", "1.0", Dispositions, rows="survivors")
+DISPOSITIONS = Output("dispositions", "1.0", Dispositions, rows="survivors")
 
 
 def _words(verdict: Verdict | None) -> str:

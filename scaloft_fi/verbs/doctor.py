@@ -152,7 +152,7 @@ class Installation:
     faults: tuple[str, ...]
 
 
-DOCTOR = Output.of("doctor", "1.0", Installation, rows="platform")
+DOCTOR = Output("doctor", "1.0", Installation, rows="platform")
 
 
 def platform_parts() -> tuple[Part, ...]:

@@ -6,7 +6,7 @@ Long groups are cut unless everything is asked for; the other tables stand behin
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from scaloft_fi.analysis.coverage import Coverage
@@ -14,7 +14,7 @@ from scaloft_fi.analysis.detection import Firmness, Noise, Verdict
 from scaloft_fi.analysis.pool import Pool, SituationBaseline, State, Tally, findings, tallies
 from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import EARLY_S, By, MutantScore, Score, groups
-from scaloft_fi.analysis.survivor import Accepted, Background
+from scaloft_fi.analysis.survivor import Background, Disposition
 from scaloft_fi.console import PROSE, Marked, Style, coloured, line, styled, wrapped
 from scaloft_fi.console import width as terminal_width
 from scaloft_fi.defaults import CAMPAIGN
@@ -37,19 +37,11 @@ from scaloft_fi.verbs.verdict import (
     noise_line,
     short_step,
 )
+from scaloft_fi.views.output import printed_of
 from scaloft_fi.views.table import Format, Table, commands, render
 
 MANY_ROWS = 24
 """Of more mutants than these the flights at each stage are summed by parameter."""
-POPULATIONS = {
-    "exercised": "credible cells whose default mutant was flown, of all credible cells",
-    "infected": "default mutants that changed a sample, of those flown",
-    "tested": "default mutants put to the test: they infect where a safety requirement is steady; of those flown",
-    "mutation_score": "default mutants detected by safety requirements, of those flown",
-    "firm": "default mutants detected whichever one seed is left out, of those flown",
-    "operability": "default mutants detected by operability requirements, of those flown",
-}
-"""What each ratio of the score counts."""
 
 
 def tables_behind(
@@ -70,7 +62,7 @@ def tables_behind(
 
 def ratio_table(scored: Score) -> Table:
     """The ratios of the score, each with its population."""
-    rows = tuple((name.replace("_", " "), str(getattr(scored, name)), of) for name, of in POPULATIONS.items())
+    rows = tuple((one.key.replace("_", " "), str(getattr(scored, one.name)), one.about) for one in printed_of(Score))
     drawn = scored.redraw
     notes = [false_detections(scored.alpha, scored.tested.part)]
     if drawn.seeds:
@@ -88,13 +80,13 @@ def composition_table(scored: Score) -> Table:
     detected = scored.mutation_score.part
     firmness = Counter(mutant.firmness for mutant in scored.counted if mutant.firmness)
     alike = [" = ".join(group) for group in scored.behaviours if len(group) > 1]
-    idle = [f"{mutant.subject.id} (acts in {mutant.acted.short})" for mutant in scored.without_effect]
+    idle = [f"{mutant.id} (acts in {mutant.acted.short})" for mutant in scored.without_effect]
     rows = (
         ("detected", detected, ""),
         *((one.words, firmness[one], _named(scored, one)) for one in Firmness if firmness[one]),
         ("distinct behaviours", len(scored.behaviours), "; ".join(alike)),
-        ("without a kill", len(scored.without_kill), _ids(scored.without_kill)),
-        ("trivial", len(scored.trivial), _ids(scored.trivial)),
+        ("without a kill", len(scored.without_kill), ", ".join(scored.without_kill)),
+        ("trivial", len(scored.trivial), ", ".join(scored.trivial)),
         ("no effect here", len(scored.without_effect), ", ".join(idle)),
     )
     notes = (
@@ -110,11 +102,8 @@ def composition_table(scored: Score) -> Table:
 
 def _named(scored: Score, firmness: Firmness) -> str:
     """The detected mutants that are not firm, by name."""
-    return "" if firmness.firm else _ids(mutant for mutant in scored.counted if mutant.firmness is firmness)
-
-
-def _ids(mutants: Iterable[MutantScore]) -> str:
-    return ", ".join(mutant.subject.id for mutant in mutants)
+    named = () if firmness.firm else (one.subject.id for one in scored.counted if one.firmness is firmness)
+    return ", ".join(named)
 
 
 def pair_table(pool: Pool, space: Space) -> Table:
@@ -280,7 +269,7 @@ def first_screen(
     campaign: str = CAMPAIGN,
     finds: KnownFinds = NO_FINDS,
     noise: Sequence[Noise] = (),
-    accepted: Sequence[Accepted] = (),
+    accepted: Sequence[Disposition] = (),
     whole: bool = False,
 ) -> tuple[Table, ...]:
     """The screen as tables: the answers, a table a group, and the two lines.

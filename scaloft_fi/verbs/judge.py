@@ -83,7 +83,7 @@ class JudgedRecords:
 
 
 HEADERS = ("file", "requirement", "verdict", "robustness", "violated_at_s", "x", "y", "z")
-JUDGE = Output.of("judge", "1.0", JudgedRecords, rows="readings")
+JUDGE = Output("judge", "1.0", JudgedRecords, rows="readings")
 
 
 def judged_table(told: JudgedRecords) -> Table:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,7 +17,8 @@ from scaloft_fi.analysis.suite import (
     NIST_SOURCE,
     ChosenKills,
     Interaction,
-    Orders,
+    KillOrder,
+    Node,
     Redundancy,
     SituationKills,
     Subsumption,
@@ -39,7 +40,6 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
-from scaloft_fi.verbs.kill_record import KILLS, kill_values
 from scaloft_fi.verbs.options import (
     Campaign,
     Option,
@@ -52,11 +52,11 @@ from scaloft_fi.verbs.options import (
     several,
     write,
 )
-from scaloft_fi.verbs.snapshot import Snapshot, snapshot
+from scaloft_fi.verbs.snapshot import Snapshot, Stale, snapshot
 from scaloft_fi.verbs.survivors import Stage, Survivor, short_units, survivors
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import Next
-from scaloft_fi.views.output import Answer
+from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table, TableCell
 
 COUNTED = (
@@ -98,12 +98,12 @@ def _order(entry: Interaction) -> str:
     return str(entry.order) if entry.order == entry.order_at_most else f"{entry.order}-{entry.order_at_most}"
 
 
-def order_table(orders: Orders) -> Table:
+def order_table(orders: Sequence[KillOrder]) -> Table:
     """The histogram of orders, cumulative, beside NIST's."""
     rows: list[tuple[TableCell, ...]] = []
-    for size, (count, share) in enumerate(zip(orders.counts, orders.cumulative(), strict=True)):
+    for size, mutants, _, share in orders:
         nist = [_percent(shares[size - 1] if 1 <= size <= len(shares) else None) for shares in NIST.values()]
-        rows.append((size, count, _percent(share) or "n/a", *nist))
+        rows.append((size, mutants, _percent(share) or "n/a", *nist))
     notes = (
         "Default mutants of credible cells that are killed, % with at most this order; NIST's failures beside them.",
         f"Source: {NIST_SOURCE}; blank: not at hand.  NIST counts input variables, here axes of the grid count.",
@@ -183,25 +183,23 @@ def chosen_table(chosen: ChosenKills) -> Table:
 
 def subsumption_table(graph: Subsumption, *, short: bool = False) -> Table:
     """The subsumption graph as indented rows; `short` leaves only the minimal mutants."""
-    above: dict[int, list[int]] = {place: [] for place in range(len(graph.nodes))}
-    below: dict[int, list[int]] = {place: [] for place in range(len(graph.nodes))}
+    above: dict[int, list[Node]] = {node.node: [] for node in graph.nodes}
+    below: dict[int, list[Node]] = {node.node: [] for node in graph.nodes}
     for upper, lower in graph.edges:
-        above[lower].append(upper)
-        below[upper].append(lower)
-    depth = {place: number for number, layer in enumerate(graph.layers()) for place in layer}
+        above[lower].append(graph.nodes[upper])
+        below[upper].append(graph.nodes[lower])
     rows: list[tuple[str, int, str]] = []
 
-    def add(place: int) -> None:
-        node = graph.nodes[place]
-        others = [graph.nodes[upper].name for upper in above[place]]
-        rows.append(("> " * depth[place] + ", ".join(node.mutants), len(node.kills), ", ".join(others)))
+    def add(node: Node) -> None:
+        others = ", ".join(upper.name for upper in above[node.node])
+        rows.append(("> " * node.layer + ", ".join(node.mutants), len(node.kills), others))
         # a node stands below the last of the nodes that subsume it directly from the layer before
-        for lower in below[place]:
-            if max((upper for upper in above[lower] if depth[upper] == depth[lower] - 1), default=-1) == place:
+        for lower in below[node.node]:
+            if [upper for upper in above[lower.node] if upper.layer == lower.layer - 1][-1:] == [node]:
                 add(lower)
 
-    for place in graph.layers()[0] if graph.nodes else ():
-        add(place)
+    for node in graph.minimal:
+        add(node)
     if short:
         rows = [row for row in rows if not row[0].startswith("> ")]
     sets = f"{len(graph.nodes)} different kill sets, {len(graph.minimal)} of them minimal: what kills these kills all."
@@ -262,7 +260,7 @@ _STEADY = (
 )
 
 
-PART_KEYS = {
+PARTS = {
     "conditions": "conditions",
     "situations": "situations",
     "suite": "summary",
@@ -270,6 +268,42 @@ PART_KEYS = {
     "survivors": "survivors",
 }
 """The parts that can be asked for, and the table of each that `csv` prints where it alone is asked for."""
+
+
+@dataclass(frozen=True)
+class CampaignKills:
+    """Where mutants are killed, which situations are needed, and what would change the rest.
+
+    Attributes:
+        matrix: the rows asked for.
+        stale: the stored flights that no longer count and were not flown again.
+        chosen: what the situations of --situation kill together; null: not asked for.
+        conditions: how the kills of each mutant depend on the axes; null: not asked for.
+        orders: mutants by how many axes have to be right; null: not asked for.
+        situations: each situation flown, as a test; null: not asked for.
+        suite: the fewest situations that together kill every mutant that any situation kills; null: not asked for.
+        subsumption: which kills imply which; null: not asked for.
+        redundancies: cells with two or more killed mutants; null: not asked for.
+        survivors: the mutants that are not detected, those of the worst class of severity first; null: not asked for.
+    """
+
+    matrix: KillMatrix
+    stale: Stale
+    chosen: ChosenKills | None = None
+    conditions: tuple[Interaction, ...] | None = None
+    orders: tuple[KillOrder, ...] | None = None
+    situations: tuple[SituationKills, ...] | None = None
+    suite: Suite | None = None
+    subsumption: Subsumption | None = None
+    redundancies: tuple[Redundancy, ...] | None = None
+    survivors: tuple[Survivor, ...] | None = None
+    KEYS = (
+        *("matrix.values", "mutants=matrix.rows", "matrix.results", "detected_without_kill=matrix.scattered", "chosen"),
+        *("conditions", "orders", "situations", "suite", "subsumption", "redundancies", "survivors", "stale"),
+    )
+
+
+KILLS = Output("kills", "1.1", CampaignKills, rows="mutants")
 
 
 def kills(
@@ -288,20 +322,32 @@ def kills(
     """
     patterns, keys, show = several(mutants, "mutants"), several(situations, "situations"), several(show, "show")
     for part in show:
-        if part not in PART_KEYS:
-            raise InputError(f"--show={part!r} must be one of {', '.join(PART_KEYS)}{did_you_mean(part, PART_KEYS)}")
-    wanted = show or tuple(PART_KEYS)
+        if part not in PARTS:
+            raise InputError(f"--show={part!r} must be one of {', '.join(PARTS)}{did_you_mean(part, PARTS)}")
+    wanted = show or tuple(PARTS)
     with snapshot(study, campaign) as now:
         study = now.study
         matrix, stale = _chosen(now, patterns), now.stale
-        cases = _survivors(now, matrix) if "survivors" in wanted else ()
-    chosen = [situation.key for situation in study.grid.select(keys)] if keys else []
-    results = _results(matrix, _graph(matrix, by_requirement), cases, wanted, chosen)
+        cases = _survivors(now, matrix) if "survivors" in wanted else None
+    found = interactions(matrix) if "conditions" in wanted else None
+    graph = _graph(matrix, by_requirement) if "subsumption" in wanted else None
+    told = CampaignKills(
+        matrix,
+        stale,
+        chosen=chosen_kills(matrix, (one.key for one in study.grid.select(keys))) if keys else None,
+        conditions=found,
+        orders=None if found is None else orders(found, matrix.space),
+        situations=situation_kills(matrix) if "situations" in wanted else None,
+        suite=minimal_suite(matrix.kills, matrix.flown) if "suite" in wanted else None,
+        subsumption=graph,
+        redundancies=None if graph is None else redundancies(graph),
+        survivors=cases,
+    )
     return Answer(
         KILLS,
-        lambda: kill_values(matrix, results) | stale.values,
-        lambda: _tables(results, matrix, short=not show),
-        rows=PART_KEYS[show[0]] if len(show) == 1 else "",
+        lambda: told,
+        lambda: _tables(told, short=not show),
+        rows=PARTS[show[0]] if len(show) == 1 else "",
         warnings=(*stale.sentences, *(study.finds.warnings if "survivors" in wanted else ())),
     )
 
@@ -349,46 +395,23 @@ def _survivors(now: Snapshot, matrix: KillMatrix) -> tuple[Survivor, ...]:
     return survivors(tracked, now.score, matrix, known, units, now.name, now.study.finds)
 
 
-def _results(
-    matrix: KillMatrix, graph: Subsumption, cases: Sequence[Survivor], wanted: Sequence[str], chosen: Sequence[str]
-) -> dict[str, Any]:
-    """What is asked for, by name."""
-    results: dict[str, Any] = {}
-    if chosen:
-        results["chosen"] = chosen_kills(matrix, chosen)
-    if "conditions" in wanted:
-        results["conditions"] = interactions(matrix)
-        results["orders"] = orders(results["conditions"], matrix.space)
-    if "situations" in wanted:
-        results["situations"] = situation_kills(matrix)
-    if "suite" in wanted:
-        results["suite"] = minimal_suite(matrix.kills, matrix.flown)
-    if "subsumption" in wanted:
-        results["subsumption"] = graph
-        results["redundancies"] = redundancies(graph)
-    if "survivors" in wanted:
-        results["survivors"] = cases
-    return results
-
-
-def _tables(results: Mapping[str, Any], matrix: KillMatrix, *, short: bool) -> list[Table]:
-    """A table for each result, but none for redundancies where there are none."""
+def _tables(told: CampaignKills, *, short: bool) -> list[Table]:
+    """A table for each part that was asked for, but none for redundancies where there are none."""
     made: dict[str, Callable[[Any], Table]] = {
         "chosen": chosen_table,
         "conditions": interaction_table,
         "orders": order_table,
-        "situations": lambda listed: situation_table(listed, matrix.space, short=short),
-        "suite": lambda suite: suite_table(suite, matrix),
+        "situations": lambda listed: situation_table(listed, told.matrix.space, short=short),
+        "suite": lambda suite: suite_table(suite, told.matrix),
         "subsumption": lambda graph: subsumption_table(graph, short=short),
         "redundancies": redundancy_table,
-        "survivors": survivor_summary if short else survivor_table,
     }
-    shown = [made[name](result) for name, result in results.items() if result or name != "redundancies"]
-    told = shown[:-1] if "survivors" in results else shown
-    return [*with_detected(told, matrix), *shown[len(told) :]]
+    parts = {name: getattr(told, name) for name in made if getattr(told, name) is not None}
+    shown = [made[name](part) for name, part in parts.items() if part or name != "redundancies"]
+    last = [] if told.survivors is None else [(survivor_summary if short else survivor_table)(told.survivors)]
+    return [*with_detected(shown, told.matrix), *last]
 
 
-PARTS = ("conditions", "situations", "suite", "subsumption", "survivors")
 PICTURES = (".svg", ".png", ".dot")
 
 
@@ -407,7 +430,7 @@ Show = Annotated[
     Option(
         "Only this part, at length (repeatable).",
         "--show",
-        type=click.Choice(PARTS),
+        type=click.Choice(tuple(PARTS)),
         otherwise="every part, shortened",
     ),
 ]

@@ -138,7 +138,7 @@ class SituationMap:
     happenings: tuple[Occurrence, ...]
 
 
-MAP = Output.of("map", "1.0", SituationMap, rows="places")
+MAP = Output("map", "1.0", SituationMap, rows="places")
 
 
 def map_of(study: Study, situation: Situation) -> SituationMap:

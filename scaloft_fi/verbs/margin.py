@@ -235,7 +235,7 @@ class Margins:
         )
 
 
-MARGIN = Output.of("margin", "1.0", Margins, rows="situations")
+MARGIN = Output("margin", "1.0", Margins, rows="situations")
 
 
 def unknown(unit: str) -> Margin:

@@ -106,10 +106,13 @@ def _grid(matrix: Matrix, style: str) -> str:
 
 
 def _json(matrix: Matrix, margins: Mapping[str, tuple[CellMargin, ...]] | None = None) -> str:
+    from scaloft_fi.verbs.matrix_record import MATRIX, MatrixCell, MatrixCells, ToldCell
 
-    from scaloft_fi.verbs.matrix_record import MATRIX, matrix_values
-
-    return MATRIX.json(matrix_values(matrix, margins))
+    told = (
+        MatrixCell(ToldCell.of(one, matrix.severities.get(one.name)), None if margins is None else margins[one.name])
+        for one in matrix
+    )
+    return MATRIX.json(MatrixCells(tuple(told)))
 
 
 def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:

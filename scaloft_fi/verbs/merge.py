@@ -17,7 +17,7 @@ from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 
-MERGE = Output.of("merge", "1.0", Merged, rows="summary")
+MERGE = Output("merge", "1.0", Merged, rows="summary")
 
 
 def merge(study: Study, campaign: str, sources: Sequence[str], *, same_platform: bool = False) -> Answer:

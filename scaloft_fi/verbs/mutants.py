@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -62,7 +62,7 @@ class ListedMutant:
 
     mutant: Mutant
     default: bool
-    KEYS = (*(f"mutant.{field.name}" for field in fields(Mutant)), "default")
+    KEYS = ("mutant.*", "default")
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class MutantList:
     mutants: tuple[ListedMutant, ...]
 
 
-MUTANTS = Output.of("mutants", "1.0", MutantList, rows="mutants")
+MUTANTS = Output("mutants", "1.0", MutantList, rows="mutants")
 _COLUMNS = ("id", "default", "parameter", "guideword", "seam", "operator", "arguments")
 _IN_TERMINAL = ("id", "default", "seam", "operator", "arguments")
 """Guideword and parameter are read from the id."""

@@ -30,7 +30,7 @@ class Written:
     next: tuple[str, ...]
 
 
-NEW = Output.of("new", "1.0", Written, rows="files")
+NEW = Output("new", "1.0", Written, rows="files")
 
 
 @verb(

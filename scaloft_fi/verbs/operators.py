@@ -224,7 +224,7 @@ class Operators:
     operators: tuple[ListedOperator, ...]
 
 
-FORM = Output.of("operators", "1.0", Operators, rows="operators")
+FORM = Output("operators", "1.0", Operators, rows="operators")
 _KINDS = {
     float: "number",
     int: "whole number",

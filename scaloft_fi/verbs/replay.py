@@ -332,7 +332,7 @@ class Replayed:
         )
 
 
-REPLAY = Output.of("replay", "1.0", Replayed, rows="readings")
+REPLAY = Output("replay", "1.0", Replayed, rows="readings")
 
 
 FRAME = "world"

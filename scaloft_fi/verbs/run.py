@@ -186,8 +186,7 @@ def run_command(
     from scaloft_fi.campaign.store.archive import campaign_folder
     from scaloft_fi.campaign.store.flown_grid import study_of
     from scaloft_fi.campaign.workers.cluster import executor_named
-    from scaloft_fi.verbs.score import Bars, detected_so_far, report, scored_run
-    from scaloft_fi.verbs.score_record import RUN
+    from scaloft_fi.verbs.score import RUN, Bars, detected_so_far, report, scored_run
 
     campaign = campaign_over(grid, campaign)
     request = Request(

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, replace
 from datetime import date
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import click
 
 from scaloft_fi.analysis.coverage import Coverage, coverage_of
 from scaloft_fi.analysis.detection import Noise, Spending, Verdict, noise_of
-from scaloft_fi.analysis.pool import findings
-from scaloft_fi.analysis.roster import plain
-from scaloft_fi.analysis.score import By, Score, groups, score_of
-from scaloft_fi.analysis.survivor import Accepted, Background, Disposition, accepted_survivors, backgrounds
+from scaloft_fi.analysis.pool import Pair, SituationBaseline, findings
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import By, Group, Score, groups, score_of
+from scaloft_fi.analysis.survivor import Disposition, accepted_survivors, backgrounds, score_without
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.plan import Plan
 from scaloft_fi.campaign.runs.request import Look
@@ -41,7 +41,6 @@ from scaloft_fi.verbs.options import (
     Today,
     answer,
 )
-from scaloft_fi.verbs.score_record import SCORE, score_json
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
@@ -53,21 +52,12 @@ if TYPE_CHECKING:
 
 def look_table(looks: Sequence[Look]) -> Table:
     """How the looks went."""
-    rows = tuple(
-        (look.seeds, look.mutants, look.flights, *(look.fates[verdict] for verdict in Verdict)) for look in looks
-    )
     headers = ("seeds", "mutants", "flights", *(verdict.words for verdict in Verdict))
     notes = (
         "Only the undecided fly on, where the pool has a steady pair.  Each look spends a quarter of alpha.",
         "Flights: of mutants, planned for the look; PLACEBO and baselines fly beside them.",
     )
-    return Table("Looks", headers, rows, notes)
-
-
-def look_record(look: Look) -> dict[str, Any]:
-    """A look as plain JSON values."""
-    fates = {verdict.value: look.fates[verdict] for verdict in Verdict}
-    return {"seeds": look.seeds, "mutants": look.mutants, "flights": look.flights, **fates}
+    return Table("Looks", headers, tuple(map(astuple, looks)), notes)
 
 
 @dataclass(frozen=True)
@@ -75,12 +65,14 @@ class Unflown:
     """A part of a plan of which flights were not flown.
 
     Attributes:
-        by: `parameter` or `situation`.
-        name: of the part.
-        planned, flown, not_flown: number of flights.
+        by: what the parts are.
+        name: of the part: a parameter or a subject, or the key of a situation.
+        planned: flights.
+        flown: of these flights, flown.
+        not_flown: of these flights, not flown.
     """
 
-    by: str
+    by: Literal["parameter", "situation"]
     name: str
     planned: int
     flown: int
@@ -89,53 +81,68 @@ class Unflown:
 
 def unflown(planned: Plan, left: Sequence[Flight]) -> tuple[Unflown, ...]:
     """The plan by parameter, then by situation; nothing where no flight is left."""
-    if not left:
-        return ()
-    flights = list(dict.fromkeys((*planned.known, *left)))
+    flights = list(dict.fromkeys((*planned.known, *left))) if left else []
+
+    def parts(by: Literal["parameter", "situation"], part: Callable[[Flight], str]) -> Iterator[Unflown]:
+        missing = Counter(map(part, left))
+        for name, count in Counter(map(part, flights)).items():
+            yield Unflown(by, name, count, count - missing[name], missing[name])
+
     return (
-        *_parts("parameter", flights, left, lambda flight: flight.subject.parameter or flight.subject.id),
-        *_parts("situation", flights, left, lambda flight: flight.situation.key),
+        *parts("parameter", lambda flight: flight.subject.parameter or flight.subject.id),
+        *parts("situation", lambda flight: flight.situation.key),
     )
-
-
-def _parts(
-    by: str, flights: Iterable[Flight], left: Iterable[Flight], part: Callable[[Flight], str]
-) -> Iterator[Unflown]:
-    planned, missing = Counter(map(part, flights)), Counter(map(part, left))
-    return (Unflown(by, name, count, count - missing[name], missing[name]) for name, count in planned.items())
 
 
 def unflown_tables(parts: Sequence[Unflown]) -> tuple[Table, ...]:
     """Two tables, or none when nothing is left."""
-    return tuple(
-        _table(title, header, [one for one in parts if one.by == header])
-        for title, header in (("Not flown, by parameter", "parameter"), ("Not flown, by situation", "situation"))
-        if parts
-    )
+    tables = []
+    for by in ("parameter", "situation") if parts else ():
+        rows = tuple((one.name, one.planned, one.flown, one.not_flown) for one in parts if one.by == by)
+        left, planned = sum(row[-1] for row in rows), sum(row[1] for row in rows)
+        note = f"{left} of {planned} planned flights were not flown; the same command without --budget flies them."
+        tables.append(Table(f"Not flown, by {by}", (by, "planned", "flown", "not flown"), rows, (note,)))
+    return tuple(tables)
 
 
-def _table(title: str, header: str, parts: Sequence[Unflown]) -> Table:
-    left, planned = sum(one.not_flown for one in parts), sum(one.planned for one in parts)
-    note = f"{left} of {planned} planned flights were not flown; the same command without --budget flies them."
-    rows = tuple((one.name, one.planned, one.flown, one.not_flown) for one in parts)
-    return Table(title, (header, "planned", "flown", "not flown"), rows, (note,))
+@dataclass(frozen=True)
+class Ratios:
+    """The ratios, over the default mutants of credible cells.
+
+    Attributes:
+        score: of the campaign.
+        without_accepted: mutants detected, of those flown that are no accepted survivors.
+    """
+
+    score: Score
+    without_accepted: Ratio
+    KEYS = ("score.*", "without_accepted")
+
+
+@dataclass(frozen=True)
+class Composition:
+    """What the ratio is made of, over the default mutants of credible cells."""
+
+    score: Score
+    KEYS = ("score.behaviours", "score.without_kill", "score.trivial", "score.without_effect")
 
 
 @dataclass(frozen=True)
 class ScoredFlights:
-    """A campaign with its score.
+    """A campaign with its score: which faults the requirements would have shown.
 
     Attributes:
         study: the study, with the grid of the campaign.
         campaign: name of the campaign.
         rulings: what each flight shows beside its baseline.
         score: the score.
-        noise: noise of a stack that is not deterministic; else empty.
+        noise: of a stack that is not deterministic: the noise of robustness; else empty.
         warning: what a reader must know of the platforms of the flights; "" where there is nothing.
-        stale: the flights of the campaign that no longer count.
-        accepted: the survivors that somebody accepted.
-        looks: looks of the run that flew, where it was sequential.
-        unflown: what the run that flew left out.
+        stale: the stored flights that no longer count and were not flown again.
+        accepted: the survivors that somebody accepted, of the mutants that the ratios count.
+        looks: of `run --sequential`: its looks; else empty.
+        unflown: of `run --budget`: where planned flights were not flown; else empty.
+        by: what the parts are of which the score is told too; None: it is not told part by part.
     """
 
     study: Study
@@ -145,14 +152,45 @@ class ScoredFlights:
     noise: tuple[Noise, ...] = ()
     warning: str = ""
     stale: Stale = NONE
-    accepted: tuple[Accepted, ...] = ()
+    accepted: tuple[Disposition, ...] = ()
     looks: tuple[Look, ...] = ()
     unflown: tuple[Unflown, ...] = ()
+    by: By | None = None
+    KEYS = (
+        *("score.alpha", "score.pooled", "ratios", "score.expected_false", "score.redraw", "composition"),
+        *("score.mutants", "score.controls", "pairs", "score.lacking", "score.selected", "coverage"),
+        *("baseline", "groups", "noise", "looks", "unflown", "accepted", "stale"),
+    )
 
     @cached_property
     def coverage(self) -> Coverage:
-        """The situation coverage."""
+        """How much of the situations the flights cover."""
         return coverage_of(self.rulings.baselines, self.rulings.draws, self.study.space)
+
+    @property
+    def ratios(self) -> Ratios:
+        """The ratios, over the default mutants of credible cells."""
+        return Ratios(self.score, score_without(self.score, self.accepted))
+
+    @property
+    def composition(self) -> Composition:
+        """What the ratio is made of, over the default mutants of credible cells."""
+        return Composition(self.score)
+
+    @property
+    def pairs(self) -> tuple[Pair, ...]:
+        """What the baseline pool says of each requirement in each situation."""
+        return tuple(self.score.pool.pairs.values())
+
+    @property
+    def baseline(self) -> tuple[SituationBaseline, ...]:
+        """What the unmutated drone violates."""
+        return findings(self.rulings.baselines, self.study.space)
+
+    @property
+    def groups(self) -> tuple[Group, ...]:
+        """With `--by`, the score part by part, over the default mutants of credible cells; else empty."""
+        return groups(self.score, self.by, self.study.space) if self.by else ()
 
     @property
     def run(self) -> tuple[Table, ...]:
@@ -165,16 +203,6 @@ class ScoredFlights:
         _, unread = _dispositions(self.study)
         return (*filter(None, [self.warning, unread]), *self.stale.sentences, *self.study.finds.warnings)
 
-    def answer(self, form: Output, by: By | None = None, *, everything: bool = False) -> Answer:
-        """What `run` and `score` answer; the arguments are those of `text`, `form` is that of the JSON."""
-        return Answer(
-            form,
-            lambda: self.values(by),
-            lambda: (*self.screen(whole=False), *self.run),
-            told=lambda how: self.text(how, by=by, everything=everything),
-            warnings=self.warnings,
-        )
-
     def screen(self, *, whole: bool) -> tuple[Table, ...]:
         """The first screen as tables; `whole`: long groups are shown to their ends."""
         return first_screen(
@@ -182,7 +210,7 @@ class ScoredFlights:
             self.study.roster,
             self.study.space,
             self.coverage,
-            self._background,
+            lambda mutant: backgrounds(self.study.matrix, [mutant])[mutant],
             campaign=self.campaign,
             finds=self.study.finds,
             noise=self.noise,
@@ -190,47 +218,27 @@ class ScoredFlights:
             whole=whole,
         )
 
-    def text(self, how: Format, *, by: By | None = None, everything: bool = False) -> str:
+    def text(self, how: Format, *, everything: bool = False) -> str:
         """The score as text.
 
         Args:
-            how: form of the tables; JSON is `record`.
-            by: adds the score part by part.
+            how: form of the tables.
             everything: whether every mutant and every table is shown, not only the first screen.
         """
         screen = self.screen(whole=everything or how is not Format.TABLE)
         behind: Sequence[Table] = ()
         if everything:
-            behind = tables_behind(self.score, self.rulings, self.coverage, self.study.space, by)
-        elif by:
-            behind = (group_table(self.score, by, self.study.space),)
+            behind = tables_behind(self.score, self.rulings, self.coverage, self.study.space, self.by)
+        elif self.by:
+            behind = (group_table(self.score, self.by, self.study.space),)
         if how is not Format.TABLE:
             return render((*screen, *behind, *self.run), how)
         text, more = screen_text(screen), (*behind, *self.run)
         return joined([text, render(more, Format.TABLE)]) if more else text
 
-    def record(self, by: By | None = None) -> dict[str, Any]:
-        """The score as `score --format json` prints it; `by` adds the score part by part."""
-        return SCORE.record(self.values(by))
 
-    def values(self, by: By | None = None) -> dict[str, Any]:
-        """The plain JSON values of the form `SCORE`, without its version."""
-        space = self.study.space
-        violated = [(finding.situation, finding.violated) for finding in findings(self.rulings.baselines, space)]
-        return score_json(
-            self.score,
-            self.coverage,
-            violated,
-            groups(self.score, by, space) if by else (),
-            noise=self.noise,
-            looks=[look_record(look) for look in self.looks],
-            unflown=plain(self.unflown),
-            accepted=self.accepted,
-            stale=self.stale,
-        )
-
-    def _background(self, mutant: str) -> Background | None:
-        return backgrounds(self.study.matrix, [mutant])[mutant]
+SCORE = Output("score", "3.1", ScoredFlights, "mutants", "which faults the requirements would have shown")
+RUN = replace(SCORE, verb="run", about="what was flown: the form of `score`, with how the run went")
 
 
 def scored_campaign(
@@ -292,7 +300,7 @@ def scored_run(flown: FlownRun, campaign: str) -> ScoredFlights:
     return ScoredFlights(study, campaign, flown.rulings, score, noise, report.mixture, stale, accepted, looks, left)
 
 
-def _accepted(study: Study, score: Score, today: date | None) -> tuple[Accepted, ...]:
+def _accepted(study: Study, score: Score, today: date | None) -> tuple[Disposition, ...]:
     dispositions, _ = _dispositions(study)
     return accepted_survivors(score, study.roster, dispositions, today or date.today())  # noqa: DTZ011 - the user's day
 
@@ -418,8 +426,9 @@ def report(
             "baseline flights wherever a mutant infects; `scaloft-fi run` flies them"
         )
 
-    by = By(grouping) if grouping else None
-    answer(scored.answer(output, by, everything=everything), style, tables)
+    scored = replace(scored, by=By(grouping) if grouping else None)
+    words = partial(scored.text, everything=everything)
+    answer(Answer(output, lambda: scored, told=words, warnings=scored.warnings), style, tables)
     detected, firm = scored.score.mutation_score, scored.score.firm
     below = [
         f"{option} {least:g}"

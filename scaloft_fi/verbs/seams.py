@@ -97,7 +97,7 @@ class Seams:
     seams: tuple[ListedSeam, ...]
 
 
-FORM = Output.of("seams", "1.0", Seams, rows="seams")
+FORM = Output("seams", "1.0", Seams, rows="seams")
 
 
 def seam_list(study: Study) -> Listing[ListedSeam]:

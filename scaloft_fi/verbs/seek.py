@@ -219,7 +219,7 @@ def why_not(sought: Sought) -> str:
     return f"it kept {effort.nearest:.0%} of the robustness of {effort.requirement} in {effort.situation}"
 
 
-SEEK = Output.of("seek", "1.1", SeekReport, rows="finds")
+SEEK = Output("seek", "1.1", SeekReport, rows="finds")
 
 
 @dataclass(frozen=True)

@@ -164,7 +164,7 @@ class Signals:
     signals: tuple[ListedSignal, ...]
 
 
-FORM = Output.of("signals", "1.0", Signals, rows="signals")
+FORM = Output("signals", "1.0", Signals, rows="signals")
 PER_METRE, PIXELS = "_per_m", "obstacle_pixels"
 
 

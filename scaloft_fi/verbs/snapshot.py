@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.pool import LEAST
@@ -29,7 +28,6 @@ from scaloft_fi.mutants.catalogue import defaults
 from scaloft_fi.sim.grid import ALL
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.verdict import MOST_NAMED, in_campaign
-from scaloft_fi.views.output import shape_of, writer_of
 
 
 def stale_of(study: Study, store: Store, now: Now, name: str) -> Stale:
@@ -124,11 +122,6 @@ class Stale:
         return cls(sum(why.values()), tuple(Reason(*each) for each in why.items()), command or None)
 
     @property
-    def values(self) -> dict[str, Any]:
-        """Plain JSON values of `STALE`."""
-        return {"stale": writer_of(Stale)(self)}
-
-    @property
     def sentences(self) -> tuple[str, ...]:
         """The same for people; empty when every flight counts.
 
@@ -147,7 +140,6 @@ them again',)
         return (f"{told}: {', '.join([*reasons[:REASONS], *rest])}; {ends}",)
 
 
-STALE = {"stale": shape_of(Stale)}
 NONE = Stale()
 """Every stored flight counts."""
 

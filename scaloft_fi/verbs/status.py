@@ -86,7 +86,7 @@ class CampaignStatus:
     reasons: tuple[CountedReason, ...]
 
 
-STATUS = Output.of("status", "1.1", CampaignStatus, rows="statuses")
+STATUS = Output("status", "1.1", CampaignStatus, rows="statuses")
 
 
 def campaign_status(now: Snapshot) -> CampaignStatus:

@@ -218,16 +218,16 @@ class Survivor:
     """A mutant that is not detected.
 
     Attributes:
-        mutant: id.
-        verdict: on it; never `detected`.
+        mutant: id of the mutant.
+        verdict: on the mutant; never `detected`.
         stage: where it stopped.
         next: what to change.
-        why: the facts that say so, and what to do, in a few sentences.
-        loss: where it lost most of a baseline's margin in a steady pair; None where it cannot be measured.
-        off_path_m: how far it was off its baseline's path at the most, over flights that put it to the test and have a
-            trajectory [m]; None without such a flight.
+        why: the facts, and what to do, in a few sentences.
+        loss: where it took most of a baseline's margin in a steady pair; null: it cannot be measured.
+        off_path_m: how far it was off its baseline's path at the most [m]; null: no flight that put it to the test has
+            a trajectory.
         find: name of the find that is to be flown; empty without one.
-        severity: class of its cell; None where the cell has none.
+        severity: class of severity, one of the study's own; in no ratio; null: it has none.
     """
 
     mutant: str

@@ -6,20 +6,19 @@ import shlex
 from collections import Counter
 from collections.abc import Collection, Sequence
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from scaloft_fi.analysis.detection import LARGER, Firmness, Noise, Verdict
 from scaloft_fi.analysis.pool import LEAST, State
 from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import MutantScore, Score
-from scaloft_fi.analysis.survivor import Accepted, Background, Disposition, score_without
+from scaloft_fi.analysis.survivor import Background, Disposition, score_without
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import Status
 from scaloft_fi.sim.found import Evidence, Find
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import NO_FINDS, KnownFinds
-from scaloft_fi.views.output import listing, record, text
 
 MOST_NAMED = 4
 """Of more mutants than these a command leaves out the names where `run` flies the same without."""
@@ -361,20 +360,6 @@ def _one(one: Noise) -> str:
     return f"{one.requirement} {one.stack:.2g}{seeds} by {one.pairs} pairs"
 
 
-ACCEPTED = listing(
-    "the survivors that somebody accepted, of the mutants that the ratios count",
-    record(
-        "an accepted survivor",
-        {
-            "mutant": text("canonical id"),
-            "owner": text("who accepted it"),
-            "reason": text("why"),
-            "expires": {**text("last day of the acceptance"), "format": "date"},
-        },
-    ),
-)
-
-
 def acceptance(disposition: Disposition) -> str:
     """Who accepted a survivor, where, until when and why."""
     where = f" in {', '.join(disposition.situations)}" if disposition.situations else ""
@@ -382,17 +367,9 @@ def acceptance(disposition: Disposition) -> str:
     return f"accepted{where} by {disposition.owner} until {until}: {disposition.reason}"
 
 
-def accepted_values(accepted: Sequence[Accepted]) -> list[dict[str, Any]]:
-    """Plain JSON values of `ACCEPTED`."""
-    return [
-        {"mutant": id_, "owner": known.owner, "reason": known.reason, "expires": known.expires.isoformat()}
-        for id_, known in accepted
-    ]
-
-
-def accepted_line(scored: Score, accepted: Sequence[Accepted]) -> str:
+def accepted_line(scored: Score, accepted: Sequence[Disposition]) -> str:
     """How many survivors were accepted and by whom, and the score with and without them, in a sentence."""
-    owners = Counter(known.owner for _, known in accepted)
+    owners = Counter(known.owner for known in accepted)
     by = ", ".join(f"{owner} {number}" if len(owners) > 1 else owner for owner, number in owners.items())
     score, without = scored.mutation_score, score_without(scored, accepted)
     share = f" ({100 * without.value:.0f} %)" if without.value is not None else ""

@@ -37,7 +37,7 @@ from scaloft_fi.output import write_named
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
 from scaloft_fi.verbs.export.archive import unzipped, zipped
 from scaloft_fi.verbs.margin import UNKNOWN, CellMargin, cell_margins
-from scaloft_fi.verbs.matrix_record import CELL, cell_values
+from scaloft_fi.verbs.matrix_record import ToldCell
 from scaloft_fi.verbs.options import (
     FORMATS,
     Campaign,
@@ -48,10 +48,10 @@ from scaloft_fi.verbs.options import (
     tell_warnings,
     write,
 )
-from scaloft_fi.verbs.snapshot import STALE, Stale, snapshot
+from scaloft_fi.verbs.snapshot import Stale, snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import NO_POOL, acceptance, effect, flies, next_find, words, would_decide
-from scaloft_fi.views.output import Answer, Output, listing, record, shape_of, writer_of
+from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import FORMULA, Format, Table, csv_text, latex, markdown, render
 
 SheetValue = str | int | float | None
@@ -264,9 +264,14 @@ class SheetRow:
     flies_find: str | None = None
     team: Team = Team()
     KEYS = (
-        *("parameter.node", "design_intent=parameter.intent", "find", "flies_find", "margins", "results"),
+        *("told.*", "parameter.node", "design_intent=parameter.intent", "find", "flies_find", "margins", "results"),
         *("disposition", "team"),
     )
+
+    @property
+    def told(self) -> ToldCell:
+        """The cell."""
+        return ToldCell.of(self.cell, self.severity)
 
     @property
     def survives(self) -> bool:
@@ -564,25 +569,20 @@ def _about(page: Any, rows: Sequence[SheetRow]) -> None:
     page.column_dimensions["A"].width, page.column_dimensions["B"].width = 24, 100
 
 
-WORKSHEET = Output(
-    "worksheet",
-    "2.0",
-    "the HAZOP worksheet with the findings",
-    {
-        "rows": listing(
-            "every deviation, in the order of the matrix",
-            record("a deviation", {**CELL, **shape_of(SheetRow)["properties"]}),
-        ),
-        **STALE,
-    },
-    rows="rows",
-)
+@dataclass(frozen=True)
+class FilledSheet:
+    """The HAZOP worksheet with the findings.
+
+    Attributes:
+        rows: every deviation, in the order of the matrix.
+        stale: the stored flights that no longer count and were not flown again.
+    """
+
+    rows: Sequence[SheetRow]
+    stale: Stale
 
 
-def worksheet_values(rows: Sequence[SheetRow]) -> dict[str, Any]:
-    """Plain JSON values of the form `WORKSHEET`."""
-    write = writer_of(SheetRow)
-    return {"rows": [cell_values(row.cell, row.severity) | write(row) for row in rows]}
+WORKSHEET = Output("worksheet", "2.0", FilledSheet, rows="rows")
 
 
 XLSX = "xlsx"
@@ -603,7 +603,7 @@ class Worksheet(Answer):
     def __init__(self, rows: Sequence[SheetRow], stale: Stale, warnings: Sequence[str]) -> None:
         super().__init__(
             WORKSHEET,
-            lambda: worksheet_values(rows) | stale.values,
+            lambda: FilledSheet(rows, stale),
             lambda: sheet_tables(rows),
             warnings=(*stale.sentences, *warnings),
         )

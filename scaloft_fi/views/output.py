@@ -9,7 +9,7 @@ A record is closed: it has each of its keys, and no others.  What may be missing
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from enum import Enum, StrEnum
@@ -178,38 +178,6 @@ Shape = Mapping[str, Any]
 """A JSON Schema."""
 
 
-def text(about: str, one_of: Iterable[str] = ()) -> Shape:
-    """A text; `one_of` lists all values that it can have."""
-    allowed = [str(value) for value in one_of]
-    return {"type": "string", "description": about, **({"enum": allowed} if allowed else {})}
-
-
-def number(about: str, unit: str = "") -> Shape:
-    """A finite number; the unit stands behind what it is: `time [s]`."""
-    return {"type": "number", "description": f"{about} [{unit}]" if unit else about}
-
-
-def count(about: str) -> Shape:
-    """A whole number from 0."""
-    return {"type": "integer", "minimum": 0, "description": about}
-
-
-def flag(about: str) -> Shape:
-    """True or false."""
-    return {"type": "boolean", "description": about}
-
-
-def anything(about: str) -> Shape:
-    """A value whose shape somebody else decides, such as an argument of an operator."""
-    return {"description": about}
-
-
-def optional(shape: Shape, missing: str = "") -> Shape:
-    """The value, or null; `missing` says what null means where the name does not."""
-    about = f"{shape['description']}; null: {missing}" if missing else shape["description"]
-    return {"anyOf": [{**shape, "description": about}, {"type": "null"}], "description": about}
-
-
 def record(about: str, keys: Mapping[str, Shape]) -> Shape:
     """An object with exactly these keys."""
     return {
@@ -224,21 +192,6 @@ def record(about: str, keys: Mapping[str, Shape]) -> Shape:
 def listing(about: str, each: Shape) -> Shape:
     """A list of values of one shape."""
     return {"type": "array", "description": about, "items": each}
-
-
-def by_name(about: str, each: Shape) -> Shape:
-    """An object whose keys are names of the study, such as requirements, with values of one shape."""
-    return {"type": "object", "description": about, "additionalProperties": each}
-
-
-def ratio(about: str) -> Shape:
-    """`part` of `whole`; 0 of 0 is no share."""
-    return record(about, {"part": count("how many of them"), "whole": count("how many there are")})
-
-
-def texts(about: str) -> Shape:
-    """A list of texts."""
-    return listing(about, {"type": "string"})
 
 
 def inner(shape: Shape) -> Shape:
@@ -261,24 +214,30 @@ def printed_of(cls: type) -> tuple[Printed, ...]:
     """What an answer has of a record: its fields, or what its class lists in `KEYS`.
 
     An entry of `KEYS` is the name of a field or property, or that of one in it: `subject.id`.  Its last name is the
-    key, unless another one stands before: `firm=firmness`.
+    key, unless another one stands before: `firm=firmness`.  `*` stands for all fields, `subject.*` for all keys there.
     """
-    if (keys := getattr(cls, "KEYS", None)) is None:
-        return tuple(Printed(one.name, one.key, one.hint, one.about.removesuffix(".")) for one in fields_of(cls))
-    return tuple(_printed(cls, *key.rpartition("=")[::2]) for key in keys)
+    return tuple(one for entry in getattr(cls, "KEYS", ("*",)) for one in _entry(cls, entry))
 
 
-def _printed(cls: type, key: str, path: str) -> Printed:
+def _entry(cls: type, entry: str) -> Iterator[Printed]:
+    key, _, path = entry.rpartition("=")
     name, _, below = path.partition(".")
-    one = next((one for one in fields_of(cls) if one.name == name), None)
-    if one is not None:
-        found = Printed(name, key or one.key, one.hint, one.about.removesuffix("."))
-    else:
+    fields = {one.name: Printed(one.name, one.key, one.hint, one.about.removesuffix(".")) for one in fields_of(cls)}
+    if name == "*":
+        yield from fields.values()
+        return
+    if name not in fields:
         told = getattr(cls, name)
         getter: Any = told.fget if isinstance(told, property) else told.func
         hint = get_annotations(getter, eval_str=True)["return"]
-        found = Printed(name, key or name, hint, _phrase(summary_of(getter)))
-    return _printed(kind_of(found.hint).bare, key, below)._replace(name=path) if below else found
+        fields[name] = Printed(name, name, hint, _phrase(summary_of(getter)))
+    one = fields[name]
+    if not below:
+        yield one._replace(key=key or one.key)
+        return
+    inside = kind_of(one.hint).bare
+    for each in printed_of(inside) if below == "*" else _entry(inside, f"{key}={below}"):
+        yield each._replace(name=f"{name}.{each.name}")
 
 
 def _phrase(sentence: str) -> str:
@@ -408,12 +367,27 @@ def _writer(kind: Kind) -> Callable[[Any], Any]:
     if kind.bare in _SCALARS:
         return _PLAIN.get(kind.bare, lambda value: value)
     if not kind.by_name:
-        each = writer_of(get_args(kind.bare)[0])
-        return lambda value: [each(one) for one in value]
-    name, each = map(writer_of, kind.by_name)
+        each, ordered = writer_of(get_args(kind.bare)[0]), sorted if get_origin(kind.bare) is frozenset else iter
+        return lambda value: [each(one) for one in ordered(value)]
+    each = writer_of(kind.by_name[1])
     if listed := kind.listed:
-        return lambda value: [{listed.key: name(key), **each(one)} for key, one in value.items()]
-    return lambda value: {name(key): each(one) for key, one in dict(value).items()}
+        return lambda value: [{listed.key: str(key), **each(one)} for key, one in value.items()]
+    return lambda value: {str(key): each(one) for key, one in dict(value).items()}
+
+
+def plain(value: Any) -> Any:
+    """Plain JSON values of records, and of lists and mappings that have some.
+
+    >>> from scaloft_fi.analysis.roster import Ratio
+    >>> plain({"tested": Ratio(8, 15), "mutants": ("LATE-human@3s",)})
+    {'tested': {'part': 8, 'whole': 15}, 'mutants': ['LATE-human@3s']}
+    """
+    kind: Any = type(value)
+    if is_model(kind):
+        return writer_of(kind)(value)
+    if isinstance(value, Mapping):
+        return {str(key): plain(one) for key, one in value.items()}
+    return [plain(one) for one in value] if isinstance(value, Collection) and not isinstance(value, str) else value
 
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -427,54 +401,51 @@ class Output:
     Attributes:
         verb: whose answer it is.
         version: of the form: MAJOR.MINOR, as `VERSION` says.
-        about: what it says, in half a sentence.
-        keys: the shape of each value, by its name.
-        rows: name of the list that `--format csv` prints.
         answer: the record that is answered.
+        rows: name of the list that `--format csv` prints.
+        about: what it says, in half a sentence; empty: what its record is.
     """
 
     verb: str
     version: str
-    about: str
-    keys: Mapping[str, Shape]
+    answer: type
     rows: str
-    answer: type = dict
+    about: str = ""
 
-    @classmethod
-    def of(cls, verb: str, version: str, answer: type, rows: str, about: str = "") -> Output:
-        """The form of an answer; by default its record says what it is about."""
-        told = shape_of(answer)
-        return cls(verb, version, about or told["description"], told["properties"], rows, answer)
+    @cached_property
+    def keys(self) -> Mapping[str, Shape]:
+        """The shape of each value, by its name."""
+        keys: Mapping[str, Shape] = shape_of(self.answer)["properties"]
+        return keys
+
+    @property
+    def says(self) -> str:
+        """What it says, in half a sentence."""
+        return self.about or str(shape_of(self.answer)["description"])
+
+    @property
+    def head(self) -> dict[str, Any]:
+        """How its JSON Schema begins."""
+        return {"$schema": DIALECT, "$id": f"urn:scaloft-fi:output:{self.verb}:{self.version}", "title": self.verb}
 
     @property
     def schema(self) -> dict[str, Any]:
         """The JSON Schema (draft 2020-12) that every answer of the verb satisfies."""
-        head = {"$schema": DIALECT, "$id": f"urn:scaloft-fi:output:{self.verb}:{self.version}", "title": self.verb}
-        version = {**text(VERSION), "const": self.version}
-        return {**head, **record(self.about, {"version": version, **self.keys})}
+        version = {"type": "string", "description": VERSION, "const": self.version}
+        return {**self.head, **record(self.says, {"version": version, **self.keys})}
 
-    def json(self, values: Any) -> str:
+    def json(self, answer: Any) -> str:
         """The JSON text of `record`."""
-        return json_text(self.record(values), indent=2) + "\n"
+        return json_text(self.record(answer), indent=2) + "\n"
 
     def values(self, answer: Any) -> dict[str, Any]:
         """The plain JSON values of an answer."""
-        values: dict[str, Any] = answer if isinstance(answer, dict) else writer_of(self.answer)(answer)
+        values: dict[str, Any] = writer_of(self.answer)(answer)
         return values
 
-    def record(self, values: Any) -> dict[str, Any]:
-        """The whole as plain JSON values, its version first.
-
-        Args:
-            values: plain JSON values by the names of `keys`.
-
-        Raises:
-            ValueError: a name is missing or not declared.
-        """
-        values = self.values(values)
-        if values.keys() != self.keys.keys():
-            raise ValueError(f"{self.verb}: declared {sorted(self.keys)}, given {sorted(values)}")
-        return {"version": self.version, **{name: values[name] for name in self.keys}}
+    def record(self, answer: Any) -> dict[str, Any]:
+        """The whole as plain JSON values, its version first."""
+        return {"version": self.version, **self.values(answer)}
 
 
 @dataclass(frozen=True)
@@ -482,7 +453,6 @@ class Rows(Output):
     """A form that is a bare list of rows, without a version in it: what `export` prints.
 
     Attributes:
-        keys: the shape of each column, by its name.
         named: the beginning of the names of further columns, one for each requirement of the study, and their shape.
     """
 
@@ -491,10 +461,9 @@ class Rows(Output):
     @property
     def schema(self) -> dict[str, Any]:
         """The JSON Schema of the list."""
-        head = {"$schema": DIALECT, "$id": f"urn:scaloft-fi:output:{self.verb}:{self.version}", "title": self.verb}
         beginning, shape = self.named
-        row = {**record("a flight", self.keys), "patternProperties": {f"^{beginning}": shape}}
-        return {**head, **listing(self.about, row)}
+        row = {**shape_of(self.answer, "a flight"), "patternProperties": {f"^{beginning}": shape}}
+        return {**self.head, **listing(self.says, row)}
 
 
 SUMMARY = "summary"
@@ -561,7 +530,7 @@ def flat_tables(output: Output, values: Mapping[str, Any]) -> dict[str, Flat]:
         if field.records:
             made |= _tables(field, field.records, None, [(None, one) for one in field.of(values) or ()])
     if single := {field.name: field for field in fields if not field.records}:
-        made[SUMMARY] = Flat(output.about, single, [[field.of(values) for field in single.values()]])
+        made[SUMMARY] = Flat(output.says, single, [[field.of(values) for field in single.values()]])
     return made
 
 
@@ -694,7 +663,7 @@ class Answer(Mapping[str, Columns]):
 
     def record(self) -> dict[str, Any]:
         """The whole as plain JSON values: what the verb prints with `--format json`."""
-        return self._form.record(self._values)
+        return {"version": self._form.version, **self._values}
 
     def text(self, style: str = "table") -> str:
         """What the verb prints.
@@ -709,7 +678,7 @@ class Answer(Mapping[str, Columns]):
             raise InputError(f"style={style!r} must be one of {', '.join(Format)}{did_you_mean(style, list(Format))}")
         how = Format(style)
         if how is Format.JSON:
-            return self._form.json(self._values)
+            return json_text(self.record(), indent=2) + "\n"
         return self.csv()[self._rows] if how is Format.CSV else self._told(how)
 
     def csv(self) -> dict[str, str]:

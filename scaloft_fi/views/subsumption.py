@@ -34,22 +34,16 @@ def draw_subsumption(graph: Subsumption, *, title: str = "What subsumes what") -
         text(MARGIN, 56, f"{graph.killed} killed mutants, {sets}.", colour=FAINT, size=13),
         text(MARGIN, 74, "What kills a mutant kills those its lines lead to, on the right.", colour=FAINT, size=13),
     ]
-    depth = _depth(graph)
-    for above, below in graph.edges:
-        way = [(depth[above], above, -1), *_passing(depth, above, below), (depth[below], below, -1)]
-        parts.append(_edge([boxes[slot] for slot in way]))
-    for place, node in enumerate(graph.nodes):
-        parts += _box(node, boxes[depth[place], place, -1], thick=node in graph.minimal)
+    parts += [_edge([boxes[slot] for slot in _way(graph, *edge)]) for edge in graph.edges]
+    for node in graph.nodes:
+        parts += _box(node, boxes[node.layer, node.node, -1], thick=node.minimal)
     return svg(wide, high, title, parts, font_size=12)
 
 
-def _depth(graph: Subsumption) -> dict[int, int]:
-    return {place: number for number, layer in enumerate(graph.layers()) for place in layer}
-
-
-def _passing(depth: dict[int, int], above: int, below: int) -> list[Slot]:
-    """The layers between that an edge passes through."""
-    return [(layer, above, below) for layer in range(depth[above] + 1, depth[below])]
+def _way(graph: Subsumption, above: int, below: int) -> list[Slot]:
+    """The slots of an edge: of the node above, of the layers between that it passes through, of the node below."""
+    first, last = graph.nodes[above].layer, graph.nodes[below].layer
+    return [(first, above, -1), *((layer, above, below) for layer in range(first + 1, last)), (last, below, -1)]
 
 
 def _places(graph: Subsumption) -> tuple[dict[Slot, Box], float, float]:
@@ -78,20 +72,21 @@ def dot(graph: Subsumption) -> str:
         return '"' + printable(words).replace("\\", "\\\\").replace('"', '\\"') + '"'
 
     lines = ["digraph subsumption {", "  rankdir=LR; node [shape=box];"]
-    for place, node in enumerate(graph.nodes):
+    for node in graph.nodes:
         label = quoted("\n".join([*node.mutants, f"killed in {len(node.kills)}"])).replace("\n", "\\n")
-        lines.append(f"  n{place} [label={label}{', penwidth=3' if node in graph.minimal else ''}];")
+        lines.append(f"  n{node.node} [label={label}{', penwidth=3' if node.minimal else ''}];")
     lines += [f"  n{above} -> n{below};" for above, below in graph.edges]
     return "\n".join([*lines, "}", ""])
 
 
 def _ordered(graph: Subsumption) -> list[list[Slot]]:
     """The layers, each sorted by the mean place of its slots' neighbours, again and again, so that few lines cross."""
-    depth = _depth(graph)
-    layers: list[list[Slot]] = [[(number, place, -1) for place in layer] for number, layer in enumerate(graph.layers())]
+    layers: list[list[Slot]] = [[] for _ in {node.layer for node in graph.nodes}]
+    for node in graph.nodes:
+        layers[node.layer].append((node.layer, node.node, -1))
     near: dict[Slot, list[Slot]] = {slot: [] for members in layers for slot in members}
-    for above, below in graph.edges:
-        way = [(depth[above], above, -1), *_passing(depth, above, below), (depth[below], below, -1)]
+    for edge in graph.edges:
+        way = _way(graph, *edge)
         for slot in way[1:-1]:
             layers[slot[0]].append(slot)
         for slot, following in pairwise(way):

@@ -89,6 +89,7 @@ def test_the_matrix_says_what_the_score_says(outcomes: list[Outcome]) -> None:
         spared = [r.situation for r in mutant.results if not r.kills and (r.tested or not r.infected)]
         assert list(row.surviving) == spared
         assert mutant.detected or not row.kills
+        assert [entry.situation for entry in row.entries] == list(GRID.point)
     if scored.pooled:
         counted = [row for row in found.mutants if row.counted]
         assert sum(row.verdict is Verdict.DETECTED for row in counted) == scored.mutation_score.part

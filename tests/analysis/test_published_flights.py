@@ -51,7 +51,7 @@ def test_thirty_two_are_detected_with_three_seeds_beside_the_first_ten_and_all_a
 def test_thirty_of_the_thirty_six_are_firm_and_the_others_are_those_without_a_kill() -> None:
     found = scored(ALL, EVERY)
     assert (found.firm.part, found.firm.whole) == (30, 114)
-    assert [m for m in found.counted if m.detected and not m.firm] == list(found.without_kill)
+    assert [m.subject.id for m in found.counted if m.detected and not m.firm] == list(found.without_kill)
     assert scored(ALL, tuple(range(10))).firm.part == 30
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import recomputation
@@ -10,12 +11,11 @@ from builders import AXES, GRID, KINDS, ROSTER, campaigns, seeded
 from hypothesis import given, settings
 
 from experiments.flights import read
-from scaloft_fi.analysis.coverage import coverage
-from scaloft_fi.analysis.pool import findings
 from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.verbs.export.rows import columns, export_rows, to_csv
-from scaloft_fi.verbs.score_record import score_json
+from scaloft_fi.verbs.score import SCORE, ScoredFlights
 
 FLOWN = Path(__file__).parents[1] / "support" / "three_situations_ten_seeds.jsonl.gz"
 
@@ -37,8 +37,8 @@ def same(found: Any, expected: Any, place: str = "score") -> None:
 
 
 def compare(outcomes: list[Outcome]) -> dict[str, Any]:
-    violated = [(finding.situation, finding.violated) for finding in findings(outcomes, GRID)]
-    found = score_json(score(outcomes, ROSTER, GRID), coverage(outcomes, GRID), violated)
+    scored = score(outcomes, ROSTER, GRID)
+    found = SCORE.values(ScoredFlights(SimpleNamespace(space=GRID), "default", rulings_of(outcomes), scored))
     rows = export_rows(outcomes, ROSTER, GRID, list(KINDS))
     expected = recomputation.score(
         to_csv(rows, columns(rows, list(KINDS))),

@@ -90,9 +90,9 @@ def test_what_is_not_known_makes_the_order_a_range() -> None:
 def test_the_histogram_counts_default_mutants_only() -> None:
     found = [Interaction(f"m{n}", n != 3, "", n, n, 1, 0) for n in (1, 2, 2, 3)]
     histogram = orders(found, GRID)
-    assert histogram.counts == (0, 1, 2, 0, 0, 0)
-    assert histogram.cumulative() == pytest.approx((0, 100 / 3, 100, 100, 100, 100))
-    assert orders([], GRID).cumulative() == (None,) * 6
+    assert [one.mutants for one in histogram] == [0, 1, 2, 0, 0, 0]
+    assert [one.cumulative_percent for one in histogram] == pytest.approx((0, 100 / 3, 100, 100, 100, 100))
+    assert {one.cumulative_percent for one in orders([], GRID)} == {None}
 
 
 COLUMNS = "abcdefgh"
@@ -198,8 +198,6 @@ def test_minimal_mutants_are_those_without_a_smaller_kill_set(kills: dict[str, f
     sets = {keys for keys in kills.values() if keys}
     found = subsumption(kills)
     assert {node.kills for node in found.minimal} == {keys for keys in sets if not any(s < keys for s in sets)}
-    assert found.layers()[:1] == ((tuple(found.nodes.index(node) for node in found.minimal),) if sets else ())
-    assert sorted(place for layer in found.layers() for place in layer) == list(range(len(found.nodes)))
 
 
 @given(matrices, st.sets(st.sampled_from(COLUMNS)))
@@ -212,8 +210,8 @@ def test_what_kills_every_minimal_mutant_kills_every_mutant(kills: dict[str, fro
 
 def test_a_layer_is_below_every_layer_that_subsumes_it() -> None:
     found = subsumption({"m": "ab", "n": "a", "o": "abc", "p": "c"})
-    assert [[found.nodes[place].name for place in layer] for layer in found.layers()] == [["n", "p"], ["m"], ["o"]]
-    assert found.to_json()["edges"] == [[0, 2], [1, 0], [3, 2]]
+    assert {node.name: node.layer for node in found.nodes} == {"n": 0, "p": 0, "m": 1, "o": 2}
+    assert found.edges == ((0, 2), (1, 0), (3, 2))
 
 
 def test_duplicates_are_counted_within_a_cell() -> None:
@@ -240,5 +238,5 @@ def test_a_requirement_can_be_told_from_another() -> None:
 @pytest.mark.parametrize("kills", [{}, {"m": frozenset()}])
 def test_nothing_killed_is_an_empty_graph(kills: dict[str, frozenset[str]]) -> None:
     found = subsumption(kills)
-    assert (found.nodes, found.edges, found.minimal, found.layers()) == ((), (), (), ())
+    assert (found.nodes, found.edges, found.minimal) == ((), (), ())
     assert str(found.dominator_score("a")) == "0/0 = n/a"

@@ -46,8 +46,8 @@ from scaloft_fi.verbs.worksheet import (
     to_markdown,
     to_text,
     to_xlsx,
-    worksheet_values,
 )
+from scaloft_fi.views.output import plain
 from scaloft_fi.views.table import FORMULA, latex, markdown
 
 WHOLE = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
@@ -147,7 +147,7 @@ def test_a_find_and_the_command_that_flies_it_stand_in_every_format() -> None:
     assert markdown(said) in line_
     assert markdown(flies(survivor)) in line_
     assert latex(flies(survivor)) in to_latex(told)
-    (record,) = [entry for entry in worksheet_values(told)["rows"] if entry["cell"] == "NO-human"]
+    (record,) = [entry for entry in plain(told) if entry["cell"] == "NO-human"]
     assert (record["find"], record["flies_find"]) == (said, flies(survivor))
     terminal = " ".join(to_text(told).partition("Finds for survivors")[2].partition("Deviations not")[0].split())
     assert all(word in terminal for word in flies(survivor).split())
@@ -182,7 +182,7 @@ def test_deviations_that_are_not_credible_are_in_a_log_and_survivors_stand_by_cl
 def test_every_figure_is_the_scores(outcomes: list[Outcome]) -> None:
     scored = score(outcomes, ROSTER, GRID)
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
-    records = {record["cell"]: record for record in worksheet_values(rows(outcomes))["rows"]}
+    records = {record["cell"]: record for record in plain(rows(outcomes))}
     assert set(records) == {cell.name for cell in MATRIX}
     for row in rows(outcomes):
         found = records[row.cell.name]["results"]
@@ -208,9 +208,7 @@ def test_what_a_study_says_appears_literally_in_every_format(text: str) -> None:
     (from_csv,) = [entry for entry in read_csv(found) if entry["cell"] == "LATE-human"]
     assert from_csv["deviation"].removeprefix("'") == printable(text).removeprefix("'")
     assert not from_csv["deviation"].startswith(FORMULA)
-    (record,) = [
-        entry for entry in json.loads(json.dumps(worksheet_values(found)))["rows"] if entry["cell"] == "LATE-human"
-    ]
+    (record,) = [entry for entry in json.loads(json.dumps(plain(found))) if entry["cell"] == "LATE-human"]
     assert record["deviation"] == text
     assert f"| {markdown(text)} |" in to_markdown(found)
     assert f" & {latex(text)} & " in to_latex(found)

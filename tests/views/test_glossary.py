@@ -9,11 +9,10 @@ from outputs import recorded
 from printed import headings, no_terms, printed_enumerations
 
 from scaloft_fi.analysis.detection import Verdict
-from scaloft_fi.analysis.score import By
+from scaloft_fi.analysis.score import By, Score
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.verbs import axes, first_screen, operators, seams, signals
-from scaloft_fi.verbs.first_screen import POPULATIONS
 from scaloft_fi.verbs.verdict import NAMES
 from scaloft_fi.verbs.worksheet import COLUMNS
 from scaloft_fi.views.glossary import TERMS, term
@@ -41,8 +40,8 @@ def test_every_value_that_is_printed_is_a_term() -> None:
     "words",
     [
         NAMES,
-        [name.replace("_", " ") for name in POPULATIONS],
-        POPULATIONS,
+        [name.replace("_", " ") for name in Score.KEYS],
+        Score.KEYS,
         (BASELINE, PLACEBO_ID),
     ],
 )

@@ -74,7 +74,7 @@ class Mine:
     wind_mps: float | None
 
 
-FORM = Output.of("doors", "1.0", Mine, rows="doors")
+FORM = Output("doors", "1.0", Mine, rows="doors")
 DOORS = (
     Door("north", True, math.inf, None, {"Ada": 2}, (Bolt(1), Bolt(2))),
     Door("south", False, 1.5, Lock(3, ("Ada",), True), {}, ()),

@@ -371,13 +371,19 @@ class Look:
         seeds: number of seeds at this look.
         mutants: number of mutants judged at this look.
         flights: number of their flights that the look planned.
-        fates: number of mutants by verdict.
+        detected: mutants detected.
+        undecided: mutants undecided.
+        not_detected: mutants not detected.
+        not_tested: mutants not tested.
     """
 
     seeds: int
     mutants: int
     flights: int
-    fates: Counter[Verdict]
+    detected: int
+    undecided: int
+    not_detected: int
+    not_tested: int
 
 
 def run_looks(
@@ -435,7 +441,7 @@ def run_looks(
             judged = {one.subject.id: one.verdict for one in (*scored.mutants, *scored.controls)}
             verdicts = {mutant: judged.get(mutant.id, Verdict.NOT_TESTED) for mutant in mutants}
             planned = sum(flight.mutant != PLACEBO for flight in due.mutants)
-            looks.append(Look(seeds, len(mutants), planned, Counter(verdicts.values())))
+            looks.append(Look(seeds, len(mutants), planned, *map([*verdicts.values()].count, Verdict)))
             mutants = [mutant for mutant, verdict in verdicts.items() if verdict is Verdict.UNDECIDED]
             situations = [one for one in situations if scored.pool.steady(one.key, Kind.SAFETY)]
         report = finish(campaign, first, flights)

@@ -19,7 +19,7 @@ from scaloft_fi.analysis.detection import Spending, Verdict
 from scaloft_fi.analysis.margin import Scale
 from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import MutantScore, Score, score
-from scaloft_fi.analysis.survivor import Accepted, Disposition, accepted_survivors, score_without
+from scaloft_fi.analysis.survivor import Disposition, accepted_survivors, score_without
 from scaloft_fi.console import json_text, printable
 from scaloft_fi.hazop.matrix import Cell, Matrix, worst_first
 from scaloft_fi.hazop.name import cell_of
@@ -172,12 +172,13 @@ class Dossier:
     @cached_property
     def accepted(self) -> Mapping[str, Disposition]:
         """The survivors that somebody accepted, of the mutants that the ratios count, by id."""
-        return dict(accepted_survivors(self.score, self.roster, self.dispositions, self.today))
+        known = accepted_survivors(self.score, self.roster, self.dispositions, self.today)
+        return {one.mutant: one for one in known}
 
     @property
     def without_accepted(self) -> Ratio:
         """Mutants detected, of those flown that are no accepted survivors."""
-        return score_without(self.score, [Accepted(*one) for one in self.accepted.items()])
+        return score_without(self.score, self.accepted.values())
 
     def acceptance(self, mutant: MutantScore) -> str:
         """Who accepted a survivor, until when and why; empty where nobody did."""

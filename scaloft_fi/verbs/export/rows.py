@@ -102,9 +102,9 @@ _RHO = shape_of(
 EXPORT = Rows(
     "export",
     "1.0",
-    "one row per flight, ordered by mutant, situation and seed",
-    shape_of(_Flight)["properties"],
+    _Flight,
     rows="flights",
+    about="one row per flight, ordered by mutant, situation and seed",
     named=("rho_", _RHO),
 )
 """The columns, of JSON and CSV alike; behind those of `HEAD` stands `rho_REQUIREMENT` for each requirement."""

@@ -31,7 +31,7 @@ class Written:
     stale: Stale
 
 
-REPORT = Output.of("report", "1.1", Written, rows="summary")
+REPORT = Output("report", "1.1", Written, rows="summary")
 NAME = "report.html"
 
 

@@ -15,9 +15,9 @@ from typing import Any
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.kill_matrix import KillMatrix
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margins, whens
-from scaloft_fi.analysis.roster import Roster, by_field, plain
+from scaloft_fi.analysis.roster import Roster, by_field
 from scaloft_fi.analysis.score import MutantScore, Score
-from scaloft_fi.analysis.suite import interactions, minimal_suite, orders, subsumption
+from scaloft_fi.analysis.suite import NIST, NIST_SOURCE, interactions, minimal_suite, orders, subsumption
 from scaloft_fi.analysis.survivor import FAILING, PhasedFault, Tried, backgrounds
 from scaloft_fi.campaign.store.held import nothing_to_show
 from scaloft_fi.hazop.matrix import Matrix
@@ -31,6 +31,7 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.margin import cell_margins, margin_text
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
 from scaloft_fi.verbs.survivors import short_units, survivors
+from scaloft_fi.views.output import plain
 
 
 @dataclass(frozen=True)
@@ -205,6 +206,7 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
         "whens": plain(whens(outcomes, scored)),
         "interactions": plain(listed),
         "orders": plain(orders(listed, matrix.space)),
+        "nist": {"shares": NIST, "source": NIST_SOURCE},
         "suite": plain(minimal_suite(kills, [key for key, _ in matrix.space.situations])),
         "subsumption": plain(subsumption(kills)),
         "survivors": plain(survivors(outcomes, scored, matrix, known, units, campaign, study.finds)),

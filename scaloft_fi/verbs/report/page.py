@@ -15,7 +15,7 @@ from scaloft_fi.analysis.coverage import coverage_of
 from scaloft_fi.analysis.detection import Spending, Verdict
 from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.pool import Pool, State, findings, tallies
-from scaloft_fi.analysis.roster import Ratio, plain
+from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Score, score_of
 from scaloft_fi.campaign.runs.gates import check_gates
 from scaloft_fi.console import all_printable
@@ -24,16 +24,16 @@ from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.sim.log import Ending
-from scaloft_fi.verbs.first_screen import POPULATIONS, coverage_line
+from scaloft_fi.verbs.first_screen import coverage_line
 from scaloft_fi.verbs.report import matrices
 from scaloft_fi.verbs.report.analyses import Evidence, analyses, bounds_of, by_ladder, limits
 from scaloft_fi.verbs.report.finds import broken, found
 from scaloft_fi.verbs.report.flights import DETAILS, FAR, columns, packs, scenes
 from scaloft_fi.verbs.report.matrices import accepted, folding, steps
-from scaloft_fi.verbs.score_record import score_json
 from scaloft_fi.verbs.verdict import NOT_COMPARED, answers
 from scaloft_fi.version import __version__
 from scaloft_fi.views.glossary import TERMS
+from scaloft_fi.views.output import plain, printed_of
 
 NO_POOL = "Not known: no situation has ten flights of the unmutated drone."
 WHOLE = "A share of these faults and no estimate for others: the list of cells is closed, and no sample of anything."
@@ -95,7 +95,7 @@ def _situations(count: int) -> str:
     return f"{count} situation{'s' * (count != 1)}"
 
 
-SCHEMA = 5
+SCHEMA = 6
 """Version of the JSON in the page."""
 
 
@@ -113,8 +113,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
     keys = [situation["key"] for situation in order]
     kills = kill_matrix(scored, roster, space)
     covered = coverage_of(rulings.baselines, rulings.draws, space)
-    record = score_json(scored, covered, [])
-    listed = (*record["mutants"], *record["controls"])
+    ratios, listed = plain(scored), plain((*scored.mutants, *scored.controls))
     standing = scenes(study, sorted({outcome.situation for outcome in outcomes} & set(keys)))
     breaks = broken(study.finds, standing["mines"])
     mutants = matrices.mutants(scored, kills, rulings, listed, roster, keys, by_ladder(study.matrix, roster))
@@ -134,10 +133,10 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "besides": [{"name": "Situations", "text": coverage_line(covered)}],
         "pooled": scored.pooled,
         "ratios": [
-            {"name": name, "title": name.replace("_", " "), "population": population} | record["ratios"][name]
-            for name, population in POPULATIONS.items()
+            {"name": one.key, "title": one.key.replace("_", " "), "population": one.about, **ratios[one.key]}
+            for one in printed_of(Score)
         ],
-        "coverage": record["coverage"],
+        "coverage": plain(covered),
         "gates": _gates(evidence, scored, mutants),
         "signs": matrices.SIGNS,
         "certainty": steps(scored.alpha),
@@ -154,7 +153,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "requirements": plain(study.requirements),
         "limits": limits(study.requirements, TRACK_COLUMNS),
         "bounds": bounds_of(study.requirements),
-        "pairs": record["pairs"],
+        "pairs": plain(scored.pool.pairs.values()),
         "firsts": [
             {**plain(finding.first[0]), "seed": finding.first[1], "situation": finding.situation}
             for finding in findings(outcomes, space)

@@ -33,8 +33,8 @@ def test_only_undecided_mutants_fly_on_each_look_with_a_quarter_of_alpha(fly: Ru
     """LATE violates SR2 in one situation that tests it: p is 0.18, 0.0070 and 0.0007 with 1, 3 and 5 seeds."""
     report, looks = _looks(fly)
     assert [(look.seeds, look.mutants) for look in looks] == [*zip(LOOKS, (2, 1, 1), strict=False)]
-    assert [look.fates[Verdict.UNDECIDED] for look in looks] == [1, 1, 0]
-    assert (looks[0].fates[Verdict.NOT_DETECTED], looks[2].fates[Verdict.DETECTED]) == (1, 1)
+    assert [look.undecided for look in looks] == [1, 1, 0]
+    assert looks[0].not_detected == looks[2].detected == 1
     assert (_seeds(report, LATE, "D0H1"), _seeds(report, MORE, "D0H1")) == (set(range(5)), {0})
     assert _seeds(report, "baseline", "D0H1") == set(range(10)), "the pool is the same at every look"
     flown = {(o.situation, o.seed) for o in report.outcomes if o.mutant in (LATE, MORE)}
@@ -83,10 +83,10 @@ def test_baselines_of_another_campaign_decide_too(study: Any, log: Any) -> None:
     fates = []
     for number, others in enumerate(([], clean, reds)):
         _, looks = run_looks(study, own, study.folder / str(number), others=others, progress=Silence(), flyer=log)
-        fates.append((len(looks), looks[-1].fates))
-    assert fates[0] == (1, {Verdict.UNDECIDED: 1})  # nothing is steady without a pool, so nothing flies on
-    assert fates[1] == (2, {Verdict.DETECTED: 1})
-    assert fates[2] == (1, {Verdict.NOT_TESTED: 1})
+        fates.append((len(looks), looks[-1].undecided, looks[-1].detected, looks[-1].not_tested))
+    assert fates[0] == (1, 1, 0, 0)  # nothing is steady without a pool, so nothing flies on
+    assert fates[1] == (2, 0, 1, 0)
+    assert fates[2] == (1, 0, 0, 1)
 
 
 def test_the_gates_are_held(log: Any, fly: Runs) -> None:

@@ -55,9 +55,8 @@ def test_neighbours_differ_in_one_axis_and_opposite_edges_meet(count: int) -> No
 def test_a_grid_without_a_map_says_why_and_has_no_terms(sizes: tuple[int, ...], said: str) -> None:
     space = grid(*sizes)
     (key, *_) = space.point
-    row = KillRow(
-        Subject("X-x"), "mutant", True, Status.REVEALED, Verdict.DETECTED, Ratio(1, 1), (KillEntry(key, kills=("R",)),)
-    )
+    entries = (KillEntry("X-x", key, kills=("R",)),)
+    row = KillRow(Subject("X-x"), "mutant", True, Status.REVEALED, Verdict.DETECTED, Ratio(1, 1), entries)
     assert said in folding(space)["reason"]
     assert folding(space).keys() == {"reason"}
     assert terms(space, row) == []
@@ -129,7 +128,7 @@ def test_where_opposite_edges_are_no_neighbours_every_outline_is_shut() -> None:
 def test_terms_of_axes_with_more_values_name_all_levels_that_they_admit() -> None:
     space = grid(3, 2)
     killing = ("A0B0", "A0B1", "A1B0", "A1B1")
-    entries = tuple(KillEntry(key, kills=("R",) if key in killing else (), tested=True) for key in space.point)
+    entries = tuple(KillEntry("X-x", key, kills=("R",) if key in killing else (), tested=True) for key in space.point)
     row = KillRow(Subject("X-x"), "mutant", True, Status.REVEALED, Verdict.DETECTED, Ratio(4, 6), entries)
     (term,) = terms(space, row)
     assert term["levels"] == [[0, 1], [0, 1]]

@@ -16,7 +16,7 @@ function unkilled() {
 
 /** Mutants by the number of axes that have to be right, as bars; beside them the share so far, ours and NIST's. */
 function orderChart() {
-  const { counts, cumulative_percent: ours, nist_cumulative_percent: nist, nist_source: source } = DATA.orders;
+  const counts = DATA.orders.map(({ mutants }) => mutants), ours = DATA.orders.map((order) => order.cumulative_percent);
   const total = counts.reduce((sum, count) => sum + count, 0);
   if (!total) return h("p", { class: "note" }, "No default mutant has a kill.");
   const frame = plot({ width: Math.min(WIDE, 460), height: 190, x: [-0.5, counts.length - 0.5], y: [0, Math.max(...counts)], left: 34, bottom: 36, xTicks: counts.map((_, order) => order), xTitle: "axes that have to be right", yTitle: "mutants", top: 34, label: `Mutants by interaction order: ${counts.join(", ")} for 0 to ${counts.length - 1} axes` });
@@ -30,8 +30,8 @@ function orderChart() {
   return h("div", {}, root,
     h("details", {}, h("summary", {}, "Beside the published figures for software failures"),
       table(["at most %", ...upTo.map((t) => ({ text: String(t), number: true }))],
-        [["this campaign", ...upTo.map((t) => cell(ours[t]))], ...Object.entries(nist).map(([name, shares]) => [name, ...upTo.map((t) => cell(shares[t - 1]))])], { stack: false }),
-      h("p", { class: "small faint" }, source)));
+        [["this campaign", ...upTo.map((t) => cell(ours[t]))], ...Object.entries(DATA.nist.shares).map(([name, shares]) => [name, ...upTo.map((t) => cell(shares[t - 1]))])], { stack: false }),
+      h("p", { class: "small faint" }, DATA.nist.source)));
 }
 
 const orderNote = () => h("p", { class: "small faint" }, "An order of 1 means that the mutant is killed wherever one axis has a certain value, whatever the others are; 0 that it is wherever it was tested.  Situations that are no test may fall on either side.");
@@ -48,7 +48,8 @@ function suite() {
 
 /** Layers from minimal mutants down to those that follow from them; a node is a set of mutants that the same situations kill. */
 function subsumption() {
-  const { nodes, edges, killed, distinct, minimal } = DATA.subsumption;
+  const { nodes, killed, distinct, minimal } = DATA.subsumption;
+  const edges = DATA.subsumption.edges.map(({ subsuming, subsumed }) => [subsuming, subsumed]);
   if (!nodes.length) return h("p", { class: "note" }, "No default mutant has a kill.");
   const below = (place) => {
     const seen = new Set();

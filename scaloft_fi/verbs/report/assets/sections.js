@@ -88,7 +88,7 @@ function claims() {
 function reading() {
   return part("reading", "How to read this", null,
     h("h3", {}, "Requirements"), DATA.requirements.map((requirement, number) => h("details", { id: `requirement-${number}` }, h("summary", {}, h("b", {}, requirement.name), ` (${requirement.kind}) ${requirement.title}`),
-      h("dl", { class: "pairs" }, [["formula", h("code", {}, requirement.text)], requirement.trigger && ["triggered", ["when ", h("code", {}, requirement.trigger)]], ...requirement.definitions.map(([name, text]) => [name, h("code", {}, text)]), ["unit", requirement.unit], ["source", requirement.source]]
+      h("dl", { class: "pairs" }, [["formula", h("code", {}, requirement.formula)], requirement.trigger && ["triggered", ["when ", h("code", {}, requirement.trigger)]], ...requirement.definitions.map(([name, text]) => [name, h("code", {}, text)]), ["unit", requirement.unit], ["source", requirement.source]]
         .filter((pair) => pair && pair[1]).map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])))),
     h("details", {}, h("summary", {}, "Platform, and how this page was made"),
       h("dl", { class: "pairs" }, Object.entries(DATA.fingerprint).map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])),
