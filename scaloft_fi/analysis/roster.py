@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
-from enum import Enum
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 from scaloft_fi.hazop.matrix import CellStatus, Matrix, SeverityClass
 from scaloft_fi.hazop.name import cell_of
@@ -44,33 +42,6 @@ class Ratio:
 
     def __str__(self) -> str:
         return f"{self.short} = " + ("n/a" if self.value is None else f"{100 * self.value:.0f} %")
-
-
-def plain(value: Any) -> Any:
-    """A result as plain JSON values: by its own `to_json`, else a dataclass by its fields, an enum by its value.
-
-    >>> from scaloft_fi.analysis.roster import Ratio
-    >>> plain({"tested": Ratio(8, 15), "mutants": ("LATE-human@3s",)})
-    {'tested': {'part': 8, 'whole': 15}, 'mutants': ['LATE-human@3s']}
-    """
-    if hasattr(value, "to_json"):
-        return value.to_json()
-    if is_dataclass(value):
-        return by_field(value)
-    if isinstance(value, Enum):
-        return value.value
-    if hasattr(value, "_asdict"):
-        return plain(value._asdict())
-    if isinstance(value, Mapping):
-        return {plain(key): plain(entry) for key, entry in value.items()}
-    if isinstance(value, Collection) and not isinstance(value, str):
-        return [plain(entry) for entry in value]
-    return value
-
-
-def by_field(value: Any, *names: str) -> dict[str, Any]:
-    """The fields of a dataclass, or those of its fields and properties that are named, as plain JSON values."""
-    return {name: plain(getattr(value, name)) for name in names or [field.name for field in fields(value)]}
 
 
 @dataclass(frozen=True)

@@ -390,6 +390,11 @@ def plain(value: Any) -> Any:
     return [plain(one) for one in value] if isinstance(value, Collection) and not isinstance(value, str) else value
 
 
+def by_field(value: Any, *names: str) -> dict[str, Any]:
+    """Fields and properties of a record as plain JSON values, by name."""
+    return {name: plain(getattr(value, name)) for name in names}
+
+
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 VERSION = "of this form: the first number changes when a key goes or changes its meaning, the second when one is added"
 

@@ -10,11 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.analysis.detection import Spending, Verdict
-from scaloft_fi.analysis.roster import Ratio, Roster, plain
+from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import REDRAWS, Redraw, Score, redraw, score
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Guideword, Magnitude, Matrix, Parameter
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import Status
+from scaloft_fi.views.output import plain
 
 LATE, NO, GOAL, CONTROL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m", "REVERSE-human"
 HUMAN = ["T0O0W0D0H1", "T0O1W0D0H1", "T1O0W0D0H1"]

@@ -11,12 +11,12 @@ from finding import found
 from experiments import PUBLISHED
 from experiments import found as experiment
 from experiments.found import Evidence, page
-from scaloft_fi.analysis.roster import plain
 from scaloft_fi.analysis.seeking import POOL, SEEDS, Effort
 from scaloft_fi.campaign.seeking.finds import Sought
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.found import Finds
 from scaloft_fi.study import Study
+from scaloft_fi.views.output import plain
 
 SHOWN, LEFT = "LATE-human@3s", "NO-human@100%"
 FIND = found(SHOWN, "T0O0W0D0H1")

@@ -15,7 +15,7 @@ from said import as_recorded
 
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.kill_matrix import kill_matrix
-from scaloft_fi.analysis.roster import Roster, plain
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import Background, backgrounds
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, pack_track
@@ -23,6 +23,7 @@ from scaloft_fi.sim.found import Find
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.kills import survivor_table
 from scaloft_fi.verbs.survivors import Stage, Survivor, survivors
+from scaloft_fi.views.output import plain
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T1O0W0D1H0"

@@ -15,7 +15,7 @@ from typing import Any
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.kill_matrix import KillMatrix
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margins, whens
-from scaloft_fi.analysis.roster import Roster, by_field
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.suite import NIST, NIST_SOURCE, interactions, minimal_suite, orders, subsumption
 from scaloft_fi.analysis.survivor import FAILING, PhasedFault, Tried, backgrounds
@@ -31,7 +31,7 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.margin import cell_margins, margin_text
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
 from scaloft_fi.verbs.survivors import short_units, survivors
-from scaloft_fi.views.output import plain
+from scaloft_fi.views.output import by_field, plain
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from scaloft_fi.analysis.roster import by_field
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.sim.found import Break, Find
@@ -16,6 +15,7 @@ from scaloft_fi.study import KnownFinds, Study
 from scaloft_fi.verbs.report.flights import record, rows_of, scene
 from scaloft_fi.verbs.seek import belief, place
 from scaloft_fi.verbs.verdict import flies, words
+from scaloft_fi.views.output import by_field
 
 STEP_M = 0.1
 """Between two places of a path that is drawn [m]: five pixels of the page's map."""

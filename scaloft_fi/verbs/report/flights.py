@@ -22,12 +22,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.analysis.roster import by_field
 from scaloft_fi.console import all_printable
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK, TRACK_COLUMNS, TRACK_EVERY, Outcome, unpack_track
 from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.status import baseline_status, flight_of
 from scaloft_fi.sim.log import FAR_M, SAMPLE_HZ
+from scaloft_fi.views.output import by_field
 from scaloft_fi.views.picture import scene_of
 from scaloft_fi.views.table import ranges
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.analysis.condition import cover, term_text
 from scaloft_fi.analysis.kill_matrix import MOST_CELLS, KillEntry, KillMatrix, KillRow, cyclic, fold, gray_order
 from scaloft_fi.analysis.pool import Pool, State
-from scaloft_fi.analysis.roster import Ratio, Roster, by_field, plain
+from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score
 from scaloft_fi.analysis.survivor import Disposition, Judged, judge
 from scaloft_fi.campaign.seeking.finds import words_of
@@ -22,6 +22,7 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Point, Space
 from scaloft_fi.judge.status import INVALID, Ruled, Rulings, Situations, Status
 from scaloft_fi.verbs.report.analyses import searched
+from scaloft_fi.views.output import by_field, plain
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.grid import Grid
