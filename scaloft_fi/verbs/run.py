@@ -186,7 +186,7 @@ def run_command(
     from scaloft_fi.campaign.store.archive import campaign_folder
     from scaloft_fi.campaign.store.flown_grid import study_of
     from scaloft_fi.campaign.workers.cluster import executor_named
-    from scaloft_fi.verbs.score import RUN, Bars, detected_so_far, report, scored_run
+    from scaloft_fi.verbs.score import RUN, bars_of, detected_so_far, report, scored_run
 
     campaign = campaign_over(grid, campaign)
     request = Request(
@@ -201,9 +201,10 @@ def run_command(
         shard=parse_shard(shard) if shard is not None else None,
         budget_s=budget_s(budget) if budget is not None else None,
     )
-    if (bars := Bars(fail_under, fail_under_firm)) and request.short_of_pool is not None:
+    bars = bars_of(fail_under, fail_under_firm)
+    for option, least in bars.items() if request.short_of_pool is not None else ():
         raise InputError(
-            f"{bars} needs a baseline pool of at least {LEAST} seeds, and --baseline-seeds="
+            f"{option}={least:g} needs a baseline pool of at least {LEAST} seeds, and --baseline-seeds="
             f"{baseline_seeds!r} makes {request.short_of_pool} of them; leave one out"
         )
     options = RunOptions(

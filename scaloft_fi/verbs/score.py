@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, replace
 from datetime import date
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import click
 
@@ -317,7 +317,7 @@ def _noise(study: Study, outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:
     return noise_of(outcomes) if not study.stack.deterministic else ()
 
 
-GROUPINGS = ("guideword", "parameter", "severity", "situation", "requirement", "axis")
+GROUPINGS = tuple(map(str, By))
 
 
 @verb(
@@ -371,7 +371,7 @@ def score_command(
         everything=everything,
         style=style,
         tables=tables_folder,
-        bars=Bars(fail_under, fail_under_firm),
+        bars=bars_of(fail_under, fail_under_firm),
     )
     if not ratcheting:
         return code
@@ -380,20 +380,10 @@ def score_command(
     return ratchet(scored.study, scored.score, today) or code
 
 
-class Bars(NamedTuple):
-    """The least ratios that count as a success; None asks for nothing."""
-
-    detected: float | None
-    firm: float | None
-
-    def __bool__(self) -> bool:
-        return self.detected is not None or self.firm is not None
-
-    def __str__(self) -> str:
-        """The first option that is given, as the user wrote it."""
-        if self.detected is not None:
-            return f"--fail-under={self.detected:g}"
-        return f"--fail-under-firm={self.firm:g}"
+def bars_of(fail_under: float | None, fail_under_firm: float | None) -> dict[str, float]:
+    """The least ratio that counts as a success, by the option that asks for it."""
+    asked = {"--fail-under": fail_under, "--fail-under-firm": fail_under_firm}
+    return {option: least for option, least in asked.items() if least is not None}
 
 
 def report(
@@ -404,7 +394,7 @@ def report(
     everything: bool,
     style: str,
     tables: Path | None,
-    bars: Bars,
+    bars: Mapping[str, float],
 ) -> int:
     """Print what a campaign says; returns the exit code.
 
@@ -415,30 +405,25 @@ def report(
         everything: `--all`.
         style: `--format`.
         tables: `--tables`.
-        bars: `--fail-under` and `--fail-under-firm`.
+        bars: as of `bars_of`.
 
     Raises:
         InputError: one of the bars where there is no pool to decide by.
     """
-    if bars and not scored.score.pooled:
+    for option, least in bars.items() if not scored.score.pooled else ():
         raise InputError(
-            f"{bars} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
+            f"{option}={least:g} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
             "baseline flights wherever a mutant infects; `scaloft-fi run` flies them"
         )
 
     scored = replace(scored, by=By(grouping) if grouping else None)
     words = partial(scored.text, everything=everything)
     answer(Answer(output, lambda: scored, told=words, warnings=scored.warnings), style, tables)
-    detected, firm = scored.score.mutation_score, scored.score.firm
-    below = [
-        f"{option} {least:g}"
-        for option, least, ratio in (
-            ("--fail-under", bars.detected, detected),
-            ("--fail-under-firm", bars.firm, firm),
-        )
-        if least is not None and (ratio.value is None or ratio.value < least)
-    ]
+    reached = {"--fail-under": scored.score.mutation_score, "--fail-under-firm": scored.score.firm}
+    shares = {option: reached[option].value for option in bars}
+    below = [f"{option} {bars[option]:g}" for option, own in shares.items() if own is None or own < bars[option]]
     if not below:
         return 0
+    detected, firm = reached.values()
     say(f"mutation score {detected}, firm {firm}: below {' and '.join(below)}")
     return ExitCode.BELOW
