@@ -299,6 +299,19 @@ class KillMatrix:
         """Per mutant with a kill its situations, as the scores count; controls and PLACEBO are not in it."""
         return {row.id: row.kills for row in self.mutants if row.kills}
 
+    def kill_sets(self, by_requirement: bool = False) -> Mapping[str, frozenset[str]]:
+        """Per mutant with a kill what kills it; `by_requirement`: as `SITUATION REQUIREMENT`, each for itself.
+
+        A flight that ends at a contact cannot show what it would have violated later.
+        """
+        if not by_requirement:
+            return self.kills
+        return {
+            row.id: frozenset(f"{entry.situation} {name}" for entry in row.entries for name in entry.kills)
+            for row in self.mutants
+            if row.kills
+        }
+
     @property
     def values(self) -> tuple[AxisWord, ...]:
         """The values of the axes."""

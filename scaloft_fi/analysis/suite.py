@@ -315,18 +315,6 @@ def subsumption(kills: Mapping[str, Collection[str]]) -> Subsumption:
     return Subsumption(tuple(nodes), tuple(Edge(*edge) for edge in sorted(reduced.edges)))
 
 
-def kills_by_requirement(matrix: KillMatrix) -> dict[str, frozenset[str]]:
-    """Per mutant with a kill what kills it as `SITUATION REQUIREMENT`, each requirement for itself.
-
-    A flight that ends at a contact cannot show what it would have violated later.
-    """
-    return {
-        row.id: frozenset(f"{entry.situation} {name}" for entry in row.entries for name in entry.kills)
-        for row in matrix.mutants
-        if row.kills
-    }
-
-
 @dataclass(frozen=True)
 class Redundancy:
     """How many killed mutants of a cell say the same.

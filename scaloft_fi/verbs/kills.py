@@ -25,7 +25,6 @@ from scaloft_fi.analysis.suite import (
     Suite,
     chosen_kills,
     interactions,
-    kills_by_requirement,
     minimal_suite,
     orders,
     redundancies,
@@ -90,12 +89,11 @@ def with_detected(shown: Sequence[Table], matrix: KillMatrix) -> list[Table]:
 
 def interaction_table(listed: Sequence[Interaction]) -> Table:
     """Per killed mutant its condition and its kill interaction order."""
-    rows = tuple((entry.mutant, entry.killing, _order(entry), entry.condition) for entry in listed)
-    return Table("Killed where", ("mutant", "situations", "order", "condition"), rows, (ORDER,))
-
-
-def _order(entry: Interaction) -> str:
-    return str(entry.order) if entry.order == entry.order_at_most else f"{entry.order}-{entry.order_at_most}"
+    rows = []
+    for one in listed:
+        order = str(one.order) if one.order == one.order_at_most else f"{one.order}-{one.order_at_most}"
+        rows.append((one.mutant, one.killing, order, one.condition))
+    return Table("Killed where", ("mutant", "situations", "order", "condition"), tuple(rows), (ORDER,))
 
 
 def order_table(orders: Sequence[KillOrder]) -> Table:
@@ -121,7 +119,7 @@ def situation_table(listed: Sequence[SituationKills], space: Space, *, short: bo
     rows = tuple(
         (
             entry.situation,
-            _words(space, entry.situation),
+            ", ".join(space.words_of(entry.situation)),
             str(Ratio(len(entry.killed), entry.tested)),
             str(entry.minimal),
             ", ".join(entry.alone),
@@ -144,17 +142,13 @@ def situation_table(listed: Sequence[SituationKills], space: Space, *, short: bo
     )
 
 
-def _words(space: Space, key: str) -> str:
-    return ", ".join(space.words_of(key))
-
-
 def suite_table(suite: Suite, matrix: KillMatrix) -> Table:
     """The smallest set of situations that keeps every kill, and how far its first ones come."""
     rows = []
     for number, key in enumerate(suite.situations, start=1):
         so_far, own = chosen_kills(matrix, suite.situations[:number]), chosen_kills(matrix, [key])
         needed = "yes" if key in suite.needed else ""
-        words = _words(matrix.space, key)
+        words = ", ".join(matrix.space.words_of(key))
         rows.append((key, words, needed, own.killed.part, str(so_far.killed), str(so_far.dominator_score)))
     size = len(suite.situations)
     if suite.exact:
@@ -330,7 +324,7 @@ def kills(
         matrix, stale = _chosen(now, patterns), now.stale
         cases = _survivors(now, matrix) if "survivors" in wanted else None
     found = interactions(matrix) if "conditions" in wanted else None
-    graph = _graph(matrix, by_requirement) if "subsumption" in wanted else None
+    graph = subsumption(matrix.kill_sets(by_requirement)) if "subsumption" in wanted else None
     told = CampaignKills(
         matrix,
         stale,
@@ -352,18 +346,6 @@ def kills(
     )
 
 
-def subsumption_graph(
-    study: Study, campaign: str, mutants: Sequence[str] = (), *, by_requirement: bool = False
-) -> Subsumption:
-    """Which kills imply which; the arguments are those of `kills`.
-
-    Raises:
-        InputError: there is no such campaign or mutant, or the campaign holds no such flight.
-    """
-    with snapshot(study, campaign) as now:
-        return _graph(_chosen(now, mutants), by_requirement)
-
-
 def _chosen(now: Snapshot, patterns: Sequence[str]) -> KillMatrix:
     """The rows that `patterns` mean.
 
@@ -379,10 +361,6 @@ def _chosen(now: Snapshot, patterns: Sequence[str]) -> KillMatrix:
     if not flown:
         raise InputError(f"the campaign holds no flight of {', '.join(asked[:3])}{', ...' if len(asked) > 3 else ''}")
     return matrix.only(flown)
-
-
-def _graph(matrix: KillMatrix, by_requirement: bool) -> Subsumption:
-    return subsumption(kills_by_requirement(matrix) if by_requirement else matrix.kills)
 
 
 def _survivors(now: Snapshot, matrix: KillMatrix) -> tuple[Survivor, ...]:
@@ -476,20 +454,14 @@ def kills_command(
 
     study = Study.open(study_folder)
     if output is not None:
-        _draw(subsumption_graph(study, campaign, several(mutants, "mutants"), by_requirement=by_requirement), output)
+        from scaloft_fi.views.picture import png
+        from scaloft_fi.views.subsumption import dot, draw_subsumption
+
+        with snapshot(study, campaign) as now:
+            graph = subsumption(_chosen(now, several(mutants, "mutants")).kill_sets(by_requirement))
+        drawn = dot(graph) if output.suffix.lower() == ".dot" else draw_subsumption(graph)
+        write(output, png(drawn) if output.suffix.lower() == ".png" else drawn.encode())
+        tell_line(f"subsumption graph: {output}")
         return
     told = kills(study, campaign, mutants, show=show, situations=situations, by_requirement=by_requirement)
     answer(told, style, tables_folder)
-
-
-def _draw(graph: Subsumption, output: Path) -> None:
-    from scaloft_fi.views.picture import png
-    from scaloft_fi.views.subsumption import dot, draw_subsumption
-
-    suffix = output.suffix.lower()
-    if suffix == ".dot":
-        write(output, dot(graph).encode())
-    else:
-        svg = draw_subsumption(graph)
-        write(output, png(svg) if suffix == ".png" else svg.encode())
-    tell_line(f"subsumption graph: {output}")

@@ -19,7 +19,6 @@ from scaloft_fi.analysis.suite import (
     Redundancy,
     Subsumption,
     interactions,
-    kills_by_requirement,
     minimal_suite,
     order,
     orders,
@@ -231,7 +230,7 @@ def test_a_requirement_can_be_told_from_another() -> None:
         *thrice("NO-human@100%", human, violated={"SR2": 8.0, "SR1": 12.0}),
         *thrice("MORE-goal@0.6m", human, violated={"OP1": 60.0}),
     ]
-    found = kills_by_requirement(kill_matrix(score(flights, ROSTER, GRID), ROSTER, GRID))
+    found = kill_matrix(score(flights, ROSTER, GRID), ROSTER, GRID).kill_sets(by_requirement=True)
     assert found == {"LATE-human@3s": {f"{human} SR2"}, "NO-human@100%": {f"{human} SR1", f"{human} SR2"}}
 
 
