@@ -10,6 +10,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import json
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -58,6 +59,8 @@ def printed(words: tuple[str, ...]) -> list[object]:
     texts = (done.stdout, done.stderr)
     for name, path in places.items():
         texts = tuple(text.replace(path, f"{{{name}}}") for text in texts)
+    if words[0] == "check":  # its columns are as wide as the path of the study
+        texts = tuple(re.sub(r"  +|---+", " ", text) for text in texts)
     return [done.exit_code, *map(_short, texts)]
 
 
