@@ -14,7 +14,7 @@ from itertools import product
 from typing import Annotated, Literal, NamedTuple
 
 from scaloft_fi.analysis.detection import Firmness, Verdict
-from scaloft_fi.analysis.roster import Ratio, Roster
+from scaloft_fi.analysis.roster import OfSubject, Ratio, Roster
 from scaloft_fi.analysis.score import MutantScore, Result, Score
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Subject, unpack_track
 from scaloft_fi.judge.requirement import Compliance, Reading
@@ -209,7 +209,7 @@ MutantKind = Literal["mutant", "control", "placebo"]
 
 
 @dataclass(frozen=True)
-class KillRow:
+class KillRow(OfSubject):
     """A mutant in every situation of the grid, and in every one with drawn numbers that was flown.
 
     Attributes:
@@ -223,7 +223,10 @@ class KillRow:
         firmness: what remains of the verdict when one seed is left out; null: it is not detected.
     """
 
-    KEYS = ("subject.*", "kind", "counted", "status", "verdict", "firm=firmness", "kill_rate")
+    KEYS = (
+        *("id", "guideword", "parameter", "magnitude", "kind", "counted", "status", "verdict", "firm=firmness"),
+        "kill_rate",
+    )
     subject: Subject
     kind: MutantKind
     counted: bool
@@ -232,11 +235,6 @@ class KillRow:
     kill_rate: Ratio
     entries: tuple[KillEntry, ...]
     firmness: Firmness | None = None
-
-    @property
-    def id(self) -> str:
-        """Of the mutant."""
-        return self.subject.id
 
     @property
     def killing(self) -> tuple[str, ...]:

@@ -44,6 +44,32 @@ class Ratio:
         return f"{self.short} = " + ("n/a" if self.value is None else f"{100 * self.value:.0f} %")
 
 
+class OfSubject:
+    """What is told of a subject beside what was found of it."""
+
+    subject: Subject
+
+    @property
+    def id(self) -> str:
+        """Canonical id."""
+        return self.subject.id
+
+    @property
+    def guideword(self) -> str:
+        """Its guideword; empty where it has none, as PLACEBO."""
+        return self.subject.guideword
+
+    @property
+    def parameter(self) -> str:
+        """Its parameter; empty where it has none."""
+        return self.subject.parameter
+
+    @property
+    def magnitude(self) -> str:
+        """Its magnitude with the unit, as in the id; empty where there is none."""
+        return self.subject.magnitude
+
+
 @dataclass(frozen=True)
 class Roster:
     """The study's mutants as the scores need them.

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scaloft_fi.analysis.condition import condition
 from scaloft_fi.analysis.detection import Detection, Firmness, Sample, Spending, Verdict, adjusted, detect, firmness
 from scaloft_fi.analysis.pool import LEAST, Pair, Pool
-from scaloft_fi.analysis.roster import Ratio, Roster
+from scaloft_fi.analysis.roster import OfSubject, Ratio, Roster
 from scaloft_fi.hazop.matrix import UNCLASSED, SeverityClass, class_of, worst_first
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Subject
 from scaloft_fi.judge.requirement import Kind
@@ -144,7 +144,7 @@ _Kills = Annotated[Ratio, About("situations with such a kill, of those that test
 
 
 @dataclass(frozen=True)
-class MutantScore:
+class MutantScore(OfSubject):
     """A mutant over all its situations.
 
     Attributes:
@@ -174,8 +174,9 @@ class MutantScore:
     firmness: Firmness | None = None
     severity: SeverityClass | None = None
     KEYS = (
-        *("subject.*", "severity=severity_id", "status", "verdict", "firm=firmness", "p=safety.p", "kill_rate"),
-        *("kill_rate_flown", "kills", "requirements", "first", "decided_at=safety", "operability=by_operability"),
+        *("id", "guideword", "parameter", "magnitude", "severity=severity_id", "status", "verdict", "firm=firmness"),
+        *("p=safety.p", "kill_rate", "kill_rate_flown", "kills", "requirements", "first", "decided_at=safety"),
+        "operability=by_operability",
     )
 
     @property
