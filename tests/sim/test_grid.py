@@ -120,13 +120,6 @@ def test_no_situation_has_an_excluded_combination(edited):
         grid.situation("T0O0W1D0H0")
 
 
-def test_axes_that_make_too_many_situations_are_refused(edited):
-    values = "[{id: 0, title: a}, {id: 1, title: b, realised: always(light <= 1)}]"
-    many = "".join(f"\n  A{chr(97 + i)}: {{title: t, category: c, values: {values}}}" for i in range(16))
-    with pytest.raises(InputError, match=r"axes make 2097152 situations, they must make at most 1000000"):
-        load(edited("situations.yaml", "\naliases:", f"{many}\n\naliases:"))
-
-
 @pytest.fixture
 def ranged(study):
     return load(with_range(study))

@@ -33,10 +33,3 @@ def pose_at(x=0.0, y=0.0, z=1.5, yaw=0.0, pitch=0.0, stamp_s=0.0, velocity=(0.0,
 
 def wall_at(depth_m, stamp_s=0.0):
     return DepthFrame(stamp_s, np.full((48, 64), float(depth_m)))
-
-
-def turned_by(q):
-    """The rotation matrix of a quaternion x, y, z, w, beside those of the kernels."""
-    x, y, z, w = q
-    across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + 2 * w * across + 2 * across @ across

@@ -5,7 +5,8 @@ import pytest
 
 from scaloft_fi.stack.messages import DepthFrame
 from scaloft_fi.stack.reference.memory import ObstacleMemory, cells_at
-from tests.stack.conftest import pose_at, turned_by, wall_at
+from tests.sim.conftest import turned_by
+from tests.stack.conftest import pose_at, wall_at
 
 
 @pytest.fixture
