@@ -138,9 +138,7 @@ TRUTH_EVENTS: Mapping[str, TruthEvent] = {
     ),
     "waypoint": TruthEvent(lambda before, now, _obstacles: now["waypoints_left"] < before["waypoints_left"]),
     "light": TruthEvent(
-        lambda before, now, _obstacles: now["light"] != before["light"],
-        _has_light,
-        "happening of kind light",
+        lambda before, now, _obstacles: now["light"] != before["light"], _has_light, "happening of kind light"
     ),
 }
 

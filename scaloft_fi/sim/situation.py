@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 import re
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import ROUND_FLOOR, Decimal
 from enum import StrEnum
@@ -68,9 +68,6 @@ def cut(number: float) -> float:
     return float(exact.quantize(Decimal(1).scaleb(exact.adjusted() - DIGITS + 1), ROUND_FLOOR)) if exact else 0.0
 
 
-PATH = "path of one value, such as mission.cruise_mps of world.yaml, vehicle.mass_kg, sensors.battery.charge"
-
-
 def short(item: Item) -> float:
     """A finite number with at most four significant digits.
 
@@ -83,14 +80,14 @@ def short(item: Item) -> float:
     return number + 0.0
 
 
-Short = Annotated[float, Reads(short, lambda _names: {"type": "number"})]
-Path = Annotated[
-    str,
-    Reads(
-        lambda item: qualified(item.text(), item),
-        lambda _names: {"type": "string", "minLength": 1, "examples": ["mission.cruise_mps"]},
-    ),
-]
+def _reads(read: Callable[[Item], Any], **schema: Any) -> Reads:
+    """A value that a function reads, with its JSON Schema."""
+    return Reads(read, lambda _names: schema)
+
+
+Short = Annotated[float, _reads(short, type="number")]
+_PATH = {"type": "string", "minLength": 1, "examples": ["mission.cruise_mps"]}
+Path = Annotated[str, _reads(lambda item: qualified(item.text(), item), **_PATH)]
 
 
 _TAKES = dict.fromkeys(Shape, ()) | {Shape.NORMAL: ("mean", "sd"), Shape.TRIANGULAR: ("mode",)}
@@ -330,16 +327,11 @@ class Situation:
 Realised = Annotated[str, Examples("eventually(person_sight_m <= 3)")]
 Formula = Annotated[str, Given(lambda item: (item.get("realised") or item).place)]
 """`file:line` of the formula, or of the entry without one."""
+_STACK = {"pattern": "^(?!stack(\\.|$))"}
+_CHANGES = {"propertyNames": _STACK, "examples": [{"bodies.person.present": True}, {"light": 0.003}]}
 Changes = Annotated[
     Mapping[str, Item],
-    Reads(
-        lambda item: {qualified(path, entry): entry for path, entry in item.mapping().items()},
-        lambda _names: {
-            "type": "object",
-            "propertyNames": {"pattern": "^(?!stack(\\.|$))"},
-            "examples": [{"bodies.person.present": True}, {"light": 0.003}],
-        },
-    ),
+    _reads(lambda item: {qualified(path, at): at for path, at in item.mapping().items()}, type="object", **_CHANGES),
 ]
 
 
@@ -486,16 +478,8 @@ def _value_ids(item: Item) -> frozenset[int]:
 
 
 _ID: Mapping[str, Any] = {"type": "integer", "description": "id of a value", "minimum": 0, "examples": [1]}
-ValueIds = Annotated[
-    frozenset[int],
-    Reads(
-        _value_ids,
-        lambda _names: {
-            "description": "id of a value, or a list of ids",
-            "anyOf": [_ID, {"type": "array", "items": _ID, "minItems": 1}],
-        },
-    ),
-]
+_IDS = [_ID, {"type": "array", "items": _ID, "minItems": 1}]
+ValueIds = Annotated[frozenset[int], _reads(_value_ids, description="id of a value, or a list of ids", anyOf=_IDS)]
 
 
 def _single_values(item: Item) -> dict[str, Item]:
@@ -505,7 +489,7 @@ def _single_values(item: Item) -> dict[str, Item]:
     return {qualified(path, entry): entry for path, entry in item.mapping().items()}
 
 
-_ALSO = Reads(_single_values, lambda _names: {"type": "object", "examples": [{"happenings.dust.active": True}]})
+_ALSO = _reads(_single_values, type="object", examples=[{"happenings.dust.active": True}])
 DEVIATES = 1 / 3
 """The chance that a free axis is off its benign value in a situation drawn at random: else nearly all would be off."""
 

@@ -61,8 +61,7 @@ class Role:
 ROLES = Registry[Role]("role of a body")
 ROLES.declare("obstacle", Role("stands on the path", is_obstacle=True))
 ROLES.declare(
-    "person",
-    Role("a person, whom SR2 protects", label="person", is_person=True, fill="#fdba74", stroke="#9a3412"),
+    "person", Role("a person, whom SR2 protects", label="person", is_person=True, fill="#fdba74", stroke="#9a3412")
 )
 ROLES.declare("structure", Role("part of the mine's fittings", fill="#111827", stroke="#111827", stroke_px=3.0))
 

@@ -54,11 +54,7 @@ def test_single_values_can_be_overridden(study, path, value, read):
 @pytest.mark.parametrize(
     ("path", "value", "sentence"),
     [
-        (
-            "sensors.depth.latncy_s",
-            0.1,
-            "no path 'sensors.depth.latncy_s' in the study; did you mean 'sensors.depth",
-        ),
+        ("sensors.depth.latncy_s", 0.1, "no path 'sensors.depth.latncy_s' in the study; did you mean 'sensors.depth"),
         ("sensor.depth.latency_s", 0.1, "did you mean 'sensors.depth.latency_s'"),
         ("sensors.depth.latency_s", -0.1, "latency_s=-0.1 must be >= 0"),
     ],

@@ -13,16 +13,7 @@ from hypothesis import strategies as st
 from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim import log as logs
-from scaloft_fi.sim.log import (
-    SIGNALS,
-    Ending,
-    FlightLog,
-    Recorder,
-    Side,
-    signal,
-    signal_names,
-    truth_signals,
-)
+from scaloft_fi.sim.log import SIGNALS, Ending, FlightLog, Recorder, Side, signal, signal_names, truth_signals
 from scaloft_fi.sim.world import read_world
 from scaloft_fi.stack.reference.messages import BELIEFS
 from tests.sim.conftest import SIM
