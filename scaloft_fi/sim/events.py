@@ -156,10 +156,8 @@ def events_in(world: Item, beliefs: Iterable[Belief]) -> Mapping[str, str]:
     Raises:
         InputError: a body or a happening has no role or kind; the message names its place.
     """
-    truth = {
-        name: "" if event.can_come(world) else f"{world.path} has no {event.lacks}"
-        for name, event in TRUTH_EVENTS.items()
-    }
+    events = TRUTH_EVENTS.items()
+    truth = {name: "" if one.can_come(world) else f"{world.path} has no {one.lacks}" for name, one in events}
     kinds = (belief.mark.kind for belief in beliefs if belief.mark is not None)
     return truth | {kind: "" for kind in kinds if names_event(kind) and kind not in truth}
 
@@ -177,11 +175,8 @@ class Lookout:
     def __init__(self, wire: Any, world: World, names: Sequence[str], beliefs: Sequence[Belief]) -> None:
         self._wire, self._names, awaited = wire, names, wire.awaited
         self._obstacles = world.bodies_with(lambda role: role.is_obstacle)
-        self._truth = [
-            (name, event.holds, Strike(Mark(name, "", event.first)))
-            for name, event in TRUTH_EVENTS.items()
-            if name in awaited
-        ]
+        events = ((name, event) for name, event in TRUTH_EVENTS.items() if name in awaited)
+        self._truth = [(name, event.holds, Strike(Mark(name, "", event.first))) for name, event in events]
         self._marks = [
             (mark.kind, place, Strike(mark))
             for place, mark in enumerate(belief.mark for belief in beliefs)

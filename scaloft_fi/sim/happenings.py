@@ -374,9 +374,8 @@ def _check(walk: Walk, world: Any, item: Item) -> None:
     here = (body.centre[0], body.centre[1])
     for place, entry in zip(walk.places, item.need("path"), strict=True):
         if mine.is_between(here, place, z_m) or not mine.holds((*place, z_m)):
-            raise InputError(
-                f"{entry.place}: path of {walk.body!r} from {list(here)} to {list(place)} must not lead through a wall"
-            )
+            way = f"path of {walk.body!r} from {list(here)} to {list(place)}"
+            raise InputError(f"{entry.place}: {way} must not lead through a wall")
         here = place
 
 
@@ -424,9 +423,7 @@ class Appear(Effect):
         around.shift(self.body, (0.0, 0.0, 0.0))
 
 
-HAPPENINGS.declare(
-    "appear", HappeningKind(Appear, check=lambda effect, world, item: check_body(effect.body, world, item))
-)
+HAPPENINGS.declare("appear", HappeningKind(Appear, check=lambda own, world, item: check_body(own.body, world, item)))
 
 
 @dataclass(frozen=True)

@@ -281,11 +281,8 @@ class SimConfig:
     @property
     def assumptions(self) -> dict[str, float]:
         """The assumed numbers by path."""
-        return {
-            path: value
-            for path, value in self.numbers.items()
-            if (s := self.source_of(path)) and s.kind == "assumption"
-        }
+        sources = {path: self.source_of(path) for path in self.numbers}
+        return {path: self.numbers[path] for path, own in sources.items() if own and own.kind == "assumption"}
 
 
 def load(
@@ -313,21 +310,14 @@ def load(
     for value in grid.proved_values:
         if any(not path.startswith("world.") for path in value.changes):  # the grid itself has read the world
             _read(grid, grid.documents_with([value]))
-    world, vehicle, sensors = _read(grid, documents)
-    return SimConfig(
-        world=world,
-        vehicle=vehicle,
-        sensors=sensors,
-        grid=grid,
-        stack=StackChoice.read(documents["stack"]),
-        sources=_sources(folder, grid, documents),
-        numbers={
-            f"{name}.{path}": float(item.value)
-            for name, document in documents.items()
-            for path, item in leaves(document)
-            if isinstance(item.value, int | float) and not isinstance(item.value, bool)
-        },
-    )
+    numbers = {
+        f"{name}.{path}": float(item.value)
+        for name, document in documents.items()
+        for path, item in leaves(document)
+        if isinstance(item.value, int | float) and not isinstance(item.value, bool)
+    }
+    choice, sources = StackChoice.read(documents["stack"]), _sources(folder, grid, documents)
+    return SimConfig(*_read(grid, documents), grid, choice, sources, numbers)
 
 
 def _read(grid: Grid, documents: Mapping[str, Item]) -> tuple[World, Vehicle, SensorsConfig]:

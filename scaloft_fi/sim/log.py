@@ -149,10 +149,8 @@ def truth_signals(surfaces: Iterable[str], declared: Iterable[str] = ()) -> tupl
         surfaces: surfaces of the world (`World.surfaces`); each has a clearance.
         declared: names of the optional signals that the world lists (`World.signals`).
     """
-    clearances = tuple(
-        Signal(clearance_name(name), "m", f"hull to {name}, at most 1; 1 where it is not there or excused", Side.TRUTH)
-        for name in surfaces
-    )
+    told = "hull to {}, at most 1; 1 where it is not there or excused"
+    clearances = (Signal(clearance_name(name), "m", told.format(name), Side.TRUTH) for name in surfaces)
     return (*TRUTH, *clearances, *(SIGNALS[name] for name in declared))
 
 

@@ -19,9 +19,8 @@ def qualified(path: str, value: Item) -> str:
     """
     head = path.partition(".")[0]
     if head == "stack":
-        raise InputError(
-            f"{value.place}: {path!r} belongs to the stack under test; an axis may change {', '.join(PARTS)}"
-        )
+        sentence = f"{path!r} belongs to the stack under test; an axis may change {', '.join(PARTS)}"
+        raise InputError(f"{value.place}: {sentence}")
     return path if head in PARTS else f"world.{path}"
 
 

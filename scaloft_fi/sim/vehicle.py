@@ -34,9 +34,8 @@ SMALLEST, LARGEST = 1e-6, 1e4
 """Bounds of every mass, inertia, length, thrust and time of a vehicle, far beyond those of any drone."""
 
 Size = Annotated[float, Bounds(least=SMALLEST, most=LARGEST)]
-Place = tuple[
-    Annotated[float, Bounds(least=-LARGEST, most=LARGEST)], Annotated[float, Bounds(least=-LARGEST, most=LARGEST)]
-]
+_Offset = Annotated[float, Bounds(least=-LARGEST, most=LARGEST)]
+Place = tuple[_Offset, _Offset]
 Spin = Literal[1, -1]
 
 POSITION, ATTITUDE, VELOCITY, RATE = slice(0, 3), slice(3, 7), slice(7, 10), slice(10, 13)
@@ -88,9 +87,8 @@ class Vehicle:
 
     def lag(self) -> Array:
         """Argument of `rotor_step`, (3,): share of the thrust error removed per step, up and down; greatest thrust."""
-        return np.array(
-            [1.0 - math.exp(-STEP_S / self.spin_up_s), 1.0 - math.exp(-STEP_S / self.spin_down_s), self.max_thrust_n]
-        )
+        up, down = (1.0 - math.exp(-STEP_S / constant_s) for constant_s in (self.spin_up_s, self.spin_down_s))
+        return np.array([up, down, self.max_thrust_n])
 
     def effect(self) -> Array:
         """Argument of `wrench`, (5, 4): force z and torques x, y, z per rotor thrust [1, m, m, m]; drag at [4, 0]."""
@@ -430,9 +428,8 @@ def spawn(client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> int
     """Put the vehicle at rest into the physics server; returns its body number."""
     import pybullet
 
-    shape = pybullet.createCollisionShape(
-        pybullet.GEOM_BOX, halfExtents=[0.5 * edge for edge in vehicle.hull_m], physicsClientId=client
-    )
+    half_m = [0.5 * edge for edge in vehicle.hull_m]
+    shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half_m, physicsClientId=client)
     attitude = [0.0, 0.0, math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)]
     body = pybullet.createMultiBody(
         vehicle.mass_kg, shape, basePosition=list(position), baseOrientation=attitude, physicsClientId=client

@@ -60,9 +60,8 @@ class Role:
 
 ROLES = Registry[Role]("role of a body")
 ROLES.declare("obstacle", Role("stands on the path", is_obstacle=True))
-ROLES.declare(
-    "person", Role("a person, whom SR2 protects", label="person", is_person=True, fill="#fdba74", stroke="#9a3412")
-)
+_PERSON = Role("a person, whom SR2 protects", label="person", is_person=True, fill="#fdba74", stroke="#9a3412")
+ROLES.declare("person", _PERSON)
 ROLES.declare("structure", Role("part of the mine's fittings", fill="#111827", stroke="#111827", stroke_px=3.0))
 
 
@@ -309,16 +308,10 @@ class World:
         """All triangles of the world."""
         mine, bodies = self.mine, self.present
         meshes = [mine.wall, mine.ground, *(body.mesh for body in bodies)]
-        whole = mesh.join(meshes)
-        return Scene(
-            vertices=np.ascontiguousarray(whole.vertices),
-            faces=np.ascontiguousarray(whole.faces),
-            owner=np.repeat(np.arange(len(meshes)), [len(part.faces) for part in meshes]).astype(np.int16),
-            names=(WALL, GROUND, *(body.name for body in bodies)),
-            reflectivity=np.array(
-                [mine.wall_reflectivity, mine.ground_reflectivity, *(b.reflectivity for b in bodies)]
-            ),
-        )
+        whole, names = mesh.join(meshes), (WALL, GROUND, *(body.name for body in bodies))
+        owner = np.repeat(np.arange(len(meshes)), [len(part.faces) for part in meshes]).astype(np.int16)
+        reflectivity = [mine.wall_reflectivity, mine.ground_reflectivity, *(body.reflectivity for body in bodies)]
+        return Scene(whole.vertices, whole.faces, owner, names, np.array(reflectivity))
 
     def path_of(self, body: Body) -> tuple[tuple[float, float], ...]:
         """The places (x, y) of a body that moves, its position first [m, world]; empty for a body that stands."""
@@ -377,9 +370,8 @@ def misplaced(world: Any, item: Item) -> Iterator[InputError]:
     reach = f"; the mine reaches from {mine.extents_text} m{scaled}"
     if not abs(world.floor_m) < 0.1:  # where the stack takes off
         actual = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
-        yield InputError(
-            f"{home.place}: home={list(world.mission.home)!r} must have the floor at z=0, but {actual}{reach}"
-        )
+        sentence = f"home={list(world.mission.home)!r} must have the floor at z=0, but {actual}"
+        yield InputError(f"{home.place}: {sentence}{reach}")
         del places["home"]
     flaws = cache(lambda: sorted(flaws_of(item.need("mine")), key=lambda flaw: not flaw.grave))
     for name, place in places.items():

@@ -65,11 +65,8 @@ class Positioning:
         noise, state = self._noise.row(moment.tick), moment.state
         x, y, z, w = state[3:7].tolist()
         yaw_rad = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-        return Fix(
-            moment.stamps.fix_s,
-            state[:3] + moment.around.drift_m + self._config.sigma_m * noise[:3],
-            yaw_rad + self._yaw_sigma_rad * float(noise[3]),
-        )
+        position = state[:3] + moment.around.drift_m + self._config.sigma_m * noise[:3]
+        return Fix(moment.stamps.fix_s, position, yaw_rad + self._yaw_sigma_rad * float(noise[3]))
 
 
 SENSORS.declare("positioning", SensorKind(Positioning, Fix, PositioningConfig, latency_s=OWN_LATENCY, required=True))

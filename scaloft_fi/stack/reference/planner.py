@@ -441,9 +441,8 @@ class Planner:
             direction = offset / distance if distance > 0.0 else np.zeros(3)
             return LocalPlan(direction, distance, blocked=False, expanded=0)
         radius = dilation_bins(c.dilation_bins, obstacles.inflation)
-        direction, cost, expanded = search(
-            np.ascontiguousarray(obstacles.points), pose.position, goal, self._previous, radius, self._settings
-        )
+        points = np.ascontiguousarray(obstacles.points)
+        direction, cost, expanded = search(points, pose.position, goal, self._previous, radius, self._settings)
         self._previous = direction
         return LocalPlan(direction, distance, cost >= c.obstacle_cost * c.obstacle_weight, expanded)
 

@@ -219,9 +219,8 @@ class Companion:
         if delivered is not None:
             self.order = delivered
             recoiling = self.stages.recoil.order(now_s, believed, self.limit.limit_mps) is not None
-            control.command(
-                now_s, delivered, self.stages.recoil.config.accel_mps2 if recoiling else control.config.accel_mps2
-            )
+            limits: RecoilConfig | ControlConfig = self.stages.recoil.config if recoiling else control.config
+            control.command(now_s, delivered, limits.accel_mps2)
 
     def _see(self, now_s: float, frames: SensorFrames) -> None:
         """Feed depth image and bumper into memory and proximity monitor."""
