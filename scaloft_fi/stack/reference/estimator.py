@@ -13,6 +13,7 @@ the time of its stamp.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import accumulate
@@ -280,26 +281,33 @@ class History:
     """Estimates of the last `span_s` seconds, as rows of time [s], position x, y, z [m, world] and heading [rad]."""
 
     def __init__(self, span_s: float) -> None:
-        self._span_s, self.rows = span_s, np.empty((0, 5))
+        self._span_s, self._rows = span_s, deque[list[float]]()
 
     def add(self, now_s: float, position: Array, yaw_rad: float) -> None:
         """Add the estimate of `now_s` and drop estimates that are older than the span."""
-        kept = self.rows[now_s - self.rows[:, 0] <= self._span_s]
-        self.rows = np.vstack([kept, (now_s, *position, yaw_rad)])
+        self._rows.append([now_s, *position.tolist(), yaw_rad])
+        while now_s - self._rows[0][0] > self._span_s:
+            self._rows.popleft()
 
     def at(self, stamp_s: float) -> tuple[Array, float]:
         """Position (3,) and heading at `stamp_s`, interpolated; outside the history those of its last or first row."""
-        place = max(int(np.searchsorted(self.rows[:, 0], stamp_s, side="right")) - 1, 0)
-        row, later = self.rows[place], self.rows[min(place + 1, len(self.rows) - 1)]
-        if not row[0] < stamp_s or not row[0] < later[0]:
-            return row[1:4], float(row[4])
-        share = min(1.0, (stamp_s - row[0]) / (later[0] - row[0]))
-        turned = math.remainder(later[4] - row[4], 2.0 * math.pi)
-        return row[1:4] + share * (later[1:4] - row[1:4]), float(row[4] + share * turned)
+        later = self._rows[-1]
+        for row in reversed(self._rows):
+            if row[0] <= stamp_s:
+                break
+            later = row
+        (t, *place, yaw_rad), (later_s, *there, later_rad) = row, later
+        if not t < stamp_s or not t < later_s:
+            return np.array(place), yaw_rad
+        share = min(1.0, (stamp_s - t) / (later_s - t))
+        turned = math.remainder(later_rad - yaw_rad, 2.0 * math.pi)
+        return np.array([a + share * (b - a) for a, b in zip(place, there, strict=True)]), yaw_rad + share * turned
 
     def shift(self, position: Array, yaw_rad: float) -> None:
         """Apply a correction to the recent past as well; otherwise late fixes would correct the same error twice."""
-        self.rows[:, 1:] += (*position, yaw_rad)
+        x, y, z = position.tolist()
+        for row in self._rows:
+            row[1:] = row[1] + x, row[2] + y, row[3] + z, row[4] + yaw_rad
 
 
 @dataclass(frozen=True)
