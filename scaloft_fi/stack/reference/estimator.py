@@ -344,7 +344,7 @@ class Estimator:
 
     Attributes:
         numbers: (33,) state, rotation, world_force, rate and two times; the other arrays are views of it.
-        state: (16,) nominal state, see `strapdown.propagate`.
+        state: (16,) nominal state, see `integrate`.
         rate: (3,) last angular rate, bias removed [rad/s, body].
         rotation: (3, 3) attitude as a matrix, body to world.
         world_force: (3,) specific force integrated since the last prediction [m/s, world].

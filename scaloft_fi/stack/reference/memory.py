@@ -298,7 +298,7 @@ class MemoryConfig:
 class ObstacleMemory:
     """Sparse set of occupied cells, in the order in which they were first seen.
 
-    Cells are indices of an unbounded grid of edge `voxel_m` aligned with the world's origin; see `voxels.cells_at`.
+    Cells are indices of an unbounded grid of edge `voxel_m` aligned with the world's origin; see `cells_at`.
     """
 
     def __init__(self, config: MemoryConfig, camera: DepthCamera) -> None:
