@@ -41,10 +41,7 @@ class Round:
         order = Motion(*planner.order())
         land = Land(now_s) if planner.landing else None
         cross = self.wire.cross
-        return {
-            "velocity": cross(self.seams["velocity"], now_s, order),
-            "land": cross(self.seams["land"], now_s, land),
-        }
+        return {"velocity": cross(self.seams["velocity"], now_s, order), "land": cross(self.seams["land"], now_s, land)}
 
     def close(self):
         """Nothing was started."""

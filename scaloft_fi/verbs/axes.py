@@ -178,10 +178,7 @@ def _spanning(axis: Axis) -> ListedAxis:
         summary=f"{benign} (benign), {', '.join(others)}",
         values=tuple(
             ListedValue(
-                f"{axis.id}{value.id}",
-                value.title,
-                _changes(value.changes),
-                value.realised or f"none of {met} is met",
+                f"{axis.id}{value.id}", value.title, _changes(value.changes), value.realised or f"none of {met} is met"
             )
             for value in axis.values
         ),

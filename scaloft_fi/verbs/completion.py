@@ -135,10 +135,7 @@ NAMES = ("bash", "zsh", "fish")
         ("See the script for fish", "scaloft-fi completion fish"),
     ),
 )
-def completion_command(
-    *,
-    shell: Annotated[str, Option("", "", type=click.Choice(NAMES))],
-) -> None:
+def completion_command(*, shell: Annotated[str, Option("", "", type=click.Choice(NAMES))]) -> None:
     """Print a script that lets a shell complete verbs, options, mutants, situations, grids and campaigns.
 
     bash: `eval "$(scaloft-fi completion bash)"` in ~/.bashrc.  zsh: `eval "$(scaloft-fi completion zsh)"` in ~/.zshrc,

@@ -241,11 +241,7 @@ def installation_tables(told: Installation) -> tuple[Table, ...]:
     known = told.known_flight
     flight = () if known is None else (Table("Known flight", ("answer",), ((known.told,),)),)
     parts = tuple(
-        (
-            one.part,
-            one.value or "not set",
-            ("yes" if one.decides_bits else "no") + f": {one.why}" * bool(one.why),
-        )
+        (one.part, one.value or "not set", ("yes" if one.decides_bits else "no") + f": {one.why}" * bool(one.why))
         for one in told.platform
     )
     equal = "Flights have equal bits on platforms that agree in every line that decides them."

@@ -242,12 +242,7 @@ WITH_FIND = (
 """The legend where a row tells of a find."""
 NAMES_BESIDE = 70
 """A narrower terminal has the name of an answer above it, not beside it [characters]."""
-FIRM = {
-    Firmness.FIRM: "yes",
-    Firmness.FIRM_BY_POOL: "pool",
-    Firmness.HANGS: "no",
-    Firmness.TOO_FEW: "too few seeds",
-}
+FIRM = {Firmness.FIRM: "yes", Firmness.FIRM_BY_POOL: "pool", Firmness.HANGS: "no", Firmness.TOO_FEW: "too few seeds"}
 _STOPPED = {
     Status.INVALID: "the harness failed",
     Status.NOT_REACHED: "its seam carries nothing",

@@ -101,8 +101,7 @@ def judged_table(told: JudgedRecords) -> Table:
 
 
 JudgedFiles = Annotated[
-    Path | str | Sequence[Path | str],
-    Option("The records.", "", metavar="FILE...", type=click.Path(path_type=Path)),
+    Path | str | Sequence[Path | str], Option("The records.", "", metavar="FILE...", type=click.Path(path_type=Path))
 ]
 RecordMapping = Annotated[
     Path | str | None,

@@ -274,8 +274,7 @@ class CellMargin:
 
 
 CELL_MARGINS = shape_of(
-    tuple[CellMargin, ...] | None,
-    "with --margins: the margins of its faults, over all situations; null: not asked for",
+    tuple[CellMargin, ...] | None, "with --margins: the margins of its faults, over all situations; null: not asked for"
 )
 
 

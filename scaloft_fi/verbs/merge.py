@@ -37,11 +37,7 @@ def merge(study: Study, campaign: str, sources: Sequence[str], *, same_platform:
     merged = merged_into(study, folder, [campaign_folder(study, name) for name in sources], same_platform=same_platform)
     told = line(f"{merged.added} flights added to {folder}, {merged.known} known already")
     return Answer(
-        MERGE,
-        lambda: merged,
-        lambda: (Table(told, (), ()),),
-        told=lambda _how: f"{told}\n",
-        warnings=merged.warnings,
+        MERGE, lambda: merged, lambda: (Table(told, (), ()),), told=lambda _how: f"{told}\n", warnings=merged.warnings
     )
 
 

@@ -74,13 +74,7 @@ def _value(value: Any) -> str:
     return str(value)
 
 
-OVERVIEW = {
-    "operator": "name",
-    "arguments": "signature",
-    "needs": "needs",
-    "seams": "fits",
-    "what it does": "summary",
-}
+OVERVIEW = {"operator": "name", "arguments": "signature", "needs": "needs", "seams": "fits", "what it does": "summary"}
 
 
 @dataclass(frozen=True)
@@ -329,8 +323,7 @@ def _said(value: Any) -> str:
     ),
 )
 def operators_command(
-    study: Study,
-    names: Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=operators)] = (),
+    study: Study, names: Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=operators)] = ()
 ) -> Answer:
     """List the operators that faults can use.
 

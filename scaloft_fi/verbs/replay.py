@@ -349,8 +349,7 @@ def _object(**properties: Any) -> dict[str, Any]:
 
 _TIME = _object(sec=_WHOLE, nsec=_WHOLE)
 _POSE = _object(
-    position=_object(x=_NUMBER, y=_NUMBER, z=_NUMBER),
-    orientation=_object(x=_NUMBER, y=_NUMBER, z=_NUMBER, w=_NUMBER),
+    position=_object(x=_NUMBER, y=_NUMBER, z=_NUMBER), orientation=_object(x=_NUMBER, y=_NUMBER, z=_NUMBER, w=_NUMBER)
 )
 _POSE_SIGNALS = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 SCHEMAS = {

@@ -107,8 +107,7 @@ Share = Annotated[bool, Option("Fly every flight whole from take-off; the outcom
 BudgetTime = Annotated[
     str | None,
     Option(
-        "Begin no more flights after this wall time (90s, 10m, 2h); the order is random and stratified.",
-        metavar="TIME",
+        "Begin no more flights after this wall time (90s, 10m, 2h); the order is random and stratified.", metavar="TIME"
     ),
 ]
 MaxInvalid = Annotated[
@@ -220,12 +219,4 @@ def run_command(
     progress = Silence() if quiet else Progress(tally=detected_so_far)
     flown = fly(planned, campaign_folder(study, campaign), options, progress=progress)
     scored = scored_run(flown, campaign)
-    return report(
-        scored,
-        RUN,
-        grouping=None,
-        everything=everything,
-        style=style,
-        tables=tables_folder,
-        bars=bars,
-    )
+    return report(scored, RUN, grouping=None, everything=everything, style=style, tables=tables_folder, bars=bars)

@@ -118,10 +118,7 @@ def _of_operator(name: str, operator: Operator) -> Schema:
         "arguments": {"properties": arguments, "additionalProperties": False},
         "magnitude": {"properties": {"argument": {"enum": list(arguments)}}},
     }
-    return {
-        "if": {"properties": {"operator": {"const": name}}, "required": ["operator"]},
-        "then": {"properties": then},
-    }
+    return {"if": {"properties": {"operator": {"const": name}}, "required": ["operator"]}, "then": {"properties": then}}
 
 
 def _argument(argument: Argument) -> Schema:

@@ -170,8 +170,7 @@ def _carried(study: Study, seam: str) -> str:
     ),
 )
 def seams_command(
-    study: Study,
-    names: Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=seams)] = (),
+    study: Study, names: Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=seams)] = ()
 ) -> Answer:
     """List the seams of the study's stack, where faults can be patched in.
 

@@ -321,11 +321,7 @@ def _not_reached(case: Case, step: Next) -> Survivor:
     if missed:
         first = min(missed, key=campaign.space.rank)
         return _say(case, step, f"the seam `{seam}` carries samples where it was not flown: fly {first}.")
-    return _say(
-        case,
-        step,
-        f"the seam `{seam}` carried no sample in {situations(len(case.flown))} flown; {left(case)}",
-    )
+    return _say(case, step, f"the seam `{seam}` carried no sample in {situations(len(case.flown))} flown; {left(case)}")
 
 
 def _not_infected(case: Case, scored: Score, step: Next) -> Survivor:

@@ -148,11 +148,7 @@ def _record(option: click.Option, ctx: click.Context) -> tuple[str, str]:
 
 
 def verb(
-    name: str,
-    *,
-    examples: Sequence[tuple[str, str]],
-    sections: Mapping[str, str] | None = None,
-    cls: type[Verb] = Verb,
+    name: str, *, examples: Sequence[tuple[str, str]], sections: Mapping[str, str] | None = None, cls: type[Verb] = Verb
 ) -> Callable[[Callable[..., Any]], Verb]:
     """Declare the function below as the verb `name`: its parameters are its options, its docstring is its help.
 

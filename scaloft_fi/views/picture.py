@@ -246,10 +246,7 @@ def draw(scene: MapScene, tracks: Sequence[Track], *, title: str, subtitle: str 
     list_top = TOP + frames[0].height + 62
     legend_top = list_top + listed * LINE + 18
     wide, high = max(frames[-1].left + width + 24, 640.0), legend_top + 78
-    parts = [
-        text(MARGIN, 34, title, size=20, weight="bold"),
-        text(MARGIN, 57, subtitle, colour=FAINT, size=14),
-    ]
+    parts = [text(MARGIN, 34, title, size=20, weight="bold"), text(MARGIN, 57, subtitle, colour=FAINT, size=14)]
     for number, (frame, track) in enumerate(zip(frames, tracks, strict=True)):
         parts += _panel(frame, scene, track, number)
         parts += _list(frame, track, list_top)

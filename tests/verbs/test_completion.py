@@ -124,8 +124,7 @@ def test_what_bash_takes_for_an_earlier_word_is_left_out(monkeypatch: pytest.Mon
 
 @needs_bash
 @pytest.mark.parametrize(
-    ("line", "replies"),
-    [("scaloft-fi run --mutant LATE-human@3", ["3s"]), ("scaloft-fi wor", ["worksheet"])],
+    ("line", "replies"), [("scaloft-fi run --mutant LATE-human@3", ["3s"]), ("scaloft-fi wor", ["worksheet"])]
 )
 def test_a_bash_that_sourced_the_script_completes(tmp_path: Path, line: str, replies: list[str]) -> None:
     assert _in_bash(tmp_path, line, STUDY).splitlines() == replies

@@ -68,7 +68,7 @@ def test_rows_are_ordered_baseline_placebo_catalogue_then_off_the_ladder_situati
     flown = [outcome(m, key, seed) for m in mutants for seed in (1, 0) for key in ("T0O0W0D0H1", "T0O0W0D0H0")]
     rows = export_rows(flown, ROSTER, GRID)
     assert list(dict.fromkeys(row["mutant"] for row in rows)) == [
-        *(BASELINE, PLACEBO_ID, "NO-human@100%", "LATE-human@1s", "LATE-human@3s", "LATE-human@2.5s", "MORE-goal@0.6m"),
+        *(BASELINE, PLACEBO_ID, "NO-human@100%", "LATE-human@1s", "LATE-human@3s", "LATE-human@2.5s", "MORE-goal@0.6m")
     ]
     assert [(row["situation"][-2:], row["seed"]) for row in rows[:4]] == [("H0", 0), ("H0", 1), ("H1", 0), ("H1", 1)]
 

@@ -96,10 +96,7 @@ CASES: dict[str, tuple[list[Outcome], dict[str, object]]] = {
     "no flight counts": ([*POOL, outcome(LATE, HUMAN, invalid="the worker died")], {}),
     "expected beforehand": ([*POOL, SAME], {"background": EXPECTED}),
     "expected beforehand, and infects": ([*POOL, outcome(LATE, HUMAN)], {"background": EXPECTED}),
-    "its seam carries elsewhere": (
-        [*POOL, ELSEWHERE, outcome(NO, HUMAN)],
-        {"no": Background("person", ("SR2",))},
-    ),
+    "its seam carries elsewhere": ([*POOL, ELSEWHERE, outcome(NO, HUMAN)], {"no": Background("person", ("SR2",))}),
     "its seam carries nowhere": ([*POOL, ELSEWHERE], {}),
     "its seam carries nowhere in the whole grid": (
         [f for key in GRID.point for f in (outcome(BASELINE, key), outcome(LATE, key, carried=0, altered=0))],
@@ -116,20 +113,14 @@ CASES: dict[str, tuple[list[Outcome], dict[str, object]]] = {
     "masked": ([*POOL, *thrice(LATE, HUMAN, digest="clean")], {}),
     "masked at the ladder's end": ([*POOL, *thrice(LATE, HUMAN, digest="clean")], {"background": LAST}),
     "masked once": ([*POOL, outcome(LATE, HUMAN, digest="clean")], {}),
-    "nothing is steady": (
-        [*pool(DARK, red=10, violated={"SR1": 30.0}, struck="bar"), *thrice(LATE, DARK), *LIT],
-        {},
-    ),
+    "nothing is steady": ([*pool(DARK, red=10, violated={"SR1": 30.0}, struck="bar"), *thrice(LATE, DARK), *LIT], {}),
     "everything is vacuous": ([*(vacuous(f, "SR1", "SR2") for f in pool(NOBODY)), *thrice(LATE, NOBODY)], {}),
     "operability breaks": ([*POOL, *thrice(LATE, HUMAN, violated={"OP1": 60.0}), *thrice(LATE, NOBODY)], {}),
     "operability breaks, which is at risk": (
         [*POOL, *thrice(LATE, HUMAN, violated={"OP1": 60.0}), *thrice(LATE, NOBODY)],
         {"background": replace(WEAK, at_risk=("OP1",))},
     ),
-    "vacuous where it infects": (
-        [*(vacuous(f, "SR2") for f in pool(NOBODY)), *pool(HUMAN), *thrice(LATE, NOBODY)],
-        {},
-    ),
+    "vacuous where it infects": ([*(vacuous(f, "SR2") for f in pool(NOBODY)), *pool(HUMAN), *thrice(LATE, NOBODY)], {}),
     "red where it infects": ([*pool(HUMAN, red=10, violated={"SR2": 5.0}), *TESTED], {}),
     "dodges a red baseline": (
         [

@@ -37,13 +37,7 @@ def test_every_value_that_is_printed_is_a_term() -> None:
 
 
 @pytest.mark.parametrize(
-    "words",
-    [
-        NAMES,
-        [name.replace("_", " ") for name in Score.KEYS],
-        Score.KEYS,
-        (BASELINE, PLACEBO_ID),
-    ],
+    "words", [NAMES, [name.replace("_", " ") for name in Score.KEYS], Score.KEYS, (BASELINE, PLACEBO_ID)]
 )
 def test_every_row_of_the_first_screens_is_a_term(words: list[str]) -> None:
     assert [word for word in words if term(word) is None] == []

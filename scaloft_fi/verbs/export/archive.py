@@ -66,11 +66,7 @@ def unzipped(content: bytes) -> dict[str, bytes]:
 
 
 def archive_files(
-    study: Study,
-    campaign: str,
-    *,
-    documents: bool = True,
-    kept: Callable[[bytes], array[float]] = track_values,
+    study: Study, campaign: str, *, documents: bool = True, kept: Callable[[bytes], array[float]] = track_values
 ) -> dict[str, bytes]:
     """The files of the archive of a campaign, by their paths: `campaign.json` first.
 

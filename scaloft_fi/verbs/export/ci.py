@@ -208,10 +208,7 @@ def summary(dossier: Dossier) -> str:
     mutants = [_of(dossier, verdict) for verdict in Verdict if dossier.of(verdict)]
     rows = tuple((id_, known.owner, known.reason, known.expires.isoformat()) for id_, known in dossier.accepted.items())
     accepted = [Table(f"{len(rows)} accepted survivors", ("mutant", "owner", "reason", "expires"), rows)]
-    return render(
-        (_ratios(dossier), *mutants, *(accepted if rows else ()), _findings(dossier)),
-        Format.MARKDOWN,
-    )
+    return render((_ratios(dossier), *mutants, *(accepted if rows else ()), _findings(dossier)), Format.MARKDOWN)
 
 
 def _ratios(dossier: Dossier) -> Table:
