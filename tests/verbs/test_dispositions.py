@@ -28,8 +28,8 @@ FLOWN = ("--situation", "T0O0W0D0H*", "--seeds", "3", "--jobs", "1", "--quiet")
 class Mild(Paper):
     """LATE-human is detected, MORE-goal survives in two situations, NO-goal changes nothing."""
 
-    def __call__(self, study: Study, flight: Flight, baseline: Outcome | None = None) -> Outcome:
-        outcome = super().__call__(study, flight, baseline)
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        outcome = super().__call__(study, flight)
         mild = flight.subject.guideword == "MORE"
         return replace(outcome, altered=3, infected_at_s=1.0, digest=flight.name) if mild else outcome
 

@@ -115,7 +115,7 @@ def test_the_page_draws_each_find_and_survivors_lead_to_theirs(
         first, second = section.locator("details").nth(0), section.locator("details").nth(1)
         assert first.get_attribute("open") == ("" if name == "few" else None)
         seen.page.locator('#survivors a[href="#find-1"]').click()
-        assert second.locator("svg.map path.route").is_visible()
+        second.locator("svg.map path.route").wait_for()  # the page follows the link
         assert second.locator("svg.map path.walked").count() == 1
         assert second.locator(".command code").inner_text() == flies(MORE)
         assert "SR2, strikes person" in second.inner_text()
