@@ -65,6 +65,7 @@ def test_the_bugs_that_were_sought_are_in_cells_whose_mutant_has_kills(seen: Pub
     assert all(seen.killing(bug.cell) for bug in BUGS[-SOUGHT:])
 
 
+@pytest.mark.release
 @pytest.mark.flight
 def test_without_a_defect_the_copies_fly_as_the_reference_stack(study: Study) -> None:
     declare()

@@ -142,7 +142,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return study
 
 
-@settings(max_examples=usually(2, release=8), suppress_health_check=list(HealthCheck))
+@settings(max_examples=usually(1, release=8), suppress_health_check=list(HealthCheck))
 @given(happenings=st.lists(kinds, max_size=2), walk=walks, mutants=st.sets(st.sampled_from(MUTANTS), min_size=2))
 def test_in_a_world_where_things_happen_sharing_replay_and_placebo_are_exact(
     folder: Path, happenings: list[dict[str, Any]], walk: dict[str, Any], mutants: set[str]

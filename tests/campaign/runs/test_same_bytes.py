@@ -97,6 +97,7 @@ def test_shards_that_are_merged(one_process: str, tmp_path: Path) -> None:
     assert _export(tmp_path / "c") == one_process
 
 
+@pytest.mark.release
 def test_a_cluster_whose_worker_is_killed_in_flight_and_another_joins(
     one_process: str, dask: Any, tmp_path: Path
 ) -> None:

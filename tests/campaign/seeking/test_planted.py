@@ -27,7 +27,7 @@ from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 
-SEARCHES, MOST = usually(10, release=1_000), 0.01
+SEARCHES, MOST = usually(4, release=1_000), 0.01
 FLIGHTS = 200
 """Budget of a search."""
 LATE = "LATE-human@3s"

@@ -220,7 +220,12 @@ def test_on_a_narrow_screen_a_value_says_what_it_is(visit: Opened) -> None:
 
 @pytest.mark.parametrize(
     ("fragment", "context"),
-    [("", {}), ("", {"color_scheme": "dark"}), ("", {"viewport": {"width": 390, "height": 844}}), (FLIGHT, {})],
+    [
+        ("", {}),
+        pytest.param("", {"color_scheme": "dark"}, marks=pytest.mark.release),
+        ("", {"viewport": {"width": 390, "height": 844}}),
+        (FLIGHT, {}),
+    ],
     ids=["light", "dark", "390 px", "an open flight"],
 )
 def test_axe_finds_nothing_serious(visit: Opened, fragment: str, context: dict[str, Any]) -> None:
