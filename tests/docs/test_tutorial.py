@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -19,10 +21,17 @@ def test_every_block_of_the_page_is_run_or_written() -> None:
     assert [text for language, name, text in blocks if language != "console" and not name] == []
 
 
+@pytest.fixture
+def home() -> Iterator[Path]:
+    """A folder of a short name: a line with its path is wrapped as on the page."""
+    with tempfile.TemporaryDirectory() as made:
+        yield Path(made)
+
+
 @pytest.mark.release
 @pytest.mark.flight
-def test_each_command_prints_and_draws_what_the_page_shows(tmp_path: Path) -> None:
-    follower = Follower(tmp_path, wheel_of(tmp_path))
+def test_each_command_prints_and_draws_what_the_page_shows(home: Path) -> None:
+    follower = Follower(home, wheel_of(home))
     page = follower.followed(PAGE.read_text())
     assert _masked(page) == _masked(PAGE.read_text()), REMEDY
     assert follower.pictures(page) == {path.name: path.read_bytes() for path in PICTURES.iterdir()}, REMEDY
