@@ -62,7 +62,7 @@ class Option:
 
 
 @dataclass(frozen=True)
-class Otherwise:
+class DefaultWords:
     """What this verb does without an option that others have too, in words."""
 
     text: str
@@ -133,14 +133,14 @@ def marked(hint: Any) -> tuple[Option | None, str]:
     marks = getattr(hint, "__metadata__", ())
     option = next((mark for mark in reversed(marks) if isinstance(mark, Option)), None)
     otherwise = option.otherwise if option else ""
-    return option, next((mark.text for mark in reversed(marks) if isinstance(mark, Otherwise)), otherwise)
+    return option, next((mark.text for mark in reversed(marks) if isinstance(mark, DefaultWords)), otherwise)
 
 
 def _asked(name: str, hint: Any, option: Option, default: Any, otherwise: str) -> click.Parameter:
     """The option or argument for a parameter of this type."""
     forms = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
-    several = next((form for form in forms if get_origin(form) is Sequence or get_origin(hint) is tuple), None)
-    bare = get_args(several)[0] if several else next(form for form in forms if form is not NoneType)
+    sequence = next((form for form in forms if get_origin(form) is Sequence or get_origin(hint) is tuple), None)
+    bare = get_args(sequence)[0] if sequence else next(form for form in forms if form is not NoneType)
     given: dict[str, Any] = {
         "type": option.type or (click.Path(path_type=Path) if bare is Path else bare),
         "metavar": option.metavar,
@@ -148,14 +148,14 @@ def _asked(name: str, hint: Any, option: Option, default: Any, otherwise: str) -
         "shell_complete": option.complete,
     }
     if option.flag == "":
-        return click.Argument([name], nargs=-1 if several else 1, required=default is Parameter.empty, **given)
+        return click.Argument([name], nargs=-1 if sequence else 1, required=default is Parameter.empty, **given)
     names = [option.flag or f"--{name.replace('_', '-')}", name]
     about = option.about + f"  [default: {otherwise}]" * bool(otherwise)
     if bare is bool:
         return click.Option(names, is_flag=True, help=about)
     value = option.default if default in (Parameter.empty, None, ()) else default
     shown: dict[str, Any] = {} if value is None else {"default": value, "show_default": True}
-    return click.Option(names, multiple=bool(several), help=about, **shown, **given)
+    return click.Option(names, multiple=bool(sequence), help=about, **shown, **given)
 
 
 def _day(_context: click.Context, _option: click.Parameter, text: str | None) -> date | None:

@@ -13,13 +13,13 @@ from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import (
     BaselineFrom,
     Campaign,
+    DefaultWords,
     Everything,
     FailUnder,
     FailUnderFirm,
     FlownGrid,
     Jobs,
     Option,
-    Otherwise,
     Quiet,
     SamePlatform,
     Several,
@@ -45,7 +45,7 @@ FlownMutants = Annotated[
         otherwise="every cell's default and the controls",
     ),
 ]
-FlownSituations = Annotated[Situations, Otherwise("those of --choose")]
+FlownSituations = Annotated[Situations, DefaultWords("those of --choose")]
 Choose = Annotated[
     str | None,
     Option(
