@@ -34,7 +34,7 @@ from scaloft_fi.campaign.processes import cores
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.campaign.store.origin import fingerprint
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.export.rows import export_rows
+from scaloft_fi.verbs.export.dossier import export_rows
 
 BITS = ("status", "ending", "violated", "duration_s", "digest")
 FACTS = ("status", "ending", "violated")

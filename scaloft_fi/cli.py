@@ -141,11 +141,16 @@ GROUPS: dict[str, dict[str, str]] = {
 
 VERBS: dict[str, str] = dict(chain.from_iterable(group.items() for group in GROUPS.values()))
 """What each verb does."""
+MODULES = {
+    **dict.fromkeys(("seams", "operators"), "listing"),
+    **dict.fromkeys(("status", "diff", "merge"), "campaigns"),
+}
+"""The file of a verb, where it is not named after the verb."""
 
 
 def command_of(verb: str) -> click.Command:
     """The command of a verb; its file is imported only now."""
-    command = getattr(import_module(f"scaloft_fi.verbs.{verb}"), f"{verb}_command")
+    command = getattr(import_module(f"scaloft_fi.verbs.{MODULES.get(verb, verb)}"), f"{verb}_command")
     assert isinstance(command, click.Command)
     return command
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from scaloft_fi.cli import GROUPS, VERBS, command_of
+from scaloft_fi.cli import GROUPS, MODULES, VERBS, command_of
 from scaloft_fi.errors import ExitCode
 from scaloft_fi.model import Names, Schema
 from scaloft_fi.verbs.schema import DOCUMENTS, Document, declared_names
@@ -19,7 +19,7 @@ from scaloft_fi.verbs.verb import Verb
 from scaloft_fi.views.output import SUMMARY, Output, Rows, flat_tables
 from scaloft_fi.views.table import markdown
 
-_ELSEWHERE = {"matrix": "matrix_record", "run": "score", "export": "export.rows"}
+_ELSEWHERE = {**MODULES, "matrix": "margin", "run": "score", "export": "export.dossier"}
 """The module that has a verb's form, where it is not that of the verb."""
 OUTPUTS = tuple(verb for verb in VERBS if verb not in ("schema", "completion"))
 """Verbs that print JSON of a declared form."""

@@ -25,12 +25,9 @@ from scaloft_fi.reference import command_reference, outputs_page, yaml_keys_page
 from scaloft_fi.scripting.campaign import OpenCampaign
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.export.dossier import FORMATS
-from scaloft_fi.verbs.export.rows import EXPORT, HEAD
-from scaloft_fi.verbs.listing import Listing, shown
-from scaloft_fi.verbs.operators import operator_list
+from scaloft_fi.verbs.export.dossier import EXPORT, FORMATS, HEAD
+from scaloft_fi.verbs.listing import Listing, operator_list, seam_list, shown
 from scaloft_fi.verbs.report.matrices import Sign
-from scaloft_fi.verbs.seams import seam_list
 from scaloft_fi.verbs.signals import signal_list
 from scaloft_fi.verbs.survivors import Stage
 from scaloft_fi.verbs.verdict import Next

@@ -28,12 +28,11 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.output import write_named
 from scaloft_fi.scripting.flight import FlownFlight, described, in_python, number
 from scaloft_fi.study import Study
-from scaloft_fi.verbs import coverage, diff, dispositions, kills, margin, merge, seek, status, worksheet
+from scaloft_fi.verbs import campaigns, coverage, dispositions, kills, margin, seek, worksheet
+from scaloft_fi.verbs.campaigns import MergedCampaigns, MergedPlatform
 from scaloft_fi.verbs.export.archive import dossier
-from scaloft_fi.verbs.export.dossier import FORMATS
-from scaloft_fi.verbs.export.rows import flight_columns
+from scaloft_fi.verbs.export.dossier import FORMATS, flight_columns
 from scaloft_fi.verbs.margin import MarginMutants, MarginSeeds, Tolerance
-from scaloft_fi.verbs.merge import MergedCampaigns, MergedPlatform
 from scaloft_fi.verbs.options import AsOf, BaselineFrom, Jobs, Operability, SamePlatform, Situations, Today, several
 from scaloft_fi.verbs.replay import comparison, fly_with_log, ready_to_fly
 from scaloft_fi.verbs.report.analyses import gather
@@ -355,13 +354,13 @@ class OpenCampaign:
             write_named(file, content, "path")
             return file
 
-    status = of_campaign(status.status)
+    status = of_campaign(campaigns.status)
     coverage = of_campaign(coverage.coverage)
     kills = of_campaign(kills.kills)
     when = of_campaign(margin.when_answer)
     worksheet = of_campaign(worksheet.worksheet)
     dispositions = of_campaign(dispositions.dispositions)
-    diff = of_campaign(diff.diff)
+    diff = of_campaign(campaigns.diff)
 
     @described
     def run(
@@ -528,7 +527,7 @@ class OpenCampaign:
             if not sources:
                 raise InputError("others=() must name a campaign")
             study = study_of_all(self.study_folder, [*sources, self.name])
-            return merge.merge(study, self.name, sources, same_platform=same_platform)
+            return campaigns.merge(study, self.name, sources, same_platform=same_platform)
 
     @property
     def _study(self) -> Study:

@@ -19,7 +19,7 @@ from scaloft_fi.verbs.map import plan_of
 from scaloft_fi.verbs.replay import fly_with_log, ready_to_fly
 from scaloft_fi.verbs.signals import signal_list
 from scaloft_fi.views.output import Answer, Columns, ColumnType
-from scaloft_fi.views.plan import draw_plan
+from scaloft_fi.views.picture import draw_plan
 from scaloft_fi.views.table import Table, html
 
 if TYPE_CHECKING:

@@ -13,8 +13,7 @@ from scaloft_fi.verbs.names import situations
 from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder, TableFormat, answer, check_writable, write
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
-from scaloft_fi.views.picture import png, scene_of
-from scaloft_fi.views.plan import FloorPlan, Happens, draw_plan
+from scaloft_fi.views.picture import FloorPlan, Happens, draw_plan, png, scene_of
 from scaloft_fi.views.table import Table
 
 if TYPE_CHECKING:

@@ -106,7 +106,7 @@ def _grid(matrix: Matrix, style: str) -> str:
 
 
 def _json(matrix: Matrix, margins: Mapping[str, tuple[CellMargin, ...]] | None = None) -> str:
-    from scaloft_fi.verbs.matrix_record import MATRIX, MatrixCell, MatrixCells, ToldCell
+    from scaloft_fi.verbs.margin import MATRIX, MatrixCell, MatrixCells, ToldCell
 
     told = (
         MatrixCell(ToldCell.of(one, matrix.severities.get(one.name)), None if margins is None else margins[one.name])

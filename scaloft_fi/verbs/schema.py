@@ -41,8 +41,8 @@ from scaloft_fi.sim.vehicle import Vehicle
 from scaloft_fi.sim.world import ROLES, World
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.study import DispositionModel, ScoreModel, Study
+from scaloft_fi.verbs.listing import OWN, argument_facts, package_of
 from scaloft_fi.verbs.names import documents
-from scaloft_fi.verbs.operators import OWN, argument_facts, package_of
 from scaloft_fi.verbs.options import Option, StudyFolder, write
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.table import Format, Table, render

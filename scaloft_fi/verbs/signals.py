@@ -16,9 +16,8 @@ from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, Signal, belief_signals, clearance_name, truth_signals
 from scaloft_fi.stack.declaration import UNITS, Belief
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.listing import Entry, Listing, number_range
+from scaloft_fi.verbs.listing import OWN, Entry, Listing, number_range, package_of
 from scaloft_fi.verbs.names import signals
-from scaloft_fi.verbs.operators import OWN, package_of
 from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output

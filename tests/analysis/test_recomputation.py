@@ -14,7 +14,7 @@ from experiments.flights import read
 from scaloft_fi.analysis.score import score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import rulings_of
-from scaloft_fi.verbs.export.rows import columns, export_rows, to_csv
+from scaloft_fi.verbs.export.dossier import columns, export_rows, to_csv
 from scaloft_fi.verbs.score import SCORE, ScoredFlights
 
 FLOWN = Path(__file__).parents[1] / "support" / "three_situations_ten_seeds.jsonl.gz"

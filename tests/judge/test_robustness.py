@@ -19,8 +19,7 @@ from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.stack.reference.declaration import REFERENCE
-from scaloft_fi.verbs.export.dossier import parquet
-from scaloft_fi.verbs.export.rows import columns, export_rows, to_csv, to_json
+from scaloft_fi.verbs.export.dossier import columns, export_rows, parquet, to_csv, to_json
 from scaloft_fi.verbs.first_screen import requirement_table
 from scaloft_fi.verbs.margin import Margins, margin_tables
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import recomputation
 
-from scaloft_fi.verbs.export.rows import export_rows, to_json
+from scaloft_fi.verbs.export.dossier import export_rows, to_json
 from scaloft_fi.verbs.report.analyses import Evidence
 
 Row = dict[str, Any]

@@ -20,7 +20,7 @@ from scaloft_fi.campaign.store.held import Held, held_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
-from scaloft_fi.verbs.export.rows import export_rows, to_json
+from scaloft_fi.verbs.export.dossier import export_rows, to_json
 
 LATE, MORE, CONTROL = "LATE-human@3s", "MORE-goal@1m", "REVERSE-velcmd"
 Change = Callable[[Flight, Outcome], Outcome]

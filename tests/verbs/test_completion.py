@@ -20,10 +20,8 @@ from scaloft_fi.cli import main
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.axes import axis_list
 from scaloft_fi.verbs.completion import COMPLETION, answered
-from scaloft_fi.verbs.listing import Listing
+from scaloft_fi.verbs.listing import Listing, operator_list, seam_list
 from scaloft_fi.verbs.names import OPERATOR, declared
-from scaloft_fi.verbs.operators import operator_list
-from scaloft_fi.verbs.seams import seam_list
 from scaloft_fi.verbs.signals import signal_list
 
 STUDY = Path(__file__).parents[2]

@@ -19,8 +19,17 @@ from hypothesis import strategies as st
 
 from scaloft_fi.analysis.pool import Pool
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
-from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, export_format, parquet
-from scaloft_fi.verbs.export.rows import FlightRow, columns, export_rows, to_csv, to_json
+from scaloft_fi.verbs.export.dossier import (
+    FORMATS,
+    Dossier,
+    FlightRow,
+    columns,
+    export_format,
+    export_rows,
+    parquet,
+    to_csv,
+    to_json,
+)
 
 M = "LATE-human@3s"
 RHO = [f"rho_{name}" for name in KINDS]

@@ -20,9 +20,7 @@ from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.log import SIGNALS, TRUTH_NAMES
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.axes import Change, Companion, axis_list
-from scaloft_fi.verbs.listing import Listing
-from scaloft_fi.verbs.operators import operator_list, sample_text
-from scaloft_fi.verbs.seams import acted_on, seam_list
+from scaloft_fi.verbs.listing import Listing, acted_on, operator_list, sample_text, seam_list
 from scaloft_fi.verbs.signals import BOTH, EXAMPLES, REALISED, TO_ASK, signal_list
 
 STUDY = Path(__file__).parents[2]

@@ -12,7 +12,7 @@ from hypothesis import given
 
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import Facts
-from scaloft_fi.verbs.diff import Comparison, Difference, compare, comparison_table
+from scaloft_fi.verbs.campaigns import Comparison, Difference, compare, comparison_table
 
 Call = Callable[..., Result]
 WORDS = ("--mutant", "LATE-human", "--situation", "T0O0W0D?H?", "--quiet")

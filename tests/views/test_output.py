@@ -22,8 +22,7 @@ from scaloft_fi.cli import VERBS
 from scaloft_fi.errors import ExitCode, InputError
 from scaloft_fi.marks import Bounds
 from scaloft_fi.reference import OUTPUTS, output_of, outputs_page, schema_texts
-from scaloft_fi.verbs.export.dossier import parquet
-from scaloft_fi.verbs.export.rows import column_type
+from scaloft_fi.verbs.export.dossier import column_type, parquet
 from scaloft_fi.views.output import Answer, Columns, ColumnType, Output, Shape, inner
 from scaloft_fi.views.table import Table
 

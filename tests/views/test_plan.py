@@ -14,8 +14,7 @@ from refusal import run
 
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.map import MAP, map_of, plan_of
-from scaloft_fi.views.picture import MapScene
-from scaloft_fi.views.plan import FloorPlan, Happens, draw_plan
+from scaloft_fi.views.picture import FloorPlan, Happens, MapScene, draw_plan
 
 ROOT = Path(__file__).parents[2]
 SVG = "{http://www.w3.org/2000/svg}"

@@ -31,8 +31,15 @@ from scaloft_fi.document import is_there, read_bytes, read_text
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, track_values
 from scaloft_fi.sim.grid import FOLDER
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.export.dossier import Dossier, export_format, parquet_file
-from scaloft_fi.verbs.export.rows import column_type, columns, export_rows, ordered
+from scaloft_fi.verbs.export.dossier import (
+    Dossier,
+    column_type,
+    columns,
+    export_format,
+    export_rows,
+    ordered,
+    parquet_file,
+)
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 from scaloft_fi.version import __version__
 from scaloft_fi.views.output import Columns, ColumnType, needed_pyarrow

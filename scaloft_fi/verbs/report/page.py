@@ -27,8 +27,7 @@ from scaloft_fi.sim.log import Ending
 from scaloft_fi.verbs.first_screen import coverage_line
 from scaloft_fi.verbs.report import matrices
 from scaloft_fi.verbs.report.analyses import Evidence, analyses, bounds_of, by_ladder, limits
-from scaloft_fi.verbs.report.finds import broken, found
-from scaloft_fi.verbs.report.flights import DETAILS, FAR, columns, packs, scenes
+from scaloft_fi.verbs.report.flights import DETAILS, FAR, broken, columns, found, packs, scenes
 from scaloft_fi.verbs.report.matrices import accepted, folding, steps
 from scaloft_fi.verbs.verdict import NOT_COMPARED, answers
 from scaloft_fi.version import __version__

@@ -20,8 +20,8 @@ from scaloft_fi.sim.found import Find
 from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.study import KnownFinds, Study
 from scaloft_fi.verbs.report.analyses import Evidence
-from scaloft_fi.verbs.report.finds import STEP_M, broken
-from scaloft_fi.verbs.report.finds import found as told_finds
+from scaloft_fi.verbs.report.flights import STEP_M, broken
+from scaloft_fi.verbs.report.flights import found as told_finds
 from scaloft_fi.verbs.report.page import html
 
 LATE, MORE, LESS = "LATE-human@3s", "MORE-goal@0.6m", "LESS-goal@0.05m"
@@ -88,7 +88,7 @@ def test_a_find_whose_values_do_not_go_together_any_more_is_named_and_left_out(
     def refuse(*_: object) -> None:
         raise InputError("the person would stand in the wall")
 
-    monkeypatch.setattr("scaloft_fi.verbs.report.finds.scene", refuse)
+    monkeypatch.setattr("scaloft_fi.verbs.report.flights.scene", refuse)
     both = finds_told(evidence, *FINDS)
     assert (both["finds"], both["misfits"]) == ([], ["lost", *(find.name for find in FINDS)])
 
@@ -150,7 +150,7 @@ def test_a_break_whose_values_do_not_go_together_any_more_is_left_out(monkeypatc
     def refuse(*_: object) -> None:
         raise InputError("the person would stand in the wall")
 
-    monkeypatch.setattr("scaloft_fi.verbs.report.finds.scene", refuse)
+    monkeypatch.setattr("scaloft_fi.verbs.report.flights.scene", refuse)
     assert broken(KNOWN, []) == []
 
 

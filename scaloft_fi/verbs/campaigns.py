@@ -1,0 +1,361 @@
+"""`scaloft-fi status`, `diff`, `merge`: what campaigns hold, where two differ, and one made of several."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.campaign.runs.merge import Merged
+from scaloft_fi.campaign.runs.merge import merge as merged_into
+from scaloft_fi.campaign.store.archive import MANIFEST, campaign_folder
+from scaloft_fi.campaign.store.flown_grid import study_of_all
+from scaloft_fi.console import line
+from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import Facts, baseline_status, facts_of, flights_of
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.export.dossier import WAITING, FlightStatus, ordered
+from scaloft_fi.verbs.names import campaigns
+from scaloft_fi.verbs.options import Campaign, LineFormat, Option, Several, StudyFolder, answer
+from scaloft_fi.verbs.snapshot import Snapshot, snapshot
+from scaloft_fi.verbs.verb import verb
+from scaloft_fi.views.output import Answer, Output
+from scaloft_fi.views.table import Table
+
+_WORDS = {WAITING: "waiting for their baseline"}
+
+
+@dataclass(frozen=True)
+class CountedStatus:
+    """Flights of one status.
+
+    Attributes:
+        subject: whose flights: of the unmutated drone, or of mutants and PLACEBO.
+        status: of each flight: what it shows, or `waiting` for its baseline.
+        flights: how many.
+    """
+
+    subject: Literal["baseline", "mutants"]
+    status: FlightStatus
+    flights: int
+
+
+@dataclass(frozen=True)
+class CountedReason:
+    """One reason.
+
+    Attributes:
+        why: the reason, in a sentence.
+        flights: how many.
+    """
+
+    why: str
+    flights: int
+
+
+@dataclass(frozen=True)
+class CampaignStatus:
+    """How many flights a campaign holds, by status.
+
+    Attributes:
+        campaign: folder of the campaign.
+        archive: SHA-256 of its `campaign.json`, which lists every other file's; null: it is no archive.
+        platform: on which most flights were flown, part by part.
+        grid: name of the grid that was flown.
+        counted: flights that count.
+        owed: flights that are planned and not flown.
+        stale: stored outcomes that do not count any more.
+        flown_again: of these, those whose flight was flown again since.
+        command: what flies the others again; null: there are none that the study still has.
+        subjects: subjects flown: the baseline, PLACEBO, mutants.
+        situations: situations flown.
+        platforms: how the flights divide over platforms; null: all of one platform.
+        statuses: the flights that count, by status.
+        reasons: why flights are stale.
+    """
+
+    campaign: str
+    archive: str | None
+    platform: Mapping[str, str]
+    grid: str
+    counted: int
+    owed: int
+    stale: int
+    flown_again: int
+    command: str | None
+    subjects: int
+    situations: int
+    platforms: str | None
+    statuses: tuple[CountedStatus, ...]
+    reasons: tuple[CountedReason, ...]
+
+
+STATUS = Output("status", "1.1", CampaignStatus, rows="statuses")
+
+
+def campaign_status(now: Snapshot) -> CampaignStatus:
+    """How many flights a campaign holds, by status."""
+    held = now.held
+    flown = ordered(held.current, now.study.roster, now.study.space)
+    clean = [outcome for outcome in flown if outcome.mutant == BASELINE]
+    home = {(outcome.situation, outcome.seed) for outcome in clean}
+    mutants = Counter(
+        flight.status.value if (flight.outcome.situation, flight.outcome.seed) in home else WAITING
+        for flight in flights_of(flown)
+    )
+    return CampaignStatus(
+        campaign=str(held.folder),
+        archive=now.archive.digest if now.archive else None,
+        platform=now.platform,
+        grid=now.study.grid.name,
+        counted=len(flown),
+        owed=held.owed,
+        stale=held.stale,
+        flown_again=held.flown_again,
+        command=now.stale.command,
+        subjects=len({outcome.mutant for outcome in flown}),
+        situations=len({outcome.situation for outcome in flown}),
+        platforms=now.mixture or None,
+        statuses=(
+            *(CountedStatus("baseline", *each) for each in Counter(map(baseline_status, clean)).items()),
+            *(CountedStatus("mutants", *each) for each in mutants.items()),
+        ),
+        reasons=tuple(CountedReason(*each) for each in held.why.items()),
+    )
+
+
+def status_tables(told: CampaignStatus) -> tuple[Table, ...]:
+    """The same for people."""
+    flights = [
+        (f"{BASELINE} {one.status}" if one.subject == "baseline" else _WORDS.get(one.status, one.status), one.flights)
+        for one in told.statuses
+    ]
+    mixture = told.platforms or ""
+    table = Table(
+        f"Campaign {told.campaign}",
+        ("flights", "number"),
+        (
+            *flights,
+            ("all", told.counted),
+            ("planned, not flown", told.owed),
+            ("stale, not counted", told.stale),
+            *([("flown again since", told.flown_again)] if told.flown_again else []),
+        ),
+        (
+            f"{told.subjects} subjects in {told.situations} situations.",
+            *([f"{mixture[:1].upper()}{mixture[1:]}."] if mixture else []),
+            *_of_archive(told),
+        ),
+    )
+    reasons = tuple((one.why, one.flights) for one in told.reasons)
+    again = f"`{told.command}` flies them again; no flight log is kept from which they could be judged anew."
+    stale = Table("Stale flights", ("why", "number"), reasons, (again,) if told.command else ())
+    return (table, stale) if told.stale else (table,)
+
+
+def _of_archive(told: CampaignStatus) -> tuple[str, ...]:
+    """What is cited of an archive, and what flew it."""
+    if told.archive is None:
+        return ()
+    flown = ", ".join(f"{name} {version}" for name, version in sorted(told.platform.items()))
+    return (
+        f"An archive, whose flights count as they stand; SHA-256 of its {MANIFEST}: {told.archive}.",
+        f"Flown on {flown}.",
+    )
+
+
+def status(study: Study, campaign: Campaign) -> Answer:
+    """How many flights a campaign holds, by status, and why those are stale that do not count any more.
+
+    Raises:
+        InputError: there is no such campaign.
+    """
+    with snapshot(study, campaign) as now:
+        told = campaign_status(now)
+    return Answer(STATUS, lambda: told, lambda: status_tables(told))
+
+
+status_command = verb(
+    "status",
+    examples=(
+        ("Count the flights of the campaign, and say why some are stale", "scaloft-fi status"),
+        ("Look at another campaign", "scaloft-fi status --campaign night"),
+        ("Let a script read it", "scaloft-fi status --format json"),
+    ),
+)(status)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One flight.
+
+    Attributes:
+        mutant: `baseline`, `PLACEBO` or the id of a mutant.
+        situation: key of the situation.
+        seed: seed of the flight.
+        first: what the first campaign says of it; null: the first campaign has no such flight.
+        second: what the second campaign says of it; null: the second campaign has no such flight.
+    """
+
+    mutant: str
+    situation: str
+    seed: int
+    first: Facts | None
+    second: Facts | None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The flights of which two campaigns do not say the same.
+
+    Attributes:
+        first: the first campaign, as it was named.
+        second: the second campaign, as it was named.
+        same: flights that are the same bit for bit.
+        other_bits: flights with other bits and the same status, ending and violations.
+        differences: the flights that differ, ordered by mutant, situation and seed.
+    """
+
+    first: str
+    second: str
+    same: int
+    other_bits: int
+    differences: tuple[Difference, ...]
+
+
+DIFF = Output("diff", "1.0", Comparison, rows="differences")
+
+
+def compare(
+    names: tuple[str, str], first: Iterable[Outcome], second: Iterable[Outcome], roster: Roster, space: Space
+) -> Comparison:
+    """Hold the flights of two campaigns, each flight once, against each other by mutant, situation and seed."""
+    here, there = _facts_by_flight(first), _facts_by_flight(second)
+    equal: Counter[bool] = Counter()
+    differences = []
+    for name in sorted(here.keys() | there.keys(), key=lambda n: (roster.rank(n[0]), space.rank(n[1]), n[2])):
+        (one, bits), (other, other_bits) = here.get(name, _LACKING), there.get(name, _LACKING)
+        if one != other:
+            differences.append(Difference(*name, one, other))
+        else:
+            equal[bits == other_bits] += 1
+    return Comparison(*names, equal[True], equal[False], tuple(differences))
+
+
+def comparison_table(told: Comparison) -> Table:
+    """The differences."""
+    rows = tuple(
+        (one.mutant, one.situation, one.seed, str(one.first or ""), str(one.second or "")) for one in told.differences
+    )
+    note = (
+        f"{told.same} flights are the same bit for bit, {told.other_bits} more have the same status, "
+        f"ending and violations; {len(rows)} differ."
+    )
+    title, headers = f"{told.first} and {told.second}", ("mutant", "situation", "seed", told.first, told.second)
+    return Table(title, headers, rows, (note,))
+
+
+_LACKING: tuple[Facts | None, str] = None, ""
+
+
+def _facts_by_flight(outcomes: Iterable[Outcome]) -> dict[tuple[str, str, int], tuple[Facts | None, str]]:
+    listed = list(outcomes)
+    facts = facts_of(listed)
+    return {(o.mutant, o.situation, o.seed): (facts[o.name], o.digest) for o in listed}
+
+
+Compared = Annotated[str, Option("Name of a campaign.", "", metavar="CAMPAIGN", complete=campaigns)]
+
+
+def diff(study: Study, campaign: Compared, other: Compared) -> Answer:
+    """The flights of which two campaigns do not say the same.
+
+    What was flown with other data or code counts too, unless the campaign has the flight as the study describes it now.
+
+    Raises:
+        InputError: there is no such campaign, or the two were flown over different grids.
+    """
+    with snapshot(study, campaign) as here, snapshot(study, other) as there:
+        if here.study.grid.name != there.study.grid.name:
+            grids = here.study.grid.name, there.study.grid.name
+            raise InputError(
+                f"campaign {campaign!r} was flown over grid {grids[0]!r}, {other!r} over grid {grids[1]!r}; only "
+                "campaigns of one grid have the same flights"
+            )
+        told = compare((campaign, other), here.latest, there.latest, here.study.roster, here.study.space)
+    return Answer(DIFF, lambda: told, lambda: (comparison_table(told),))
+
+
+diff_command = verb(
+    "diff",
+    examples=(
+        ("Compare two campaigns", "scaloft-fi diff default night"),
+        ("Compare with a folder from another machine", "scaloft-fi diff default /data/night/campaign"),
+        ("Keep the comparison as a table in a document", "scaloft-fi diff default night --format markdown"),
+    ),
+)(diff)
+
+
+MERGE = Output("merge", "1.0", Merged, rows="summary")
+
+
+def merge(study: Study, campaign: str, sources: Sequence[str], *, same_platform: bool = False) -> Answer:
+    """Join campaigns into `campaign`, which need not exist.
+
+    Args:
+        study: the study, with the grid of all of them.
+        campaign: name of the campaign that gets the flights.
+        sources: names of the others.
+        same_platform: whether flights of another platform must have equal digests.
+
+    Raises:
+        GateError: a flight has other digests on one platform, or other facts on two; nothing is written.
+        InputError: there is no such campaign, or it cannot be written.
+    """
+    folder = campaign_folder(study, campaign)
+    merged = merged_into(study, folder, [campaign_folder(study, name) for name in sources], same_platform=same_platform)
+    told = line(f"{merged.added} flights added to {folder}, {merged.known} known already")
+    return Answer(
+        MERGE, lambda: merged, lambda: (Table(told, (), ()),), told=lambda _how: f"{told}\n", warnings=merged.warnings
+    )
+
+
+MergedCampaigns = Annotated[Several, Option("Names of the campaigns.", "", metavar="CAMPAIGN...", complete=campaigns)]
+MergedPlatform = Annotated[
+    bool,
+    Option(
+        "Refuse a campaign of another platform unless flights in both show equal digests.",
+        otherwise="refuse it where a flight in both has another status, ending or violation",
+    ),
+]
+
+
+@verb(
+    "merge",
+    examples=(
+        ("Join two parts, flown with --shard 1/2 and --shard 2/2", "scaloft-fi merge part1 part2"),
+        ("Join them into a campaign of another name", "scaloft-fi merge part1 part2 --campaign whole"),
+        ("Join a folder from another machine, bits and all", "scaloft-fi merge /data/night/campaign --same-platform"),
+    ),
+)
+def merge_command(
+    *,
+    sources: MergedCampaigns,
+    study_folder: StudyFolder,
+    campaign: Campaign,
+    same_platform: MergedPlatform,
+    style: LineFormat,
+) -> None:
+    """Join CAMPAIGNs, such as those flown with `run --shard K/N`, into the one named by --campaign.
+
+    Campaigns of two platforms are compared, flight by flight; where both flew the same situation and seed, the flights
+    of the first stay, because a mutant is judged beside a baseline of its own platform.
+
+    The run's own command, without --shard, then holds the gates over the whole and prints the tables; it flies nothing.
+    """
+    study = study_of_all(study_folder, [*sources, campaign])
+    answer(merge(study, campaign, sources, same_platform=same_platform), style)
