@@ -35,7 +35,7 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.survivors import short_units, survivors
+from scaloft_fi.verbs.verdict import short_units, survivors
 
 PARAMETERS = ("goal", "collision", "pose", "waypoint", "battery")
 """The parameters of which the paper's grid shows least."""

@@ -29,8 +29,7 @@ from scaloft_fi.verbs.export.dossier import EXPORT, FORMATS, HEAD
 from scaloft_fi.verbs.listing import Listing, operator_list, seam_list, shown
 from scaloft_fi.verbs.report.matrices import Sign
 from scaloft_fi.verbs.signals import signal_list
-from scaloft_fi.verbs.survivors import Stage
-from scaloft_fi.verbs.verdict import Next
+from scaloft_fi.verbs.verdict import Next, Stage
 from scaloft_fi.views.glossary import TERMS, term
 from scaloft_fi.views.table import Format
 

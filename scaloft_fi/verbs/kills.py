@@ -52,9 +52,8 @@ from scaloft_fi.verbs.options import (
     write,
 )
 from scaloft_fi.verbs.snapshot import Snapshot, Stale, snapshot
-from scaloft_fi.verbs.survivors import Stage, Survivor, short_units, survivors
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.verbs.verdict import Next
+from scaloft_fi.verbs.verdict import Next, Stage, Survivor, short_units, survivors
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table, TableCell
 

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import shlex
-from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import NamedTuple
 
-from scaloft_fi.analysis.detection import LARGER, Firmness, Noise, Verdict
+from scaloft_fi.analysis.detection import LARGER, Verdict
+from scaloft_fi.analysis.kill_matrix import KillMatrix, Loss
 from scaloft_fi.analysis.pool import LEAST, State
-from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import MutantScore, Score
-from scaloft_fi.analysis.survivor import Background, Disposition, score_without
+from scaloft_fi.analysis.survivor import Background, CampaignFacts, Case, Disposition
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.hazop.matrix import class_of, worst_first
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.judge.status import Status
 from scaloft_fi.sim.found import Evidence, Find
 from scaloft_fi.sim.situation import Situation
@@ -277,10 +279,281 @@ class Next(StrEnum):
     """The study declares, with a reason, that it alters nothing in this grid."""
 
 
-def next_steps(
-    mutant: MutantScore, scored: Score, background: Background | None, finds: KnownFinds = NO_FINDS
-) -> tuple[Next, ...]:
-    """The step that the score of a mutant asks for; of two, its flights say which.
+def acceptance(disposition: Disposition) -> str:
+    """Who accepted a survivor, where, until when and why."""
+    where = f" in {', '.join(disposition.situations)}" if disposition.situations else ""
+    until = disposition.expires.isoformat()
+    return f"accepted{where} by {disposition.owner} until {until}: {disposition.reason}"
+
+
+NAMED = 3
+"""How many situations a sentence names before it counts the rest."""
+
+
+def rates(case: Case) -> str:
+    """What was seen of an undecided mutant, and why that does not decide."""
+    safety, sentences = case.score.safety, []
+    for name in case.campaign.safety:
+        tests = [result for result in case.score.results if name in result.steady]
+        violated = {result.situation: count for result in tests if (count := dict(result.violated).get(name))}
+        if violated:
+            sentences.append(
+                f"{sum(violated.values())} of {sum(result.flown for result in tests)} flights where {name} is steady "
+                f"violate it, in {_some(list(violated))}: chance may explain that (p = {safety.p[name]:.2g}, alpha "
+                f"{safety.share:g})."
+            )
+    flown = len(case.tested)
+    return " ".join(sentences) or (
+        f"no steady requirement is violated in {flown} flight{'s' * (flown != 1)}: too few to decide, whatever they do."
+    )
+
+
+def seeds(case: Case) -> str:
+    """How many seeds would decide an undecided mutant, with the command; empty for any other."""
+    decides = would_decide(case.score, case.lacking)
+    if not decides:
+        return ""
+    rate = "At that rate" if case.score.seen_in else "If every flight violated,"
+    if case.score.safety.needed is None:
+        return f"{rate} {decides} would decide: add a situation where it shows more often."
+    flies = flies_seeds(case.score, case.campaign.name, case.campaign.space.grid)
+    return f"{rate} {decides} would decide: `{flies}`."
+
+
+def only_unsteady(case: Case) -> str:
+    """Where flights violate what the baselines of their seeds hold, if none of it is steady; empty if none do."""
+    revealing = [flight for flight in case.flights if flight.revealed]
+    where: dict[str, set[str]] = {}
+    for flight in revealing:
+        for name in flight.revealed:
+            where.setdefault(name, set()).add(flight.outcome.situation)
+    unsteady = [f"{name} is {states_in_words(case.campaign.states(name, keys))}" for name, keys in where.items()]
+    return f"{violate(len(revealing))}, but only where that is not steady: {'; '.join(unsteady)}." if unsteady else ""
+
+
+def path(case: Case) -> str:
+    """How far it takes the drone off its path."""
+    if case.off_path_m is None:
+        return "how far the drone flies off its path is not known: no trajectory."
+    return f"it takes the drone at most {case.off_path_m:.2f} m off its path."
+
+
+def violate(flights: int) -> str:
+    """How many flights violate a safety requirement, each beside its own baseline."""
+    if flights == 1:
+        return "1 flight violates what the baseline of its seed holds"
+    return f"{flights or 'no'} flights violate what the baselines of their seeds hold"
+
+
+def untested(case: Case) -> str:
+    """Why no flight could have violated what the cell puts at risk; empty when one could."""
+    campaign = case.campaign
+    at_risk = [name for name in case.background.at_risk if name in campaign.safety]
+    states = {name: campaign.states(name, case.infected) for name in at_risk}
+    if not at_risk or any(State.STEADY in counts for counts in states.values()):
+        return ""
+    sentences = []
+    for name, counts in states.items():
+        steady = {key for key in campaign.pool.flown if campaign.pool.states.get((key, name)) is State.STEADY}
+        where = campaign.where(steady.__contains__, campaign.pool.flown)
+        sentences.append(
+            f"{name}, which the cell puts at risk, is {states_in_words(counts)} where it infects; "
+            f"it is steady {in_(where)}."
+        )
+    return " ".join(sentences)
+
+
+def margin(case: Case) -> str:
+    """As in: SR1 fell from 0.31 to 0.12 m in T0O0W0D0H1 (61 % of the margin)."""
+    loss = case.loss
+    if loss is None:
+        return ""
+    if loss.share <= 0:
+        return "No margin fell."
+    unit = case.campaign.units.get(loss.requirement, "")
+    at = f"in {loss.situation}" + (f", seed {loss.seed}" if loss.seed else "")
+    change = f"from {loss.baseline:.2g} to {loss.flown:.2g}{' ' * bool(unit)}{unit}"
+    return f"{loss.requirement} fell {change} {at} ({100 * loss.share:.0f} % of the margin)."
+
+
+def left(case: Case) -> str:
+    """What of the grid is left to fly."""
+    space = case.campaign.space
+    count = len(space.points) - len({space.point[key] for key in case.flown if key in space.point})
+    if not count:
+        return "the whole grid was flown: add a situation."
+    return f"{situations(count)} of the grid {'was' if count == 1 else 'were'} not flown."
+
+
+def larger(case: Case) -> str:
+    """What to do where a larger fault may be detected."""
+    searches = f"`scaloft-fi margin{in_campaign(case.campaign.name)} {case.row.id}` searches"
+    return f"The next rung is {case.background.stronger[0]}; {searches} for the least magnitude that is killed."
+
+
+def no_more(case: Case) -> str:
+    """Why no larger magnitude is asked for."""
+    return "its ladder ends here" if case.background.laddered else "the fault has no magnitude to raise"
+
+
+def states_in_words(states: Mapping[State, int]) -> str:
+    """As in: `vacuous in 1 and red in 2 situations`."""
+    present = {state: states[state] for state in State if states.get(state)}
+    last = next(reversed(present.values()), 0)
+    return (
+        " and ".join(f"{state.value} in {count}" for state, count in present.items()) + f" situation{'s' * (last != 1)}"
+    )
+
+
+def in_vain(case: Case, finds: Sequence[Find]) -> str:
+    """That finds were flown and did not show it; the study has changed since, or other situations drown them."""
+    names = listed(find.name for find in finds)
+    flown = f"{names} {'was' if len(finds) == 1 else 'were'} flown here with as many seeds"
+    return f"{flown}, and it is not detected all the same: `scaloft-fi seek {case.row.id}` seeks another situation."
+
+
+def situations(count: int) -> str:
+    """As in: `1 situation`."""
+    return f"{count} situation{'s' * (count != 1)}"
+
+
+def in_(where: str) -> str:
+    """As in: `in human & light`, `everywhere`."""
+    return where if where in ("everywhere", "nowhere", "wherever tested") else f"in {where}"
+
+
+def listed(names: Iterable[str]) -> str:
+    """As in: `SR1 and SR2`."""
+    return " and ".join(names)
+
+
+def _some(keys: Sequence[str]) -> str:
+    rest = f" and {len(keys) - NAMED} more" if len(keys) > NAMED else ""
+    return ", ".join(keys[:NAMED]) + rest
+
+
+NEAR = 0.5
+"""A flight that lost half its baseline's margin is a near miss: a somewhat larger fault may be detected."""
+ASTRAY_M = 0.5
+"""A flight is far off its baseline's path from here [m]: as near as the study asks a waypoint to be passed."""
+SILENT = "Judge whether that is a hazard; if it is, a requirement is missing."
+
+
+class Stage(StrEnum):
+    """Where a survivor stopped."""
+
+    HARNESS = "harness"
+    """No flight of it counts."""
+    REACH = "reach"
+    """The seam carried no sample."""
+    INFECT = "infect"
+    """No sample was changed."""
+    PROPAGATE = "propagate"
+    """Samples were changed, the drone flew the same to the bit."""
+    REVEAL = "reveal"
+    """The drone flew otherwise, and violated no safety requirement more often than chance explains."""
+
+
+_STAGE = dict.fromkeys(Status, Stage.REVEAL) | {
+    Status.INVALID: Stage.HARNESS,
+    Status.NOT_REACHED: Stage.REACH,
+    Status.NOT_INFECTED: Stage.INFECT,
+    Status.MASKED: Stage.PROPAGATE,
+}
+
+
+@dataclass(frozen=True)
+class Survivor:
+    """A mutant that is not detected.
+
+    Attributes:
+        mutant: id of the mutant.
+        verdict: on the mutant; never `detected`.
+        stage: where it stopped.
+        next: what to change.
+        why: the facts, and what to do, in a few sentences.
+        loss: where it took most of a baseline's margin in a steady pair; null: it cannot be measured.
+        off_path_m: how far it was off its baseline's path at the most [m]; null: no flight that put it to the test has
+            a trajectory.
+        find: name of the find that is to be flown; empty without one.
+        severity: class of severity, one of the study's own; in no ratio; null: it has none.
+    """
+
+    mutant: str
+    verdict: Verdict
+    stage: Stage
+    next: Next
+    why: str
+    loss: Loss | None = None
+    off_path_m: float | None = None
+    find: str = ""
+    severity: str | None = None
+
+
+def short_units(requirements: Iterable[Requirement]) -> dict[str, str]:
+    """The unit of each requirement's robustness, without what the study says beside it."""
+    return {requirement.name: requirement.unit.split(" (")[0].split(";")[0] for requirement in requirements}
+
+
+def survivors(
+    outcomes: Iterable[Outcome],
+    scored: Score,
+    matrix: KillMatrix,
+    backgrounds: Mapping[str, Background],
+    units: Mapping[str, str] | None = None,
+    name: str = CAMPAIGN,
+    finds: KnownFinds = NO_FINDS,
+) -> tuple[Survivor, ...]:
+    """Every mutant that is not detected, the worst class first, by stage, then in the matrix's order; no controls.
+
+    Args:
+        outcomes: of the campaign, with the trajectories of a seed if distances off the path are wanted.
+        scored: their score.
+        matrix: its kill matrix, or those rows of it that are asked for.
+        backgrounds: of every mutant in it.
+        units: of the requirements' robustness, by name.
+        name: of the campaign.
+        finds: of the study.
+    """
+    campaign = CampaignFacts.of(outcomes, scored, matrix, backgrounds, units or {}, name)
+    cases = [Case(campaign, row, backgrounds[row.id]) for row in matrix.mutants if row.verdict is not Verdict.DETECTED]
+    cases.sort(key=lambda case: list(Stage).index(_STAGE[case.row.status]))
+    return tuple(_survivor(case, scored, finds) for case in worst_first(cases, lambda case: case.score.severity))
+
+
+def _survivor(case: Case, scored: Score, finds: KnownFinds) -> Survivor:
+    steps, told = advice(case.score, scored, case.background, finds)
+    find = next_find(case.score, finds)
+    sentences = [sentence[:1].upper() + sentence[1:] for sentence in told(case) if sentence]
+    if find is None and (vain := flown_in_vain(case.score, finds)):
+        sentences.append(in_vain(case, vain))
+    return Survivor(
+        mutant=case.row.id,
+        verdict=case.row.verdict,
+        stage=_STAGE[case.row.status],
+        next=steps[-1] if _astray(case) else steps[0],
+        why=" ".join(sentences),
+        loss=case.loss,
+        off_path_m=case.off_path_m,
+        find=find.name if find else "",
+        severity=class_of(case.score.severity) or None,
+    )
+
+
+class Advice(NamedTuple):
+    """What to do about a mutant that is not detected.
+
+    Attributes:
+        steps: the step that its score asks for; of two, its flights say which.
+        told: the sentences that say why, and what to do, from its flights.
+    """
+
+    steps: tuple[Next, ...]
+    told: Callable[[Case], Iterable[str]]
+
+
+def advice(mutant: MutantScore, scored: Score, background: Background | None, finds: KnownFinds = NO_FINDS) -> Advice:
+    """What to do about a mutant.
 
     Args:
         mutant: not detected.
@@ -290,281 +563,125 @@ def next_steps(
     """
     known = background or Background("")
     stronger = Next.MAGNITUDE if known.stronger else Next.SITUATION
-    if next_find(mutant, finds) is not None:
-        return (Next.FIND,)
+    if find := next_find(mutant, finds):
+        return Advice((Next.FIND,), lambda case: _with_find(case, find, finds))
     if not mutant.flown:
-        return (Next.REPEAT,)
+        return Advice((Next.REPEAT,), lambda _: ["no flight of it counts: fly it again."])
     if known.expected and not mutant.infected:
-        return (Next.EXPECTED,)
+        return Advice((Next.EXPECTED,), lambda _: [f"declared beforehand: {known.expected}."])
+    if not any(result.reached for result in mutant.results):
+        return Advice((Next.SITUATION,), _not_reached)
     if not mutant.infected:
-        reached = any(result.reached for result in mutant.results)
-        return (Next.MAGNITUDE if reached and infecting(scored, known.stronger) else Next.SITUATION,)
+        scores = {one.subject.id: one for one in scored.mutants}
+        larger = [id_ for id_ in known.stronger if id_ in scores and scores[id_].infected]
+        if larger:
+            return Advice(
+                (Next.MAGNITUDE,), lambda _: [f"it changes no sample, {larger[0]} does: too small to be seen."]
+            )
+        return Advice((Next.SITUATION,), _not_infected)
     if any(result.infected and result.situation in scored.lacking for result in mutant.results):
-        return (Next.POOL,)
+        return Advice((Next.POOL,), _not_pooled)
     if mutant.verdict is Verdict.NOT_TESTED:
-        return (Next.SITUATION,)
+        return Advice((Next.SITUATION,), _nowhere_steady)
     if mutant.status is Status.MASKED:
-        return (stronger,)
+        return Advice((stronger,), _masked)
     if mutant.verdict is Verdict.UNDECIDED:
-        return (Next.SEEDS if mutant.safety.needed else Next.SITUATION,)
+        step = Next.SEEDS if mutant.safety.needed else Next.SITUATION
+        return Advice((step,), lambda case: [rates(case), seeds(case)])
     safety = [name for name in known.at_risk if name in scored.pool.requirements(Kind.SAFETY)]
     if mutant.operability.detected:
-        return (Next.ORACLE if safety else Next.OPERABILITY,)
+        return Advice((Next.ORACLE if safety else Next.OPERABILITY,), _operable)
     infected = [result.situation for result in mutant.results if result.infected]
     states = {scored.pool.states.get((key, name)) for key in infected for name in safety}
-    return (Next.SITUATION,) if safety and State.STEADY not in states else (stronger, Next.ORACLE)
+    if safety and State.STEADY not in states:
+        return Advice((Next.SITUATION,), lambda case: [untested(case), only_unsteady(case), margin(case)])
+    return Advice((stronger, Next.ORACLE), _not_shown)
 
 
-def infecting(scored: Score, ids: Sequence[str]) -> list[str]:
-    """Those of some mutants that change a sample."""
-    scores = {mutant.subject.id: mutant for mutant in scored.mutants}
-    return [id_ for id_ in ids if id_ in scores and scores[id_].infected]
+def _with_find(case: Case, find: Find, finds: KnownFinds) -> Iterable[str]:
+    command = flies(find, case.row.id, finds, case.campaign.name, case.campaign.space.grid)
+    return facts(find, case.row.id), f"`{command}` flies it."
 
 
-SHORT = {
-    Next.REPEAT: "fly it again",
-    Next.FIND: "fly its find",
-    Next.POOL: "a baseline pool",
-    Next.SITUATION: "another situation",
-    Next.ORACLE: "an oracle",
-    Next.OPERABILITY: "nothing: operability",
-    Next.EXPECTED: "nothing: expected",
-}
-"""The steps in a few words; magnitude and seeds are named by `short_step`."""
+def _not_reached(case: Case) -> Iterable[str]:
+    seam, campaign = case.background.seam, case.campaign
+    missed = campaign.carrying.get(seam, frozenset()) - case.flown
+    if missed:
+        first = min(missed, key=campaign.space.rank)
+        return (f"the seam `{seam}` carries samples where it was not flown: fly {first}.",)
+    return (f"the seam `{seam}` carried no sample in {situations(len(case.flown))} flown; {left(case)}",)
 
 
-def short_step(mutant: MutantScore, steps: Sequence[Next], background: Background | None) -> str:
-    """The steps in a few words, for a row of a table."""
-    words = dict(SHORT)
-    words[Next.SEEDS] = f"--seeds {mutant.safety.needed}" + ", anew" * mutant.safety.anew
-    words[Next.MAGNITUDE] = f"try {background.stronger[0]}" if background and background.stronger else ""
-    return " or ".join(words[step] for step in steps)
+def _not_infected(case: Case) -> Iterable[str]:
+    reached = {result.situation for result in case.score.results if result.reached}
+    where = in_(case.campaign.where(reached.__contains__, case.flown))
+    carries = f"the seam `{case.background.seam}` carries samples {where}, none of which the fault changes;"
+    return (f"{carries} {left(case)}",)
 
 
-def noise_line(noise: Sequence[Noise]) -> str:
-    """What the stack alone does to the robustness of each requirement, beside what the seeds do.
-
-    >>> noise_line([Noise("SR1", 6, 0.0123, 0.2, 0), Noise("SR2", 0, None, None, 0)])
-    'one flight varies by the stack alone (and between seeds): SR1 0.012 (0.2) by 6 pairs, SR2 not measured.'
-    """
-    told = ", ".join(_one(one) for one in noise)
-    apart = [f"{one.requirement} in {one.apart} of {one.pairs}" for one in noise if one.apart]
-    verdicts = f"  A pair has two verdicts: {', '.join(apart)}." if apart else ""
-    return f"one flight varies by the stack alone (and between seeds): {told}.{verdicts}"
-
-
-def _one(one: Noise) -> str:
-    if one.stack is None:
-        return f"{one.requirement} not measured"
-    seeds = f" ({one.seeds:.2g})" if one.seeds is not None else ""
-    return f"{one.requirement} {one.stack:.2g}{seeds} by {one.pairs} pairs"
-
-
-def acceptance(disposition: Disposition) -> str:
-    """Who accepted a survivor, where, until when and why."""
-    where = f" in {', '.join(disposition.situations)}" if disposition.situations else ""
-    until = disposition.expires.isoformat()
-    return f"accepted{where} by {disposition.owner} until {until}: {disposition.reason}"
-
-
-def accepted_line(scored: Score, accepted: Sequence[Disposition]) -> str:
-    """How many survivors were accepted and by whom, and the score with and without them, in a sentence."""
-    owners = Counter(known.owner for known in accepted)
-    by = ", ".join(f"{owner} {number}" if len(owners) > 1 else owner for owner, number in owners.items())
-    score, without = scored.mutation_score, score_without(scored, accepted)
-    share = f" ({100 * without.value:.0f} %)" if without.value is not None else ""
+def _not_pooled(case: Case) -> Iterable[str]:
+    flies = f"`scaloft-fi run{in_campaign(case.campaign.name)} --mutant {case.row.id}` flies them."
+    fewer = f"{len(case.lacking)} of {len(case.infected)} have fewer"
     return (
-        f"{len(accepted)} of the {score.whole - score.part} faults not shown (by {by}).  Shown: {score.part} of "
-        f"{score.whole} with them, {without.part} of {without.whole}{share} without them; "
-        "`scaloft-fi dispositions` lists them."
+        f"{violate(sum(bool(flight.revealed) for flight in case.flights))}.",
+        f"A verdict takes {LEAST} baselines in each situation where it infects, and {fewer}: {flies}",
     )
 
 
-NOT_COMPARED = (
-    "Scores of two studies do not compare: whoever writes easier cells, or fewer hard ones, scores higher.  Compare "
-    "two stacks or versions by the same matrix."
-)
-SHOWN, NOT_SHOWN, HOW_SURE, NEXT = NAMES = ("Shown", "Not shown", "How sure", "What next")
-
-
-class Line(NamedTuple):
-    """A line of the first screen, such as one of the four answers: its name and the sentences."""
-
-    name: str
-    text: str
-
-
-class Asked(NamedTuple):
-    """What the answers are about.
-
-    Attributes:
-        scored: the campaign's score.
-        faults: the mutants that the answers count.
-        campaign: its name.
-        defaults: ids of the mutants that `run` flies when none is named.
-        finds: of the study.
-        grid: name of the campaign's grid, where that is a further grid of the study.
-    """
-
-    scored: Score
-    faults: Sequence[MutantScore]
-    campaign: str
-    defaults: Collection[str]
-    finds: KnownFinds
-    grid: str
-
-
-def answers(
-    scored: Score, roster: Roster, campaign: str = CAMPAIGN, finds: KnownFinds = NO_FINDS, grid: str = ""
-) -> tuple[Line, ...]:
-    """The four answers.
-
-    Args:
-        scored: the campaign's score.
-        roster: which mutants count: the default of each credible cell; where none was flown, all do.
-        campaign: its name, for the commands.
-        finds: of the study.
-        grid: name of the campaign's grid, where that is a further grid of the study.
-    """
-    faults = scored.counted or [mutant for mutant in scored.mutants if mutant.flown]
-    sentences = (_shown, _not_shown, _how_sure, _next) if scored.pooled else (_seen, _unknown, _not_sure, _next)
-    asked = Asked(scored, faults, campaign, frozenset(roster.defaults.values()), finds, grid)
-    return tuple(Line(name, answer(asked)) for name, answer in zip(NAMES, sentences, strict=True))
-
-
-def _shown(asked: Asked) -> str:
-    if not asked.faults:
-        return "nothing: no mutant was flown."
-    safety = Ratio(sum(mutant.detected for mutant in asked.faults), len(asked.faults))
-    operability = sum(mutant.operability.detected for mutant in asked.faults)
-    either = sum(mutant.detected or mutant.operability.detected for mutant in asked.faults)
-    shown = f"{_of(safety)} would have been shown by your safety requirements{_firmly(asked.faults)}"
-    if operability:
-        shown += f".  By operability {operability}, by either {either}"
-    if found := len(asked.scored.selected):
-        were = "situation was" if found == 1 else "situations were"
-        return f"{shown}.  Selected: {found} {were} found by a search for faults that were not shown."
-    return f"{shown}."
-
-
-def _firmly(faults: Sequence[MutantScore]) -> str:
-    """How many of the detected are firm."""
-    known = Counter(mutant.firmness for mutant in faults if mutant.firmness is not None)
-    detected, firm = known.total(), sum(count for firmness, count in known.items() if firmness.firm)
-    if not detected:
-        return ""
-    if detected == 1:
-        (firmness,) = known
-        return f", {firmness.words if firmness.firm else 'not firmly: ' + firmness.words}"
-    alone = known[Firmness.FIRM_BY_POOL]
-    by_pool = "" if not alone else " by the pool alone" if alone == firm else f", {alone} of these by the pool alone"
-    return f", {firm} firmly{by_pool}"
-
-
-def _not_shown(asked: Asked) -> str:
-    idle = sum(mutant.without_effect for mutant in asked.faults)
-    fates = Counter(mutant.verdict for mutant in asked.faults if not mutant.without_effect)
-    parts = {
-        Verdict.NOT_DETECTED: "put to the test, and nothing was seen",
-        Verdict.UNDECIDED: "undecided: something was seen, or too few flights were flown",
-        Verdict.NOT_TESTED: "never put to the test",
-    }
-    counts = [f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict]]
-    if idle:
-        counts.append(f"{idle} without effect here: every flight equals the baseline's to the bit")
-    return f"{'; '.join(counts) or 'none'}."
-
-
-def _how_sure(asked: Asked) -> str:
-    tested = sum(mutant.tested for mutant in asked.faults)
-    drawn = asked.scored.redraw
-    sure = false_detections(asked.scored.alpha, tested)
-    if drawn.seeds:
-        sure += f"  Of {drawn.safety.whole} redraws of the unmutated drone {drawn.safety.part} were called shown."
-    flown = {pair.flights for pair in asked.scored.pool.pairs.values() if pair.flights >= LEAST}
-    seeds = max((result.flown for mutant in asked.faults for result in mutant.results), default=0)
-    beside = f"{min(flown)}" + (f" to {max(flown)}" if len(flown) > 1 else "") if flown else "0"
-    sure += f"  {seeds} seed{'s' * (seeds != 1)} beside {beside} baseline flights a situation"
-    if any(mutant.detected for mutant in asked.faults):
-        sure += "; firm: shown whichever one seed is left out"
-    return f"{sure}."
-
-
-def false_detections(alpha: float, tested: int) -> str:
-    """What the test would do to faults without effect: no probability of being wrong about one that is shown."""
-    if not tested:
-        return "No fault was put to the test, so there is nothing to be sure of."
-    if tested == 1:
-        return f"A fault without effect would be called shown with a probability of {alpha:g} at most."
+def _nowhere_steady(case: Case) -> Iterable[str]:
+    states = {name: case.campaign.states(name, case.infected) for name in case.campaign.safety}
+    present = set().union(*states.values())
+    listed = "; ".join(f"{name} is {states_in_words(counts)}" for name, counts in states.items())
+    mend = ", or mend the unmutated drone there" if present & {State.RED, State.UNSTEADY} else ""
+    where = f"it infects {in_(case.infected_where)}, and no safety requirement is steady there"
     return (
-        f"If none of the {tested} faults put to the test had any effect, {alpha * tested:.2g} at most would still be "
-        f"called shown, on average ({alpha:g} x {tested}); as mutants share seeds, then several at once."
+        f"{where}: {listed or 'the study has none'}.",
+        f"Add a situation where it infects and a safety requirement is steady{mend}.",
     )
 
 
-def _seen(asked: Asked) -> str:
-    if not asked.faults:
-        return "nothing: no mutant was flown."
-    revealed = sum(mutant.status.value == "revealed" for mutant in asked.faults)
+def _masked(case: Case) -> Iterable[str]:
+    masked = f"it changes samples {in_(case.infected_where)}, and the drone flies the same to the bit."
+    missing = "A situation is missing where the drone acts on what the fault changes."
+    return masked, larger(case) if case.background.stronger else missing, seeds(case)
+
+
+def _operable(case: Case) -> Iterable[str]:
+    tests = [result for result in case.score.results if result.steady_operability]
+    killing = sum(bool(result.operability_kills) for result in tests)
+    safety = [name for name in case.background.at_risk if name in case.campaign.safety]
+    by = listed(case.score.operability.by)
     return (
-        f"not known: there is no baseline pool.  {revealed} of {_faults(len(asked.faults))} violated a safety "
-        "requirement in a flight whose own baseline held it."
+        (
+            f"by {by} it is detected, and killed in {killing} of {situations(len(tests))} where {by} is steady; "
+            "no safety requirement detects it."
+        ),
+        f"Its cell puts {listed(safety) or 'none'} at risk.",
+        SILENT if safety else "Operability has a score of its own.",
+        only_unsteady(case),
+        margin(case),
     )
 
 
-def _unknown(_asked: Asked) -> str:
-    return "not known: without a baseline pool a fault cannot be told from chance."
+def _near(case: Case) -> bool:
+    return case.loss is not None and case.loss.share >= NEAR
 
 
-def _not_sure(_asked: Asked) -> str:
-    return f"not at all: {LEAST} baseline flights in each situation where a mutant infects would show what chance does."
+def _astray(case: Case) -> bool:
+    """Whether the drone is far off its path, though it misses no requirement nearly."""
+    return not _near(case) and case.off_path_m is not None and case.off_path_m >= ASTRAY_M
 
 
-def _next(asked: Asked) -> str:
-    if asked.scored.lacking:
-        seeds = max((result.flown for mutant in asked.faults for result in mutant.results), default=1)
-        flies = command(asked.campaign, asked.faults, seeds, asked.defaults)
-        count = len(asked.scored.lacking)
-        return f"`{flies}` flies the baseline pool that is missing in {count} situation{'s' * (count != 1)}."
-    if found := _found(asked):
-        return found
-    undecided = [mutant for mutant in asked.faults if mutant.verdict is Verdict.UNDECIDED]
-    looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
-    if looks:
-        most = max(mutant.safety.needed or 0 for mutant in looks)
-        flies = command(asked.campaign, looks, most, asked.defaults)
-        return f"`{flies}` would decide {len(looks)} of the {len(undecided)} undecided."
-    silent = [mutant for mutant in asked.faults if not mutant.detected]
-    if silent:
-        survivors = f"`scaloft-fi kills{in_campaign(asked.campaign)} --show survivors`"
-        return f"{survivors} says of each fault not shown where it stopped, and what to change."
-    if asked.faults:
-        where = in_campaign(asked.campaign)
-        return (
-            f"`scaloft-fi margin{where} {asked.faults[0].subject.id}` finds the smallest magnitude that is still shown."
-        )
-    return "`scaloft-fi run --mutant ID` flies a mutant; `scaloft-fi mutants` lists them."
-
-
-def _found(asked: Asked) -> str:
-    """The command that flies the find of the first fault that has one; empty where none has."""
-    finds = [(mutant.subject.id, find) for mutant in asked.faults if (find := next_find(mutant, asked.finds))]
-    if not finds:
-        return ""
-    (mutant, find), *others = finds
-    flown = f"`{flies(find, mutant, asked.finds, asked.campaign, asked.grid)}`"
-    shows = f"{flown} flies the situation that a search found for it: {words(find)} ({effect(find.shows[mutant])})."
-    if not others:
-        return shows
-    survivors = f"`scaloft-fi kills{in_campaign(asked.campaign)} --show survivors`"
-    more = "1 more fault has a find" if len(others) == 1 else f"{len(others)} more faults have a find"
-    return f"{shows}  {more}: {survivors}."
-
-
-def _of(ratio: Ratio) -> str:
-    share = "" if ratio.whole < 2 else f" ({100 * ratio.part / ratio.whole:.0f} %)"
-    return f"{ratio.part} of {_faults(ratio.whole)}{share}"
-
-
-def _faults(count: int) -> str:
-    return f"{count} fault{'s' * (count != 1)}"
+def _not_shown(case: Case) -> Iterable[str]:
+    """Of a mutant that was put to the test by what its cell puts at risk: margins and paths say what to change."""
+    lucky = only_unsteady(case)
+    if _astray(case):
+        astray = f"it takes the drone {case.off_path_m:.2f} m off its path, and no requirement detects it."
+        return astray, SILENT, lucky, margin(case)
+    missing = (
+        "a situation with less room may show it"
+        if _near(case)
+        else "a situation is missing in which what it changes matters"
+    )
+    change = larger(case) if case.background.stronger else f"{no_more(case)}: {missing}."
+    return (f"near miss: {margin(case)}", lucky, change) if _near(case) else (path(case), lucky, margin(case), change)

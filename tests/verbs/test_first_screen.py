@@ -14,8 +14,8 @@ from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import Background
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.study import NO_FINDS, KnownFinds
-from scaloft_fi.verbs.first_screen import MANY_SHOWN, SHOWN, first_screen, screen_text
-from scaloft_fi.verbs.verdict import MOST_NAMED, answers, command
+from scaloft_fi.verbs.first_screen import MANY_SHOWN, SHOWN, answers, first_screen, screen_text
+from scaloft_fi.verbs.verdict import MOST_NAMED, command
 from scaloft_fi.views.table import Table
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"

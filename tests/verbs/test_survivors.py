@@ -22,7 +22,7 @@ from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, pack_trac
 from scaloft_fi.sim.found import Find
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.kills import survivor_table
-from scaloft_fi.verbs.survivors import Stage, Survivor, survivors
+from scaloft_fi.verbs.verdict import Stage, Survivor, survivors
 from scaloft_fi.views.output import plain
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"

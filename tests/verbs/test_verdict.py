@@ -18,16 +18,16 @@ from scaloft_fi.analysis.score import MutantScore, Score, score
 from scaloft_fi.analysis.survivor import Background
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.found import Again
-from scaloft_fi.verbs.survivors import survivors
+from scaloft_fi.verbs.first_screen import short_step
 from scaloft_fi.verbs.verdict import (
     Next,
+    advice,
     facts,
     flies,
     flown_in_vain,
     next_command,
     next_find,
-    next_steps,
-    short_step,
+    survivors,
     verdict,
     why,
     would_decide,
@@ -111,7 +111,7 @@ def test_every_line_begins_with_the_verdict_and_every_screen_asks_for_the_same_n
     known_ = dict.fromkeys([flight.mutant for flight in outcomes], background)
     mutants = {mutant.subject.id: mutant for mutant in whole.mutants}
     for survivor in survivors(outcomes, whole, kill_matrix(whole, ROSTER, GRID), known_, {}):
-        steps = next_steps(mutants[survivor.mutant], whole, background)
+        steps = advice(mutants[survivor.mutant], whole, background).steps
         assert survivor.next in steps
         assert short_step(mutants[survivor.mutant], steps, background)
         runs = next_command(mutants[survivor.mutant], whole.lacking, "c").startswith("scaloft-fi run")
@@ -122,7 +122,7 @@ def test_more_seeds_are_not_asked_of_a_fault_that_flies_the_same_to_the_bit() ->
     same = scored(*pool(THERE), outcome(LATE, THERE, digest="clean"))
     assert same.mutants[0].safety.needed
     for background, step in ((WEAK, Next.MAGNITUDE), (LAST, Next.SITUATION)):
-        assert next_steps(same.mutants[0], same, background) == (step,)
+        assert advice(same.mutants[0], same, background).steps == (step,)
 
 
 def late(*flights: Outcome) -> MutantScore:

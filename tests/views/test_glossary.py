@@ -13,7 +13,7 @@ from scaloft_fi.analysis.score import By, Score
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.verbs import axes, first_screen, listing, signals
-from scaloft_fi.verbs.verdict import NAMES
+from scaloft_fi.verbs.first_screen import NAMES
 from scaloft_fi.verbs.worksheet import COLUMNS
 from scaloft_fi.views.glossary import TERMS, term
 

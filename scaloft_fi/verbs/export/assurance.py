@@ -26,7 +26,8 @@ from scaloft_fi.analysis.survivor import judge
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.requirement import Kind, rho_text
 from scaloft_fi.verbs.export.dossier import Dossier, export_format
-from scaloft_fi.verbs.verdict import NO_POOL, NOT_COMPARED, false_detections
+from scaloft_fi.verbs.first_screen import NOT_COMPARED, false_detections
+from scaloft_fi.verbs.verdict import NO_POOL
 from scaloft_fi.views.table import Format, Table, markdown, ranges, render
 
 COUNTER = {

@@ -38,7 +38,8 @@ from scaloft_fi.console import line
 from scaloft_fi.hazop.matrix import class_of
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.verbs.export.dossier import Dossier, Step, export_format
-from scaloft_fi.verbs.verdict import NO_POOL, false_detections
+from scaloft_fi.verbs.first_screen import false_detections
+from scaloft_fi.verbs.verdict import NO_POOL
 from scaloft_fi.views.table import Format, Table, code, render
 
 CONTROLS = "controls"

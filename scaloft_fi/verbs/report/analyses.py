@@ -30,7 +30,7 @@ from scaloft_fi.judge.stl import parse as parse_formula
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.margin import cell_margins, margin_text
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
-from scaloft_fi.verbs.survivors import short_units, survivors
+from scaloft_fi.verbs.verdict import short_units, survivors
 from scaloft_fi.views.output import by_field, plain
 
 

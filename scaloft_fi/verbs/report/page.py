@@ -24,12 +24,11 @@ from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.sim.log import Ending
-from scaloft_fi.verbs.first_screen import coverage_line
+from scaloft_fi.verbs.first_screen import NOT_COMPARED, answers, coverage_line
 from scaloft_fi.verbs.report import matrices
 from scaloft_fi.verbs.report.analyses import Evidence, analyses, bounds_of, by_ladder, limits
 from scaloft_fi.verbs.report.flights import DETAILS, FAR, broken, columns, found, packs, scenes
 from scaloft_fi.verbs.report.matrices import accepted, folding, steps
-from scaloft_fi.verbs.verdict import NOT_COMPARED, answers
 from scaloft_fi.version import __version__
 from scaloft_fi.views.glossary import TERMS
 from scaloft_fi.views.output import plain, printed_of

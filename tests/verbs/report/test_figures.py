@@ -18,9 +18,9 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Score, score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
+from scaloft_fi.verbs.first_screen import answers
 from scaloft_fi.verbs.report.analyses import Evidence
 from scaloft_fi.verbs.report.page import head, page
-from scaloft_fi.verbs.verdict import answers
 
 VERDICTS = {
     "LATE-human@1s": "detected",
