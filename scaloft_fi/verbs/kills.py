@@ -38,19 +38,8 @@ from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.study import Study
-from scaloft_fi.verbs import names
-from scaloft_fi.verbs.options import (
-    Campaign,
-    Option,
-    Several,
-    StudyFolder,
-    TableFormat,
-    TablesFolder,
-    answer,
-    check_writable,
-    several,
-    write,
-)
+from scaloft_fi.verbs import names, options
+from scaloft_fi.verbs.options import Option, Several, answer, check_writable, several, write
 from scaloft_fi.verbs.snapshot import Snapshot, Stale, snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import Next, Stage, Survivor, short_units, survivors
@@ -434,13 +423,13 @@ ByRequirement = Annotated[bool, Option("Subsumption tells kills by different req
 def kills_command(
     *,
     mutants: KilledMutants = (),
-    study_folder: StudyFolder,
-    campaign: Campaign,
+    study_folder: options.StudyFolder,
+    campaign: options.Campaign,
     show: Show,
     situations: Together,
     by_requirement: ByRequirement,
-    style: TableFormat,
-    tables_folder: TablesFolder,
+    style: options.TableFormat,
+    tables_folder: options.TablesFolder,
     output: Annotated[Path | None, Option("Draw the subsumption graph there: .svg, .png or .dot.", metavar="FILE")],
 ) -> None:
     """Print where each mutant is killed, which situations are needed, and what to do about the survivors.

@@ -30,26 +30,8 @@ from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import realise, source_of
 from scaloft_fi.study import Study
-from scaloft_fi.verbs import names
-from scaloft_fi.verbs.options import (
-    Campaign,
-    FlownGrid,
-    Jobs,
-    Operability,
-    Option,
-    Quiet,
-    SamePlatform,
-    Several,
-    Situations,
-    StudyFolder,
-    TableFormat,
-    TablesFolder,
-    Warnings,
-    answer,
-    campaign_over,
-    several,
-    typed,
-)
+from scaloft_fi.verbs import names, options
+from scaloft_fi.verbs.options import Option, Several, answer, campaign_over, several, typed
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import in_campaign
@@ -598,7 +580,9 @@ def margin(
     )
 
 
-def when_answer(study: Study, campaign: str, mutants: MarginMutants, *, operability: Operability = False) -> Answer:
+def when_answer(
+    study: Study, campaign: str, mutants: MarginMutants, *, operability: options.Operability = False
+) -> Answer:
     """At which times and events of the flight faults are killed, of the flights that a campaign holds.
 
     Raises:
@@ -660,10 +644,10 @@ Tolerance = Annotated[
 def margin_command(
     *,
     mutants: MarginMutants,
-    study_folder: StudyFolder,
-    campaign: Campaign,
-    grid: FlownGrid,
-    situations: Situations,
+    study_folder: options.StudyFolder,
+    campaign: options.Campaign,
+    grid: options.FlownGrid,
+    situations: options.Situations,
     seeds: MarginSeeds,
     tolerance: Tolerance,
     when: Annotated[
@@ -673,13 +657,13 @@ def margin_command(
             "killed."
         ),
     ],
-    operability: Operability,
-    jobs: Jobs,
-    same_platform: SamePlatform,
-    style: TableFormat,
-    tables_folder: TablesFolder,
-    warnings: Warnings,
-    quiet: Quiet,
+    operability: options.Operability,
+    jobs: options.Jobs,
+    same_platform: options.SamePlatform,
+    style: options.TableFormat,
+    tables_folder: options.TablesFolder,
+    warnings: options.Warnings,
+    quiet: options.Quiet,
 ) -> None:
     """Find the smallest magnitude of each fault that is killed, situation by situation.
 

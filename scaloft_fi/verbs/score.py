@@ -27,20 +27,9 @@ from scaloft_fi.errors import ExitCode, InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.study import Study
+from scaloft_fi.verbs import options
 from scaloft_fi.verbs.first_screen import first_screen, group_table, screen_text, tables_behind
-from scaloft_fi.verbs.options import (
-    BaselineFrom,
-    Campaign,
-    Everything,
-    FailUnder,
-    FailUnderFirm,
-    Option,
-    StudyFolder,
-    TableFormat,
-    TablesFolder,
-    Today,
-    answer,
-)
+from scaloft_fi.verbs.options import Option, answer
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
@@ -335,8 +324,8 @@ GROUPINGS = tuple(map(str, By))
 )
 def score_command(
     *,
-    study_folder: StudyFolder,
-    campaign: Campaign,
+    study_folder: options.StudyFolder,
+    campaign: options.Campaign,
     grouping: Annotated[
         str | None,
         Option(
@@ -346,11 +335,11 @@ def score_command(
             type=click.Choice(GROUPINGS),
         ),
     ],
-    baseline_from: BaselineFrom,
-    everything: Everything,
-    style: TableFormat,
-    fail_under: FailUnder,
-    fail_under_firm: FailUnderFirm,
+    baseline_from: options.BaselineFrom,
+    everything: options.Everything,
+    style: options.TableFormat,
+    fail_under: options.FailUnder,
+    fail_under_firm: options.FailUnderFirm,
     ratcheting: Annotated[
         bool,
         Option(
@@ -359,8 +348,8 @@ def score_command(
             "--ratchet",
         ),
     ],
-    tables_folder: TablesFolder,
-    today: Today,
+    tables_folder: options.TablesFolder,
+    today: options.Today,
 ) -> int:
     """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
     scored = scored_campaign(Study.open(study_folder), campaign, baseline_from, today)
