@@ -44,6 +44,8 @@ from scaloft_fi.verbs.snapshot import Snapshot, Stale, snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import Next, Stage, Survivor, short_units, survivors
 from scaloft_fi.views.output import Answer, Output
+from scaloft_fi.views.picture import png
+from scaloft_fi.views.subsumption import dot, draw_subsumption
 from scaloft_fi.views.table import Table, TableCell
 
 COUNTED = (
@@ -442,9 +444,6 @@ def kills_command(
 
     study = Study.open(study_folder)
     if output is not None:
-        from scaloft_fi.views.picture import png
-        from scaloft_fi.views.subsumption import dot, draw_subsumption
-
         with snapshot(study, campaign) as now:
             graph = subsumption(_chosen(now, several(mutants, "mutants")).kill_sets(by_requirement))
         drawn = dot(graph) if output.suffix.lower() == ".dot" else draw_subsumption(graph)

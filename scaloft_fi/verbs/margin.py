@@ -35,7 +35,7 @@ from scaloft_fi.verbs.options import Option, Several, answer, campaign_over, sev
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import in_campaign
-from scaloft_fi.views.output import Answer, Output, shape_of
+from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 
 UNKNOWN = "?"
@@ -255,11 +255,6 @@ class CellMargin:
         return margin_text(self.margin)
 
 
-CELL_MARGINS = shape_of(
-    tuple[CellMargin, ...] | None, "with --margins: the margins of its faults, over all situations; null: not asked for"
-)
-
-
 @dataclass(frozen=True)
 class ToldFault:
     """A fault.
@@ -335,6 +330,12 @@ class MatrixCells:
 MATRIX = Output("matrix", "1.1", MatrixCells, rows="cells")
 
 
+def told_cells(matrix: Matrix, margins: Mapping[str, tuple[CellMargin, ...]] | None) -> MatrixCells:
+    """What `matrix` answers; `margins` as of `cell_margins`, None: not asked for."""
+    told = (ToldCell.of(cell, matrix.severities.get(cell.name)) for cell in matrix)
+    return MatrixCells(tuple(MatrixCell(one, margins[one.cell.name] if margins is not None else None) for one in told))
+
+
 def cell_margins(
     outcomes: Iterable[Outcome], scored: Score, matrix: Matrix, kind: Kind = Kind.SAFETY
 ) -> Mapping[str, tuple[CellMargin, ...]]:
@@ -360,6 +361,19 @@ def cell_margins(
         cell.name: tuple(of(cell, one) for one in cell.faults) if cell.status is CellStatus.CREDIBLE else ()
         for cell in matrix
     }
+
+
+def margins_of_cells(
+    study: Study, campaign: str, *, operability: bool
+) -> tuple[Matrix, Mapping[str, tuple[CellMargin, ...]]]:
+    """The matrix of a campaign and the margins of its cells, as of `cell_margins`.
+
+    Raises:
+        InputError: there is no such campaign.
+    """
+    with snapshot(study, campaign) as now:
+        matrix = now.study.matrix
+        return matrix, cell_margins(now.outcomes, now.score, matrix, _kind(operability))
 
 
 def margin_texts(matrix: Matrix, found: Mapping[str, Sequence[CellMargin]]) -> Mapping[str, str]:

@@ -19,6 +19,7 @@ from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.table import Format, csv_text, tabulated
 
 if TYPE_CHECKING:
+    from scaloft_fi.study import Study
     from scaloft_fi.verbs.margin import CellMargin
 
 
@@ -74,18 +75,23 @@ def matrix_command(
         return
     shown = matrix.only([word.upper() for word in guidewords], [name.lower() for name in parameters])
     if with_margins:
-        tell(f"{_margins(shown, study_folder, campaign, style, operability=operability)}\n")
+        tell(f"{_margins(study_folder, campaign, style, operability=operability)}\n")
         return
     tell(f"{_grid(shown, style) if grid_only else _all(shown, style)}\n")
 
 
-def _with_events(matrix: Matrix, study_folder: Path | None) -> Matrix:
-    """The matrix with the events at which its faults may strike; only stack and world tell them, and need numpy."""
-    if not any(fault.phases for cell in matrix for fault in cell.faults):
-        return matrix
+def _opened(study_folder: Path | None) -> Study:
+    """The study; it needs numpy, the matrix alone does not."""
     from scaloft_fi.study import Study
 
-    return Study.open(study_folder).matrix
+    return Study.open(study_folder)
+
+
+def _with_events(matrix: Matrix, study_folder: Path | None) -> Matrix:
+    """The matrix with the events at which its faults may strike, which only stack and world tell."""
+    if not any(fault.phases for cell in matrix for fault in cell.faults):
+        return matrix
+    return _opened(study_folder).matrix
 
 
 def _all(matrix: Matrix, style: str) -> str:
@@ -106,60 +112,36 @@ def _grid(matrix: Matrix, style: str) -> str:
 
 
 def _json(matrix: Matrix, margins: Mapping[str, tuple[CellMargin, ...]] | None = None) -> str:
-    from scaloft_fi.verbs.margin import MATRIX, MatrixCell, MatrixCells, ToldCell
+    from scaloft_fi.verbs.margin import MATRIX, told_cells
 
-    told = (
-        MatrixCell(ToldCell.of(one, matrix.severities.get(one.name)), None if margins is None else margins[one.name])
-        for one in matrix
-    )
-    return MATRIX.json(MatrixCells(tuple(told)))
+    return MATRIX.json(told_cells(matrix, margins))
 
 
-def _margins(matrix: Matrix, study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
-    # a campaign needs numpy, the matrix alone does not
-    from scaloft_fi.judge.requirement import Kind
-    from scaloft_fi.study import Study
-    from scaloft_fi.verbs.margin import LEGEND, LEGEND_AT, cell_margins, margin_texts
-    from scaloft_fi.verbs.snapshot import snapshot
+def _margins(study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
+    from scaloft_fi.verbs.margin import LEGEND, LEGEND_AT, margin_texts, margins_of_cells
 
-    study = Study.open(study_folder)
-    kind = Kind.OPERABILITY if operability else Kind.SAFETY
-    with snapshot(study, campaign) as now:
-        study, matrix = now.study, now.study.matrix
-        found = cell_margins(now.outcomes, now.score, matrix, kind)
-        if style == "json":
-            return _json(matrix, found).rstrip("\n")
+    matrix, found = margins_of_cells(_opened(study_folder), campaign, operability=operability)
+    if style == "json":
+        return _json(matrix, found).rstrip("\n")
     by_cell = margin_texts(matrix, found)
     header = ["parameter", *(word.id for word in matrix.guidewords)]
     lines = [[p.id, *(by_cell[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
     if style == "table":
-        return "\n".join(
-            [
-                blocks(["", *header[1:]], lines, width()),
-                "",
-                legend(LEGEND, width(), LEGEND_AT),
-                "",
-                wrapped(tally(matrix), width()),
-            ]
-        )
+        grid = blocks(["", *header[1:]], lines, width())
+        return "\n".join([grid, "", legend(LEGEND, width(), LEGEND_AT), "", wrapped(tally(matrix), width())])
     return _tabulated(header, lines, style)
 
 
 def _one(matrix: Matrix, name: str, style: str, study_folder: Path | None) -> str:
     cell = matrix.cell(name)
     if style == "table":
-        return sheet(matrix, cell, _edges(study_folder) if cell.faults else {}, width())
+        edges = {seam.name: seam.edge for seam in _opened(study_folder).stack.seams} if cell.faults else {}
+        return sheet(matrix, cell, edges, width())
     row = rows(matrix.only([cell.guideword], [cell.parameter]))[0]
     if style == "csv":
         return _tabulated(HEADER, [row], style)
     lines = [[name, text] for name, text in zip(HEADER[1:], row[1:], strict=True) if text]
     return _tabulated(("cell", cell.name), lines, style)
-
-
-def _edges(study_folder: Path | None) -> Mapping[str, str]:
-    from scaloft_fi.study import Study  # the stack's declaration is the only part that needs numpy
-
-    return {seam.name: seam.edge for seam in Study.open(study_folder).stack.seams}
 
 
 def _tabulated(header: Sequence[str], lines: Sequence[Sequence[str]], style: str) -> str:

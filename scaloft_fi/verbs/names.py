@@ -9,6 +9,8 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator
+from importlib.metadata import entry_points
+from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,6 +19,8 @@ import click
 from click.shell_completion import CompletionItem
 
 from scaloft_fi.document import CATALOGUE_BYTES, load, read_text
+from scaloft_fi.hazop.load import find_study
+from scaloft_fi.registry import PLUGIN_GROUP
 
 if TYPE_CHECKING:
     from scaloft_fi.document import Item
@@ -53,11 +57,6 @@ def rows(pattern: str, file: str) -> list[str]:
 
 def _plugins() -> Iterator[Path]:
     """The sources of the packages that have plugins; none of them is imported."""
-    from importlib.metadata import entry_points
-    from importlib.util import find_spec
-
-    from scaloft_fi.registry import PLUGIN_GROUP
-
     for top in sorted({plugin.module.partition(".")[0] for plugin in entry_points(group=PLUGIN_GROUP)}):
         spec = find_spec(top)
         if spec is not None and spec.submodule_search_locations is not None:
@@ -102,8 +101,6 @@ def _first(names: Names, typed: str) -> list[str]:
 
 
 def _study(context: click.Context) -> Path:
-    from scaloft_fi.hazop.load import find_study
-
     return find_study(context.params.get("study_folder") or context.params.get("study"))
 
 

@@ -28,6 +28,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import options
+from scaloft_fi.verbs.dispositions import ratchet
 from scaloft_fi.verbs.first_screen import first_screen, group_table, screen_text, tables_behind
 from scaloft_fi.verbs.options import Option, answer
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
@@ -364,8 +365,6 @@ def score_command(
     )
     if not ratcheting:
         return code
-    from scaloft_fi.verbs.dispositions import ratchet
-
     return ratchet(scored.study, scored.score, today) or code
 
 

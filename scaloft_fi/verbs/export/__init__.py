@@ -22,6 +22,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
+from scaloft_fi.verbs.export.archive import dossier, unzipped
 from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, ExportFormat, export_format
 from scaloft_fi.verbs.options import (
     Campaign,
@@ -83,8 +84,6 @@ def export_command(
         _check_new(output)
     else:
         check_writable(output)
-    from scaloft_fi.verbs.export.archive import dossier, unzipped
-
     study = Study.open(study_folder)
     chosen = FORMATS[style]
     if output is None and not chosen.text:

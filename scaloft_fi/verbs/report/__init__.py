@@ -11,6 +11,8 @@ from scaloft_fi.console import line
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.options import AsOf, Campaign, LineFormat, Option, StudyFolder, answer, check_writable, write
+from scaloft_fi.verbs.report.analyses import gather
+from scaloft_fi.verbs.report.page import page
 from scaloft_fi.verbs.snapshot import Stale
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
@@ -55,9 +57,6 @@ def report_command(
 ) -> None:
     """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
     check_writable(output)
-    from scaloft_fi.verbs.report.analyses import gather
-    from scaloft_fi.verbs.report.page import page
-
     study = Study.open(study_folder)
     folder = campaign_folder(study, campaign)
     if output is None and is_archive(folder):
