@@ -44,26 +44,6 @@ class Line(NamedTuple):
     text: str
 
 
-class Asked(NamedTuple):
-    """What the answers are about.
-
-    Attributes:
-        scored: the campaign's score.
-        faults: the mutants that the answers count.
-        campaign: its name.
-        defaults: ids of the mutants that `run` flies when none is named.
-        finds: of the study.
-        grid: name of the campaign's grid, where that is a further grid of the study.
-    """
-
-    scored: Score
-    faults: Sequence[MutantScore]
-    campaign: str
-    defaults: Collection[str]
-    finds: KnownFinds
-    grid: str
-
-
 def answers(
     scored: Score, roster: Roster, campaign: str = CAMPAIGN, finds: KnownFinds = NO_FINDS, grid: str = ""
 ) -> tuple[Line, ...]:
@@ -77,21 +57,25 @@ def answers(
         grid: name of the campaign's grid, where that is a further grid of the study.
     """
     faults = scored.counted or [mutant for mutant in scored.mutants if mutant.flown]
-    sentences = (_shown, _not_shown, _how_sure, _next) if scored.pooled else (_seen, _unknown, _not_sure, _next)
-    asked = Asked(scored, faults, campaign, frozenset(roster.defaults.values()), finds, grid)
-    return tuple(Line(name, answer(asked)) for name, answer in zip(NAMES, sentences, strict=True))
+    told = (
+        (_shown(scored, faults), _not_shown(faults), _how_sure(scored, faults)) if scored.pooled else _no_pool(faults)
+    )
+    follows = _found(faults, campaign, finds, grid)
+    if scored.lacking or not follows:
+        follows = _next(scored, faults, campaign, roster.defaults.values())
+    return tuple(map(Line, NAMES, (*told, follows)))
 
 
-def _shown(asked: Asked) -> str:
-    if not asked.faults:
+def _shown(scored: Score, faults: Sequence[MutantScore]) -> str:
+    if not faults:
         return "nothing: no mutant was flown."
-    safety = Ratio(sum(mutant.detected for mutant in asked.faults), len(asked.faults))
-    operability = sum(mutant.operability.detected for mutant in asked.faults)
-    either = sum(mutant.detected or mutant.operability.detected for mutant in asked.faults)
-    shown = f"{_of(safety)} would have been shown by your safety requirements{_firmly(asked.faults)}"
+    safety = Ratio(sum(mutant.detected for mutant in faults), len(faults))
+    operability = sum(mutant.operability.detected for mutant in faults)
+    either = sum(mutant.detected or mutant.operability.detected for mutant in faults)
+    shown = f"{_of(safety)} would have been shown by your safety requirements{_firmly(faults)}"
     if operability:
         shown += f".  By operability {operability}, by either {either}"
-    if found := len(asked.scored.selected):
+    if found := len(scored.selected):
         were = "situation was" if found == 1 else "situations were"
         return f"{shown}.  Selected: {found} {were} found by a search for faults that were not shown."
     return f"{shown}."
@@ -111,9 +95,9 @@ def _firmly(faults: Sequence[MutantScore]) -> str:
     return f", {firm} firmly{by_pool}"
 
 
-def _not_shown(asked: Asked) -> str:
-    idle = sum(mutant.without_effect for mutant in asked.faults)
-    fates = Counter(mutant.verdict for mutant in asked.faults if not mutant.without_effect)
+def _not_shown(faults: Sequence[MutantScore]) -> str:
+    idle = sum(mutant.without_effect for mutant in faults)
+    fates = Counter(mutant.verdict for mutant in faults if not mutant.without_effect)
     parts = {
         Verdict.NOT_DETECTED: "put to the test, and nothing was seen",
         Verdict.UNDECIDED: "undecided: something was seen, or too few flights were flown",
@@ -125,17 +109,17 @@ def _not_shown(asked: Asked) -> str:
     return f"{'; '.join(counts) or 'none'}."
 
 
-def _how_sure(asked: Asked) -> str:
-    tested = sum(mutant.tested for mutant in asked.faults)
-    drawn = asked.scored.redraw
-    sure = false_detections(asked.scored.alpha, tested)
+def _how_sure(scored: Score, faults: Sequence[MutantScore]) -> str:
+    tested = sum(mutant.tested for mutant in faults)
+    drawn = scored.redraw
+    sure = false_detections(scored.alpha, tested)
     if drawn.seeds:
         sure += f"  Of {drawn.safety.whole} redraws of the unmutated drone {drawn.safety.part} were called shown."
-    flown = {pair.flights for pair in asked.scored.pool.pairs.values() if pair.flights >= LEAST}
-    seeds = max((result.flown for mutant in asked.faults for result in mutant.results), default=0)
+    flown = {pair.flights for pair in scored.pool.pairs.values() if pair.flights >= LEAST}
+    seeds = max((result.flown for mutant in faults for result in mutant.results), default=0)
     beside = f"{min(flown)}" + (f" to {max(flown)}" if len(flown) > 1 else "") if flown else "0"
     sure += f"  {seeds} seed{'s' * (seeds != 1)} beside {beside} baseline flights a situation"
-    if any(mutant.detected for mutant in asked.faults):
+    if any(mutant.detected for mutant in faults):
         sure += "; firm: shown whichever one seed is left out"
     return f"{sure}."
 
@@ -152,61 +136,50 @@ def false_detections(alpha: float, tested: int) -> str:
     )
 
 
-def _seen(asked: Asked) -> str:
-    if not asked.faults:
-        return "nothing: no mutant was flown."
-    revealed = sum(mutant.status.value == "revealed" for mutant in asked.faults)
+def _no_pool(faults: Sequence[MutantScore]) -> tuple[str, str, str]:
+    """The first three answers where there is no baseline pool."""
+    revealed = sum(mutant.status is Status.REVEALED for mutant in faults)
+    seen = f"{revealed} of {_faults(len(faults))} violated a safety requirement in a flight whose own baseline held it."
     return (
-        f"not known: there is no baseline pool.  {revealed} of {_faults(len(asked.faults))} violated a safety "
-        "requirement in a flight whose own baseline held it."
+        f"not known: there is no baseline pool.  {seen}" if faults else "nothing: no mutant was flown.",
+        "not known: without a baseline pool a fault cannot be told from chance.",
+        f"not at all: {LEAST} baseline flights in each situation where a mutant infects would show what chance does.",
     )
 
 
-def _unknown(_asked: Asked) -> str:
-    return "not known: without a baseline pool a fault cannot be told from chance."
-
-
-def _not_sure(_asked: Asked) -> str:
-    return f"not at all: {LEAST} baseline flights in each situation where a mutant infects would show what chance does."
-
-
-def _next(asked: Asked) -> str:
-    if asked.scored.lacking:
-        seeds = max((result.flown for mutant in asked.faults for result in mutant.results), default=1)
-        flies = command(asked.campaign, asked.faults, seeds, asked.defaults)
-        count = len(asked.scored.lacking)
+def _next(scored: Score, faults: Sequence[MutantScore], campaign: str, defaults: Collection[str]) -> str:
+    if scored.lacking:
+        seeds = max((result.flown for mutant in faults for result in mutant.results), default=1)
+        flies = command(campaign, faults, seeds, defaults)
+        count = len(scored.lacking)
         return f"`{flies}` flies the baseline pool that is missing in {count} situation{'s' * (count != 1)}."
-    if found := _found(asked):
-        return found
-    undecided = [mutant for mutant in asked.faults if mutant.verdict is Verdict.UNDECIDED]
+    undecided = [mutant for mutant in faults if mutant.verdict is Verdict.UNDECIDED]
     looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
     if looks:
         most = max(mutant.safety.needed or 0 for mutant in looks)
-        flies = command(asked.campaign, looks, most, asked.defaults)
+        flies = command(campaign, looks, most, defaults)
         return f"`{flies}` would decide {len(looks)} of the {len(undecided)} undecided."
-    silent = [mutant for mutant in asked.faults if not mutant.detected]
+    silent = [mutant for mutant in faults if not mutant.detected]
     if silent:
-        survivors = f"`scaloft-fi kills{in_campaign(asked.campaign)} --show survivors`"
+        survivors = f"`scaloft-fi kills{in_campaign(campaign)} --show survivors`"
         return f"{survivors} says of each fault not shown where it stopped, and what to change."
-    if asked.faults:
-        where = in_campaign(asked.campaign)
-        return (
-            f"`scaloft-fi margin{where} {asked.faults[0].subject.id}` finds the smallest magnitude that is still shown."
-        )
+    if faults:
+        margin = f"`scaloft-fi margin{in_campaign(campaign)} {faults[0].subject.id}`"
+        return f"{margin} finds the smallest magnitude that is still shown."
     return "`scaloft-fi run --mutant ID` flies a mutant; `scaloft-fi mutants` lists them."
 
 
-def _found(asked: Asked) -> str:
+def _found(faults: Sequence[MutantScore], campaign: str, known: KnownFinds, grid: str) -> str:
     """The command that flies the find of the first fault that has one; empty where none has."""
-    finds = [(mutant.subject.id, find) for mutant in asked.faults if (find := next_find(mutant, asked.finds))]
+    finds = [(mutant.subject.id, find) for mutant in faults if (find := next_find(mutant, known))]
     if not finds:
         return ""
     (mutant, find), *others = finds
-    flown = f"`{flies(find, mutant, asked.finds, asked.campaign, asked.grid)}`"
+    flown = f"`{flies(find, mutant, known, campaign, grid)}`"
     shows = f"{flown} flies the situation that a search found for it: {words(find)} ({effect(find.shows[mutant])})."
     if not others:
         return shows
-    survivors = f"`scaloft-fi kills{in_campaign(asked.campaign)} --show survivors`"
+    survivors = f"`scaloft-fi kills{in_campaign(campaign)} --show survivors`"
     more = "1 more fault has a find" if len(others) == 1 else f"{len(others)} more faults have a find"
     return f"{shows}  {more}: {survivors}."
 

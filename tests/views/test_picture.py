@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.analysis.suite import subsumption
+from scaloft_fi.verbs.kills import dot, draw_subsumption
 from scaloft_fi.views.picture import RAMP, BodyOutline, Frame, MapScene, Mark, Track, draw, hull, png, rings, shade
-from scaloft_fi.views.subsumption import dot, draw_subsumption
 
 SVG = "{http://www.w3.org/2000/svg}"
 SQUARE = ((-2.0, -1.0), (2.0, -1.0), (2.0, 5.0), (-2.0, 5.0))
