@@ -13,7 +13,7 @@ from scaloft_fi.hazop.load import find_study
 from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
-from scaloft_fi.views.table import Format, Table, TableCell, render
+from scaloft_fi.views.table import Format, Table, TableCell, counted, render
 
 NOT_CHECKED = "not checked"
 CHECK = Output("check", "1.0", Check, rows="findings")
@@ -22,8 +22,8 @@ CHECK = Output("check", "1.0", Check, rows="findings")
 def check_tables(check: Check) -> tuple[Table, Table]:
     """The findings; and how much was checked, with the sum."""
     rows = ((f.severity.value, f.place, f.what, f.situation, f.remedy) for f in check.findings)
-    errors = f"{check.errors} error{'s' * (check.errors != 1)}" if check.errors else "no errors"
-    sum_ = f"{check.study}: {errors}, {check.notes} note{'s' * (check.notes != 1)}."
+    errors = counted(check.errors, "error") if check.errors else "no errors"
+    sum_ = f"{check.study}: {errors}, {counted(check.notes, 'note')}."
     return (
         Table("Findings", ("severity", "place", "what", "situation", "remedy"), tuple(rows)),
         Table("Checked", ("what", "how much"), tuple(_rows(check)), (sum_,)),

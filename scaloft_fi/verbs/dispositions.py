@@ -19,7 +19,7 @@ from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import NO_POOL, in_campaign, next_find
 from scaloft_fi.views.output import Answer, Output
-from scaloft_fi.views.table import Table
+from scaloft_fi.views.table import Table, counted
 
 if TYPE_CHECKING:
     from scaloft_fi.views.output import Columns
@@ -220,5 +220,4 @@ def _draft(path: Path, survivors: Columns) -> None:
         say("nothing to write: no survivor without a disposition")
         return
     append_drafts(path, opened)
-    counted = f"{len(opened)} survivor{'s' * (len(opened) != 1)}"
-    say(f"{path}: {counted} to decide on; fill in owner, reason and expires")
+    say(f"{path}: {counted(len(opened), 'survivor')} to decide on; fill in owner, reason and expires")

@@ -28,7 +28,7 @@ from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.verbs.coverage import coverage_tables
 from scaloft_fi.verbs.verdict import Next, advice, command, effect, flies, in_campaign, next_find, words
 from scaloft_fi.views.output import printed_of
-from scaloft_fi.views.table import Format, Table, commands, render
+from scaloft_fi.views.table import Format, Table, commands, counted, render
 
 NOT_COMPARED = (
     "Scores of two studies do not compare: whoever writes easier cells, or fewer hard ones, scores higher.  Compare "
@@ -118,7 +118,7 @@ def _how_sure(scored: Score, faults: Sequence[MutantScore]) -> str:
     flown = {pair.flights for pair in scored.pool.pairs.values() if pair.flights >= LEAST}
     seeds = max((result.flown for mutant in faults for result in mutant.results), default=0)
     beside = f"{min(flown)}" + (f" to {max(flown)}" if len(flown) > 1 else "") if flown else "0"
-    sure += f"  {seeds} seed{'s' * (seeds != 1)} beside {beside} baseline flights a situation"
+    sure += f"  {counted(seeds, 'seed')} beside {beside} baseline flights a situation"
     if any(mutant.detected for mutant in faults):
         sure += "; firm: shown whichever one seed is left out"
     return f"{sure}."
@@ -139,7 +139,8 @@ def false_detections(alpha: float, tested: int) -> str:
 def _no_pool(faults: Sequence[MutantScore]) -> tuple[str, str, str]:
     """The first three answers where there is no baseline pool."""
     revealed = sum(mutant.status is Status.REVEALED for mutant in faults)
-    seen = f"{revealed} of {_faults(len(faults))} violated a safety requirement in a flight whose own baseline held it."
+    of = f"{revealed} of {counted(len(faults), 'fault')}"
+    seen = f"{of} violated a safety requirement in a flight whose own baseline held it."
     return (
         f"not known: there is no baseline pool.  {seen}" if faults else "nothing: no mutant was flown.",
         "not known: without a baseline pool a fault cannot be told from chance.",
@@ -151,8 +152,7 @@ def _next(scored: Score, faults: Sequence[MutantScore], campaign: str, defaults:
     if scored.lacking:
         seeds = max((result.flown for mutant in faults for result in mutant.results), default=1)
         flies = command(campaign, faults, seeds, defaults)
-        count = len(scored.lacking)
-        return f"`{flies}` flies the baseline pool that is missing in {count} situation{'s' * (count != 1)}."
+        return f"`{flies}` flies the baseline pool that is missing in {counted(len(scored.lacking), 'situation')}."
     undecided = [mutant for mutant in faults if mutant.verdict is Verdict.UNDECIDED]
     looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
     if looks:
@@ -186,11 +186,7 @@ def _found(faults: Sequence[MutantScore], campaign: str, known: KnownFinds, grid
 
 def _of(ratio: Ratio) -> str:
     share = "" if ratio.whole < 2 else f" ({100 * ratio.part / ratio.whole:.0f} %)"
-    return f"{ratio.part} of {_faults(ratio.whole)}{share}"
-
-
-def _faults(count: int) -> str:
-    return f"{count} fault{'s' * (count != 1)}"
+    return f"{ratio.part} of {counted(ratio.whole, 'fault')}{share}"
 
 
 def noise_line(noise: Sequence[Noise]) -> str:
@@ -492,7 +488,7 @@ def first_screen(
         lines.append(Line("Accepted", accepted_line(scored, accepted)))
     if noise:
         lines.append(Line("Noise", noise_line(noise)))
-    counted = Counter(mutant.verdict for mutant in scored.counted)
+    in_score = Counter(mutant.verdict for mutant in scored.counted)
     groups = []
     for verdict in Verdict:
         members = [mutant for mutant in scored.mutants if mutant.flown and mutant.verdict is verdict]
@@ -507,8 +503,8 @@ def first_screen(
         facts = [_facts(mutant, scored, space, background(mutant.subject.id), finds) for mutant in shown]
         rows = [(one["mutant"], *(one[column] for column in columns)) for one in facts]
         title = f"{verdict.words.capitalize()}: {len(members)}"
-        if counted[verdict] != len(members):
-            title += f", of which {counted[verdict]} count in the score"
+        if in_score[verdict] != len(members):
+            title += f", of which {in_score[verdict]} count in the score"
         same = sum(mutant.without_effect for mutant in members) if verdict is Verdict.UNDECIDED else 0
         title += f"; {same} {'fly' if same > 1 else 'flies'} the same to the bit" if same else ""
         groups.append(_group(title, columns, rows, len(members)))
@@ -591,7 +587,7 @@ def mostly_red(pool: Pool) -> list[str]:
             states = Counter(state for (_, named), state in pool.states.items() if named == name)
             known = states.total() - states[State.UNKNOWN]
             if 2 * states[State.RED] > known:
-                where = f"{states[State.RED]} of {known} situation{'s' * (known != 1)}"
+                where = f"{states[State.RED]} of {counted(known, 'situation')}"
                 sentences.append(
                     f"{name} is red in {where}: most flights without a fault violate it, so it shows no fault "
                     f"there.  Mend the drone or {name}; `scaloft-fi score --all` names the situations."
@@ -643,7 +639,7 @@ def _shows(mutant: MutantScore) -> bool:
 def _violated(mutant: MutantScore) -> str:
     """What a control violates that was flown too seldom for a verdict, as a canary is."""
     flights = Counter(name for result in mutant.results for name, count in result.violated for _ in range(count))
-    return ", ".join(f"{name} in {count} flight{'s' * (count > 1)}" for name, count in flights.items())
+    return ", ".join(f"{name} in {counted(count, 'flight')}" for name, count in flights.items())
 
 
 def _effect(mutant: MutantScore) -> str:

@@ -16,7 +16,7 @@ from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, rows, short_rows
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import Campaign, Operability, Option, StudyFolder, TableFormat
 from scaloft_fi.verbs.verb import verb
-from scaloft_fi.views.table import Format, csv_text, tabulated
+from scaloft_fi.views.table import Format, tabulated
 
 if TYPE_CHECKING:
     from scaloft_fi.study import Study
@@ -145,6 +145,4 @@ def _one(matrix: Matrix, name: str, style: str, study_folder: Path | None) -> st
 
 
 def _tabulated(header: Sequence[str], lines: Sequence[Sequence[str]], style: str) -> str:
-    if style == "csv":
-        return csv_text(header, lines).rstrip("\n")
-    return tabulated(header, lines, Format(style), "latex_longtable" if style == Format.LATEX else "")
+    return tabulated(header, lines, Format(style), "latex_longtable")

@@ -26,7 +26,7 @@ from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, check_own
 from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Output
-from scaloft_fi.views.table import Format, body_text, csv_text, tabulated
+from scaloft_fi.views.table import Format, body_text, tabulated
 
 if TYPE_CHECKING:
     from scaloft_fi.hazop.matrix import Matrix
@@ -162,14 +162,10 @@ def _chosen(
 
 def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) -> str:
     rows = [_row(mutant, mutant.id in default_ids) for mutant in mutants]
-    if style == "csv":
-        return csv_text(_COLUMNS, (row.values() for row in rows)).rstrip("\n")
     if style == "table":
         short = [[row[name] for name in _IN_TERMINAL] for row in rows]
         return body_text(_IN_TERMINAL, short, width(), ("operator", "seam"), marked=False)
-    return tabulated(
-        _COLUMNS, [list(row.values()) for row in rows], Format(style), "latex" if style == Format.LATEX else ""
-    )
+    return tabulated(_COLUMNS, [list(row.values()) for row in rows], Format(style), "latex")
 
 
 def _row(mutant: Mutant, default: bool) -> dict[str, Any]:

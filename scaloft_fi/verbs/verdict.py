@@ -21,6 +21,7 @@ from scaloft_fi.judge.status import Status
 from scaloft_fi.sim.found import Evidence, Find
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import NO_FINDS, KnownFinds
+from scaloft_fi.views.table import counted
 
 MOST_NAMED = 4
 """Of more mutants than these a command leaves out the names where `run` flies the same without."""
@@ -304,7 +305,7 @@ def rates(case: Case) -> str:
             )
     flown = len(case.tested)
     return " ".join(sentences) or (
-        f"no steady requirement is violated in {flown} flight{'s' * (flown != 1)}: too few to decide, whatever they do."
+        f"no steady requirement is violated in {counted(flown, 'flight')}: too few to decide, whatever they do."
     )
 
 
@@ -382,7 +383,7 @@ def left(case: Case) -> str:
     count = len(space.points) - len({space.point[key] for key in case.flown if key in space.point})
     if not count:
         return "the whole grid was flown: add a situation."
-    return f"{situations(count)} of the grid {'was' if count == 1 else 'were'} not flown."
+    return f"{counted(count, 'situation')} of the grid {'was' if count == 1 else 'were'} not flown."
 
 
 def larger(case: Case) -> str:
@@ -410,11 +411,6 @@ def in_vain(case: Case, finds: Sequence[Find]) -> str:
     names = listed(find.name for find in finds)
     flown = f"{names} {'was' if len(finds) == 1 else 'were'} flown here with as many seeds"
     return f"{flown}, and it is not detected all the same: `scaloft-fi seek {case.row.id}` seeks another situation."
-
-
-def situations(count: int) -> str:
-    """As in: `1 situation`."""
-    return f"{count} situation{'s' * (count != 1)}"
 
 
 def in_(where: str) -> str:
@@ -609,7 +605,7 @@ def _not_reached(case: Case) -> Iterable[str]:
     if missed:
         first = min(missed, key=campaign.space.rank)
         return (f"the seam `{seam}` carries samples where it was not flown: fly {first}.",)
-    return (f"the seam `{seam}` carried no sample in {situations(len(case.flown))} flown; {left(case)}",)
+    return (f"the seam `{seam}` carried no sample in {counted(len(case.flown), 'situation')} flown; {left(case)}",)
 
 
 def _not_infected(case: Case) -> Iterable[str]:
@@ -651,11 +647,9 @@ def _operable(case: Case) -> Iterable[str]:
     killing = sum(bool(result.operability_kills) for result in tests)
     safety = [name for name in case.background.at_risk if name in case.campaign.safety]
     by = listed(case.score.operability.by)
+    killed = f"killed in {killing} of {counted(len(tests), 'situation')} where {by} is steady"
     return (
-        (
-            f"by {by} it is detected, and killed in {killing} of {situations(len(tests))} where {by} is steady; "
-            "no safety requirement detects it."
-        ),
+        f"by {by} it is detected, and {killed}; no safety requirement detects it.",
         f"Its cell puts {listed(safety) or 'none'} at risk.",
         SILENT if safety else "Operability has a score of its own.",
         only_unsteady(case),

@@ -282,6 +282,15 @@ def html(tables: Sequence[Table]) -> str:
     return "\n".join(parts)
 
 
+def counted(count: int, noun: str) -> str:
+    """A number of things.
+
+    >>> counted(1, "seed"), counted(0, "seed")
+    ('1 seed', '0 seeds')
+    """
+    return f"{count} {noun}{'s' * (count != 1)}"
+
+
 def ranges(numbers: Iterable[int]) -> str:
     """Whole numbers in a sentence.
 
@@ -310,7 +319,6 @@ class Format(StrEnum):
     LATEX = "latex"
 
 
-_TABULATE = {Format.MARKDOWN: "github", Format.LATEX: "latex_booktabs"}
 _HARMLESS = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|-", re.ASCII)
 
 
@@ -366,17 +374,22 @@ def csv_text(headers: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
     return text.getvalue()
 
 
-def tabulated(headers: Sequence[str], rows: Iterable[Sequence[TableCell]], how: Format, style: str = "") -> str:
-    """Headers and rows with `tabulate`, every cell a text of one line that the format takes literally.
+def tabulated(
+    headers: Sequence[str], rows: Iterable[Sequence[TableCell]], how: Format, latex: str = "latex_booktabs"
+) -> str:
+    """Headers and rows without a line break at the end, every cell a text of one line that the format takes literally.
 
     Args:
         headers: of the columns.
         rows: of the table; nothing stands where there is no value.
-        how: Markdown or LaTeX.
-        style: the table style of `tabulate`; by default the one of `how`.
+        how: CSV, Markdown or LaTeX.
+        latex: the table style of `tabulate` for LaTeX.
     """
+    if how is Format.CSV:
+        return csv_text(headers, rows).rstrip("\n")
     literal = markdown if how is Format.MARKDOWN else line  # tabulate escapes LaTeX itself
-    return _tabulate(_cells(rows, literal), list(map(literal, headers)), style or _TABULATE[how])
+    table_style = "github" if how is Format.MARKDOWN else latex
+    return _tabulate(_cells(rows, literal), list(map(literal, headers)), table_style)
 
 
 def _cells(rows: Iterable[Sequence[TableCell]], literal: Callable[[str], str]) -> list[list[str]]:

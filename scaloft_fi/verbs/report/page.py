@@ -32,6 +32,7 @@ from scaloft_fi.verbs.report.matrices import accepted, folding, steps
 from scaloft_fi.version import __version__
 from scaloft_fi.views.glossary import TERMS
 from scaloft_fi.views.output import plain, printed_of
+from scaloft_fi.views.table import counted
 
 NO_POOL = "Not known: no situation has ten flights of the unmutated drone."
 WHOLE = "A share of these faults and no estimate for others: the list of cells is closed, and no sample of anything."
@@ -52,7 +53,7 @@ def head(scored: Score, situations: Ratio, breaks: int) -> dict[str, Any]:
         `fails`: of the unmutated drone; `claims`: what is not claimed.
     """
     they = "breaks" if breaks == 1 else "break"
-    broken = [f"A search around the grid found {_situations(breaks)} more that {they} it."] if breaks else []
+    broken = [f"A search around the grid found {counted(breaks, 'situation')} more that {they} it."] if breaks else []
     return {"fails": [*fails(scored.pool), *broken], "claims": list(_claims(scored, situations))}
 
 
@@ -64,7 +65,7 @@ def fails(pool: Pool) -> list[str]:
     for name in pool.requirements(Kind.SAFETY):
         states = Counter(pool.states[key, name] for key in pool.flown)
         if parts := [f"{words} {states[state]}" for state, words in often.items() if states[state]]:
-            sentences.append(f"It violates {name} {' and '.join(parts)} of {_situations(len(pool.flown))}.")
+            sentences.append(f"It violates {name} {' and '.join(parts)} of {counted(len(pool.flown), 'situation')}.")
     if not sentences:
         return [f"In none of the {len(pool.flown)} situations with a pool does it violate a safety requirement often."]
     lost = sum(not pool.steady(key, Kind.SAFETY) for key in pool.flown)
@@ -83,14 +84,10 @@ def _claims(scored: Score, situations: Ratio) -> Iterable[str]:
         yield f"Nothing is said of the faults that are not decided: {', '.join(parts)}."
     if scored.selected:
         were = "was" if len(scored.selected) == 1 else "were"
-        yield f"{_situations(len(scored.selected))} {were} chosen because of verdicts."
+        yield f"{counted(len(scored.selected), 'situation')} {were} chosen because of verdicts."
     if situations.part < situations.whole:
-        yield f"Only {situations.part} of {_situations(situations.whole)} of the grid were flown."
+        yield f"Only {situations.part} of {counted(situations.whole, 'situation')} of the grid were flown."
     yield MODEL
-
-
-def _situations(count: int) -> str:
-    return f"{count} situation{'s' * (count != 1)}"
 
 
 SCHEMA = 6
