@@ -33,7 +33,7 @@ from scaloft_fi.judge.outcome import TRACK_COLUMNS, unpack_track
 from scaloft_fi.sim.log import FAR_M
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import snapshot
-from scaloft_fi.verbs.export.archive import archive_files
+from scaloft_fi.verbs.export.dossier import archive_files
 from scaloft_fi.verbs.report.flights import FAR, quantised, quantum, thinned
 
 REFERENCE = PUBLISHED / "reference"

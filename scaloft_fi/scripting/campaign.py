@@ -30,8 +30,7 @@ from scaloft_fi.scripting.flight import FlownFlight, described, in_python, numbe
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import campaigns, coverage, dispositions, kills, margin, seek, worksheet
 from scaloft_fi.verbs.campaigns import MergedCampaigns, MergedPlatform
-from scaloft_fi.verbs.export.archive import dossier
-from scaloft_fi.verbs.export.dossier import FORMATS, flight_columns
+from scaloft_fi.verbs.export.dossier import FORMATS, dossier, flight_columns
 from scaloft_fi.verbs.margin import MarginMutants, MarginSeeds, Tolerance
 from scaloft_fi.verbs.options import AsOf, BaselineFrom, Jobs, Operability, SamePlatform, Situations, Today, several
 from scaloft_fi.verbs.replay import comparison, fly_with_log, ready_to_fly

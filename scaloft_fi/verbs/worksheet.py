@@ -35,7 +35,7 @@ from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import default_of
 from scaloft_fi.output import write_named
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
-from scaloft_fi.verbs.export.archive import unzipped, zipped
+from scaloft_fi.verbs.export.dossier import unzipped, zipped
 from scaloft_fi.verbs.margin import UNKNOWN, CellMargin, ToldCell, cell_margins
 from scaloft_fi.verbs.options import (
     FORMATS,

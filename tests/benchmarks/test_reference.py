@@ -20,7 +20,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, pack_track
 from scaloft_fi.sim.log import FAR_M
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.export.archive import outcome_file
+from scaloft_fi.verbs.export.dossier import outcome_file
 from scaloft_fi.verbs.snapshot import snapshot
 
 MOST_BYTES = 15_000_000

@@ -22,8 +22,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
-from scaloft_fi.verbs.export.archive import dossier, unzipped
-from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, ExportFormat, export_format
+from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, ExportFormat, dossier, export_format, unzipped
 from scaloft_fi.verbs.options import (
     Campaign,
     Option,

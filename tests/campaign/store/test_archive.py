@@ -40,7 +40,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, track_values
 from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.export.archive import archive_files, outcome_file, track_file, unzipped, zipped
+from scaloft_fi.verbs.export.dossier import archive_files, outcome_file, track_file, unzipped, zipped
 
 STUDY = Path(__file__).parents[3]
 
