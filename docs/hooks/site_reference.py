@@ -27,7 +27,7 @@ from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.dossier import EXPORT, FORMATS, HEAD
 from scaloft_fi.verbs.listing import Listing, operator_list, seam_list, shown
-from scaloft_fi.verbs.report.matrices import Sign
+from scaloft_fi.verbs.report.analyses import Sign
 from scaloft_fi.verbs.signals import signal_list
 from scaloft_fi.verbs.verdict import Next, Stage
 from scaloft_fi.views.glossary import TERMS, term

@@ -1,30 +1,39 @@
-"""What the page is made from, and what follows from the flights: ladders, margins, limits, thresholds, survivors.
+"""What the page is made from, its two matrices, and what follows: ladders, margins, limits, thresholds, survivors.
 
-Only a formula that is a conjunction of such bounds is taken apart; any other stays whole: its bounds
-alone would say something else.
+The matrices are the cells of the HAZOP study, and mutants x situations with their Karnaugh map.
+Of requirements, only a formula that is a conjunction of bounds is taken apart; any other stays whole: its bounds alone
+would say something else.
 """
 
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from datetime import date
-from typing import Any
+from enum import StrEnum
+from math import prod
+from typing import TYPE_CHECKING, Any
 
+from scaloft_fi.analysis.condition import cover, term_text
 from scaloft_fi.analysis.detection import Spending
-from scaloft_fi.analysis.kill_matrix import KillMatrix
+from scaloft_fi.analysis.kill_matrix import MOST_CELLS, KillEntry, KillMatrix, KillRow, cyclic, fold, gray_order
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margins, whens
-from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.analysis.score import MutantScore, Score
+from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.roster import Ratio, Roster
+from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score
 from scaloft_fi.analysis.suite import NIST, NIST_SOURCE, interactions, minimal_suite, orders, subsumption
-from scaloft_fi.analysis.survivor import FAILING, PhasedFault, Tried, backgrounds
+from scaloft_fi.analysis.survivor import FAILING, Disposition, Judged, PhasedFault, Tried, backgrounds, judge
+from scaloft_fi.campaign.seeking.finds import words_of
 from scaloft_fi.campaign.store.held import nothing_to_show
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import Matrix, class_of
 from scaloft_fi.hazop.name import cell_of, parse, split_magnitude
 from scaloft_fi.judge.bounds import comparisons
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import TRIGGER, Kind, Requirement
+from scaloft_fi.judge.space import Point, Space
+from scaloft_fi.judge.status import INVALID, Ruled, Rulings, Situations, Status
 from scaloft_fi.judge.stl import COMPARATORS, SAMPLE_MS, Infix, Interval, Node, Prefix, Signal, tokenize
 from scaloft_fi.judge.stl import parse as parse_formula
 from scaloft_fi.study import Study
@@ -32,6 +41,9 @@ from scaloft_fi.verbs.margin import cell_margins, margin_text
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
 from scaloft_fi.verbs.verdict import short_units, survivors
 from scaloft_fi.views.output import by_field, plain
+
+if TYPE_CHECKING:
+    from scaloft_fi.sim.grid import Grid
 
 
 @dataclass(frozen=True)
@@ -315,3 +327,354 @@ def finite(value: float | None) -> float | str | None:
     (0.5, 'inf', None)
     """
     return value if value is None or math.isfinite(value) else f"{value:g}"
+
+
+LEAST_AXES = 2
+
+
+def folding(space: Space) -> dict[str, Any]:
+    """The axes that run down and across with the levels along each side, and where each situation lies.
+
+    Returns:
+        `reason`: why there is no map, in sentences, empty where there is one; then `down` and `across`, indices of
+        axes; `rows` and `columns`, per place along that side a level of each of its axes; `cyclic`, whether the first
+        and the last row are neighbours, and the same of columns; `keys`, (rows, columns) keys of situations, null
+        where the grid has none.
+    """
+    if reason := _reason(space):
+        return {"reason": reason}
+    folded = fold(space)
+
+    def levels(axes: Sequence[int], points: Iterable[Point]) -> list[list[int]]:
+        return [[space.values[at].index(one) for at, one in zip(axes, point, strict=True)] for point in points]
+
+    return {
+        "reason": "",
+        "down": list(folded.down),
+        "across": list(folded.across),
+        "rows": levels(folded.down, folded.rows),
+        "columns": levels(folded.across, folded.columns),
+        "cyclic": [cyclic(folded.rows), cyclic(folded.columns)],
+        "keys": [list(keys) for keys in folded.keys],
+    }
+
+
+def _reason(space: Space) -> str:
+    """Why the page has no map of this grid; empty where it has one."""
+    cells = prod(len(values) for values in space.values)
+    if len(space.axes) < LEAST_AXES:
+        return f"A Karnaugh map needs {LEAST_AXES} axes or more; this grid has {len(space.axes)}."
+    if cells > MOST_CELLS:
+        return f"A Karnaugh map of {cells} situations could not be read; at most {MOST_CELLS} are drawn."
+    return ""
+
+
+def terms(space: Space, row: KillRow) -> list[dict[str, Any]]:
+    """The terms of a mutant's condition where its grid has a map: `levels` has those that it admits, for each axis."""
+    if _reason(space):
+        return []
+    return [
+        {
+            "levels": [sorted(map(values.index, kept)) for values, kept in zip(space.values, term, strict=True)],
+            "words": term_text(space, term) or "everywhere",
+        }
+        for term in cover(space, row.killing, row.surviving)
+    ]
+
+
+STEPS = (1.0, 0.1, 0.001)
+"""Parts of alpha; the p of a surer detection is at most the smaller ones."""
+DIGITS = 3
+"""Significant digits of the printed steps."""
+
+
+def steps(alpha: float) -> list[float]:
+    """The largest p of each step.
+
+    >>> steps(0.01)
+    [0.01, 0.001, 1e-05]
+    """
+    return [float(f"{alpha * part:.{DIGITS}g}") for part in STEPS]
+
+
+def certainty(mutant: MutantScore, alpha: float) -> int:
+    """How many steps the smallest p of the safety requirements that detect a mutant reaches; 0 where none does."""
+    p = min((mutant.safety.p[name] for name in mutant.safety.by), default=None)
+    return 0 if p is None else max(1, sum(p <= step for step in steps(alpha)))
+
+
+def accepted(scored: Score, roster: Roster, known: Iterable[Disposition], today: date | None) -> dict[str, Any]:
+    """Every counted survivor and every disposition with how it stands.
+
+    Args:
+        scored: of the campaign.
+        roster: says which mutants count.
+        known: the dispositions of the study.
+        today: by which last days are judged; None = none is, so that the page never depends on a clock.
+    """
+    judged = judge(scored, roster, known, today)
+    return {"today": today.isoformat() if today else None, "judged": [_standing(one) for one in judged]}
+
+
+def _standing(judged: Judged) -> dict[str, Any]:
+    disposition = judged.disposition
+    entry = by_field(judged, "mutant", "state", "surviving")
+    if disposition is None:
+        return entry
+    return entry | {
+        **by_field(disposition, "owner", "reason", "situations"),
+        "until": disposition.expires.isoformat(),
+        "unnamed": [key for key in judged.surviving if disposition.situations and key not in disposition.situations],
+    }
+
+
+class Sign(StrEnum):
+    """What a cell of the kill matrix shows; the first that fits."""
+
+    NOT_FLOWN = "not_flown"
+    """No flight that counts."""
+    KILL = "kill"
+    """A steady pair in which most flights of a detected mutant violate."""
+    NOT_REACHED = "not_reached"
+    """The seam carried no sample."""
+    NOT_INFECTED = "not_infected"
+    """No sample was changed."""
+    MASKED = "masked"
+    """Samples were changed, the drone flew the same to the bit."""
+    SEEN = "seen"
+    """A requirement that tests the fault, or may do so, is violated, and that makes no kill."""
+    TESTED = "tested"
+    """Put to the test, and nothing was seen."""
+    NO_TEST = "no_test"
+    """No safety requirement is steady here, so nothing is tested."""
+
+
+_STOPPED = {status: Sign(status) for status in (Status.NOT_REACHED, Status.NOT_INFECTED, Status.MASKED)}
+
+
+def seen_in(entry: KillEntry, pool: Pool) -> tuple[str, ...]:
+    """Safety requirements that are violated and test the fault; where no pool says what tests, those of any flight."""
+    if entry.tested or entry.state != Status.REVEALED:
+        return entry.seen
+    pairs = [pool.pairs.get((entry.situation, name)) for name, _ in entry.violated]
+    return tuple(p.requirement for p in pairs if p and p.kind is Kind.SAFETY and p.state is State.UNKNOWN)
+
+
+def sign_of(entry: KillEntry, seen: Collection[str]) -> Sign:
+    """The sign of a mutant in a situation where these requirements are `seen_in` it."""
+    if not entry.flown:
+        return Sign.NOT_FLOWN
+    if entry.kills:
+        return Sign.KILL
+    stopped = _STOPPED.get(Status(entry.state))
+    if stopped is not None:
+        return stopped
+    if seen:
+        return Sign.SEEN
+    return Sign.TESTED if entry.tested else Sign.NO_TEST
+
+
+def opening(flights: Sequence[Ruled], wanted: Iterable[str]) -> int:
+    """The seed of the flight to show: the lowest one that violates what is `wanted` beside a baseline that holds it.
+
+    Args:
+        flights: of a mutant in a situation, at least one, in the order of their seeds.
+        wanted: requirements, the most telling first; a flight that violates one whatever its baseline does is next
+            best, then the first that counts.
+    """
+    counting = [one for one in flights if one.ruling is not INVALID] or list(flights)
+    for name in wanted:
+        violating = [one for one in counting if name in one.ruling.violated]
+        revealing = [one for one in violating if name in (*one.ruling.revealed, *one.ruling.operability_revealed)]
+        if violating:
+            return (revealing or violating)[0].seed
+    return counting[0].seed
+
+
+def shown_by(mutant: MutantScore, flights: Situations) -> tuple[str, ...]:
+    """The requirements that show a control: those that detect it, else those that one flight beside its baseline does.
+
+    Args:
+        mutant: the control's score.
+        flights: of it.
+    """
+    detecting = (*mutant.safety.by, *mutant.operability.by)
+    rulings = (one.ruling for listed in flights.values() for one in listed)
+    return detecting or tuple(
+        dict.fromkeys(name for ruling in rulings for name in (*ruling.revealed, *ruling.operability_revealed))
+    )
+
+
+EVERY_VALUE_BENIGN = "every value benign"
+SIGNS = [sign.value for sign in Sign]
+KEPT = (
+    *("id", "guideword", "parameter", "magnitude", "severity", "status", "verdict", "firm"),
+    *("kill_rate", "kill_rate_flown", "decided_at"),
+)
+"""What the page takes over from the score's JSON on a mutant."""
+
+
+def situations(space: Space, grid: Grid) -> list[dict[str, Any]]:
+    """Every situation in Gray-code order: each differs from the one before in one axis by one step.
+
+    `words` has the value of each axis, `name` those that are not benign.
+    """
+    return [
+        {
+            "key": key,
+            "levels": [space.values[axis].index(value) for axis, value in enumerate(space.point[key])],
+            "words": list(space.words_of(key)),
+            "name": ", ".join(words_of(grid.situation(key), grid)) or EVERY_VALUE_BENIGN,
+            "aliases": list(grid.aliases_of(grid.situation(key))),
+        }
+        for key in gray_order(space)
+    ]
+
+
+def axes(grid: Grid) -> list[dict[str, Any]]:
+    """The axes with the words for their values, the benign one first."""
+    return [
+        {"id": axis.id, "title": axis.title, "category": axis.category, "words": [value.title for value in axis.values]}
+        for axis in grid.axes
+    ]
+
+
+def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
+    """Every entry of the deviation matrix with its mutants that were flown, the default first named."""
+    by_cell = defaultdict[str, list[str]](list)
+    for mutant in flown:
+        by_cell[cell_of(mutant)].append(mutant)
+    return [
+        {
+            **by_field(cell, "name", "guideword", "parameter", "status", "deviation", "causes", "effect"),
+            **by_field(cell, "requirements", "reason", "predicted"),
+            "severity": class_of(matrix.severities.get(cell.name)),
+            "expected": [fault.expected.reason for fault in cell.faults if fault.expected],
+            "default": cell.default_id if cell.faults else "",
+            "mutants": by_cell[cell.name],
+        }
+        for cell in matrix
+    ]
+
+
+def mutants(
+    scored: Score,
+    matrix: KillMatrix,
+    rulings: Rulings,
+    records: Iterable[Mapping[str, Any]],
+    roster: Roster,
+    keys: Sequence[str],
+    order: Callable[[str], Any],
+) -> list[dict[str, Any]]:
+    """Every mutant and control flown.
+
+    Args:
+        scored: of the campaign.
+        matrix: its kill matrix.
+        rulings: of its flights.
+        records: the mutants and controls of the score's JSON.
+        roster: says which mutants count.
+        keys: of the situations, in the order of `results`.
+        order: of ids.
+    """
+    known = {entry["id"]: entry for entry in records}
+    extra = searched(scored.mutants, roster)
+    described = []
+    for mutant in sorted((*scored.mutants, *scored.controls), key=lambda one: order(one.subject.id)):
+        id_, flights = mutant.subject.id, rulings.mutants[mutant.subject]
+        row = matrix.row[id_]
+        entries = {entry.situation: entry for entry in row.entries}
+        # the most violated first
+        safety, operability = (
+            sorted(kills, key=lambda kill: -kill.violated / kill.flights)
+            for kills in (mutant.kills, mutant.operability_kills)
+        )
+        results = {result.situation: result for result in mutant.results}
+        described.append(
+            {name: known[id_][name] for name in KEPT}
+            | _mutant(mutant, flights, roster, matrix.space)
+            | {
+                "certainty": certainty(mutant, scored.alpha),
+                "kills": [_kill(kill, flights[kill.situation], scored.pool) for kill in (*safety, *operability)],
+                "searched": id_ in extra,
+                "tests": _tests(mutant, scored.pool),
+                "results": [_result(entries[key], results.get(key), flights, scored.pool) for key in keys],
+                "terms": terms(matrix.space, row),
+            }
+        )
+    return described
+
+
+def _mutant(scored: MutantScore, flights: Situations, roster: Roster, space: Space) -> dict[str, Any]:
+    first = scored.first
+    return {
+        "cell": cell_of(scored.subject.id),
+        "control": roster.is_control(scored.subject),
+        "counts": roster.counts(scored.subject),
+        "by": [*scored.safety.by, *scored.operability.by],
+        "shows": list(shown_by(scored, flights)) if roster.is_control(scored.subject) else [],
+        "condition": scored.condition(space),
+        "first": by_field(first, "requirement", "t_s", "situation", "seed") if first else None,
+    }
+
+
+def _kill(kill: Kill, flights: Sequence[Ruled], pool: Pool) -> dict[str, Any]:
+    """A kill with the flight to open, which has it: its seed, when it violates the requirement, what it strikes."""
+    seed = opening(flights, (kill.requirement,))
+    own = (violation for one in flights if one.seed == seed for violation in one.violations)
+    (violation,) = (one for one in own if one.requirement == kill.requirement)
+    beside = pool.pairs[kill.situation, kill.requirement]
+    return {
+        **by_field(kill, "situation", "requirement"),
+        "flights": plain(Ratio(kill.violated, kill.flights)),
+        "baseline": plain(Ratio(beside.violated, beside.judged)),
+        "seed": seed,
+        **by_field(violation, "t_s", "struck"),
+    }
+
+
+def _tests(scored: MutantScore, pool: Pool) -> list[dict[str, Any]]:
+    """Per requirement that puts the mutant to the test somewhere its p, and what was seen there.
+
+    Returns:
+        `kills`: situations with a kill, of those that test it; `flights`: of the mutant that violate, in these;
+        `baseline`: of the pool that violate, of those judged, in these.
+    """
+    records, p = [], {**scored.safety.p, **scored.operability.p}
+    for name in (*pool.requirements(Kind.SAFETY), *pool.requirements(Kind.OPERABILITY)):
+        tests = [result for result in scored.results if name in (*result.steady, *result.steady_operability)]
+        pairs = [pool.pairs[result.situation, name] for result in tests]
+        kills = sum(name in (*result.kills, *result.operability_kills) for result in tests)
+        violated = sum(dict(result.violated).get(name, 0) for result in tests)
+        ratios = {
+            "kills": Ratio(kills, len(tests)),
+            "flights": Ratio(violated, sum(result.flown for result in tests)),
+            "baseline": Ratio(sum(own.violated for own in pairs), sum(own.judged for own in pairs)),
+        }
+        if tests:
+            records.append({"requirement": name, "p": p[name], **plain(ratios)})
+    return records
+
+
+def _result(entry: KillEntry, result: Result | None, flights: Situations, pool: Pool) -> list[Any] | None:
+    """Sign by its place in `SIGNS`, flights that count, seed to open, flights that violate each, by which it is a sign.
+
+    Null where nothing was flown.
+    """
+    if entry.situation not in flights:
+        return None
+    violated = {name: count for name, count in entry.violated if (entry.situation, name) in pool.pairs}
+    operability = result.operability_kills if result else ()
+    seen = seen_in(entry, pool)
+    seed = opening(flights[entry.situation], (*entry.kills, *operability, *seen, *violated))
+    return [SIGNS.index(sign_of(entry, seen)), entry.flown, seed, violated, list(entry.kills or seen)]
+
+
+def by_situation(scored: Score, roster: Roster, keys: Sequence[str]) -> list[dict[str, int]]:
+    """Per situation the default mutants with a kill, of those that it puts to the test, and of those flown."""
+    counted = [mutant for mutant in scored.mutants if roster.counts(mutant.subject)]
+    here = ([result for mutant in counted for result in mutant.results if result.situation == key] for key in keys)
+    return [
+        {"killed": sum(bool(one.kills) for one in own), "tested": sum(one.tested for one in own), "flown": len(own)}
+        for own in here
+    ]

@@ -25,10 +25,9 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.verbs.first_screen import NOT_COMPARED, answers, coverage_line
-from scaloft_fi.verbs.report import matrices
-from scaloft_fi.verbs.report.analyses import Evidence, analyses, bounds_of, by_ladder, limits
+from scaloft_fi.verbs.report import analyses
+from scaloft_fi.verbs.report.analyses import Evidence
 from scaloft_fi.verbs.report.flights import DETAILS, FAR, broken, columns, found, packs, scenes
-from scaloft_fi.verbs.report.matrices import accepted, folding, steps
 from scaloft_fi.version import __version__
 from scaloft_fi.views.glossary import TERMS
 from scaloft_fi.views.output import plain, printed_of
@@ -104,14 +103,14 @@ def figures(evidence: Evidence) -> dict[str, Any]:
     roster, space = study.roster, study.space.holding(outcome.situation for outcome in outcomes)
     rulings = rulings_of(outcomes)
     scored = score_of(rulings, roster, space, evidence.spending)
-    order = matrices.situations(space, study.grid)
+    order = analyses.situations(space, study.grid)
     keys = [situation["key"] for situation in order]
     kills = kill_matrix(scored, roster, space)
     covered = coverage_of(rulings.baselines, rulings.draws, space)
     ratios, listed = plain(scored), plain((*scored.mutants, *scored.controls))
     standing = scenes(study, sorted({outcome.situation for outcome in outcomes} & set(keys)))
     breaks = broken(study.finds, standing["mines"])
-    mutants = matrices.mutants(scored, kills, rulings, listed, roster, keys, by_ladder(study.matrix, roster))
+    mutants = analyses.mutants(scored, kills, rulings, listed, roster, keys, analyses.by_ladder(study.matrix, roster))
     return {
         "schema": SCHEMA,
         "version": __version__,
@@ -133,21 +132,21 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         ],
         "coverage": plain(covered),
         "gates": _gates(evidence, scored, mutants),
-        "signs": matrices.SIGNS,
-        "certainty": steps(scored.alpha),
+        "signs": analyses.SIGNS,
+        "certainty": analyses.steps(scored.alpha),
         "verdicts": [verdict.value for verdict in Verdict],
-        "axes": matrices.axes(study.grid),
-        "karnaugh": folding(space),
+        "axes": analyses.axes(study.grid),
+        "karnaugh": analyses.folding(space),
         "situations": order,
-        "by_situation": matrices.by_situation(scored, roster, keys),
+        "by_situation": analyses.by_situation(scored, roster, keys),
         "guidewords": plain(study.matrix.guidewords),
         "parameters": plain(study.matrix.parameters),
         "severities": plain(study.matrix.classes),
-        "cells": matrices.cells(study.matrix, [mutant["id"] for mutant in mutants]),
+        "cells": analyses.cells(study.matrix, [mutant["id"] for mutant in mutants]),
         "mutants": mutants,
         "requirements": plain(study.requirements),
-        "limits": limits(study.requirements, TRACK_COLUMNS),
-        "bounds": bounds_of(study.requirements),
+        "limits": analyses.limits(study.requirements, TRACK_COLUMNS),
+        "bounds": analyses.bounds_of(study.requirements),
         "pairs": plain(scored.pool.pairs.values()),
         "firsts": [
             {**plain(finding.first[0]), "seed": finding.first[1], "situation": finding.situation}
@@ -155,8 +154,8 @@ def figures(evidence: Evidence) -> dict[str, Any]:
             if finding.first
         ],
         "tallies": [{**plain(tally), "compliances": plain(dict(tally.compliances))} for tally in tallies(outcomes)],
-        "accepted": accepted(scored, roster, study.dispositions, evidence.today),
-        **analyses(evidence, scored, kills),
+        "accepted": analyses.accepted(scored, roster, study.dispositions, evidence.today),
+        **analyses.analyses(evidence, scored, kills),
         "far": FAR,
         "endings": {ending.value: ending.sentence for ending in Ending},
         "scenes": standing,

@@ -16,8 +16,7 @@ from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.console import printable
 from scaloft_fi.judge.space import Space
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.report.analyses import Evidence
-from scaloft_fi.verbs.report.matrices import folding
+from scaloft_fi.verbs.report.analyses import Evidence, folding
 from scaloft_fi.verbs.report.page import html
 from scaloft_fi.verbs.report.page import page as page_of
 

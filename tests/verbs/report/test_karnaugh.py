@@ -18,8 +18,7 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.judge.outcome import Subject
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
-from scaloft_fi.verbs.report.analyses import Evidence
-from scaloft_fi.verbs.report.matrices import folding, terms
+from scaloft_fi.verbs.report.analyses import Evidence, folding, terms
 from scaloft_fi.verbs.report.page import asset
 
 

@@ -17,8 +17,7 @@ from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, Subject
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.report.analyses import Evidence, bounds_of, by_ladder, limits, thresholds
-from scaloft_fi.verbs.report.matrices import accepted
+from scaloft_fi.verbs.report.analyses import Evidence, accepted, bounds_of, by_ladder, limits, thresholds
 from scaloft_fi.verbs.report.page import page
 
 SEARCHED = "T0O0W0D0H1"
