@@ -11,7 +11,7 @@
 
 from __future__ import annotations
 
-from scaloft_fi.version import __version__
+from scaloft_fi.defaults import __version__
 
 TYPE_CHECKING = False
 """As `typing` has it, whose import takes twenty times as long as this package's; checkers of types take it for true."""

@@ -18,11 +18,11 @@ import click
 from click.shell_completion import CompletionItem
 
 from scaloft_fi.console import Marked, lost, say, stand, tell
+from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import ExitCode, InputError, ScaloftError, did_you_mean
 from scaloft_fi.registry import in_one_line, plugin_behind
 from scaloft_fi.verbs.completion import COMPLETION, answered
 from scaloft_fi.verbs.verb import REST, Example, HelpPage, Page
-from scaloft_fi.version import __version__
 
 try:
     import resource

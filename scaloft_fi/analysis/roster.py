@@ -6,8 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from scaloft_fi.hazop.matrix import CellStatus, Matrix, SeverityClass
-from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.hazop.matrix import CellStatus, Matrix, SeverityClass, cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Subject
 
 

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from scaloft_fi.analysis.condition import condition, sides
 from scaloft_fi.analysis.kill_matrix import KillMatrix, KillRow
 from scaloft_fi.analysis.roster import Ratio
-from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.hazop.matrix import cell_of
 from scaloft_fi.judge.space import Space
 
 MOST_ENTRIES = 10_000_000

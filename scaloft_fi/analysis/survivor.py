@@ -23,8 +23,7 @@ from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import MutantScore, Result, Score
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.hazop.matrix import Fault, Matrix, Worse, mild_to_strong, worse
-from scaloft_fi.hazop.name import Name, parse, split_magnitude
+from scaloft_fi.hazop.matrix import Fault, Matrix, Name, Worse, mild_to_strong, parse, split_magnitude, worse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, measured_rho
 from scaloft_fi.judge.space import Space

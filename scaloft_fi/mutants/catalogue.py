@@ -12,8 +12,7 @@ from pathlib import Path
 
 from scaloft_fi.document import CATALOGUE_BYTES, UnreadableError, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
-from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix, Rung
-from scaloft_fi.hazop.name import Name, parse, split_magnitude
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix, Name, Rung, parse, split_magnitude
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operator import OperatorError
 from scaloft_fi.mutants.operators import OPERATORS

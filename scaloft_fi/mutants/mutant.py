@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from scaloft_fi.errors import InputError, shown
-from scaloft_fi.hazop.matrix import ValueText
-from scaloft_fi.hazop.name import Name
+from scaloft_fi.hazop.matrix import Name, ValueText
 
 
 @dataclass(frozen=True)

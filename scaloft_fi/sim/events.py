@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from scaloft_fi.document import Item
-from scaloft_fi.hazop.name import names_event
+from scaloft_fi.hazop.matrix import names_event
 from scaloft_fi.mutants.wire import SeamCount
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, Event, clearance_name
 from scaloft_fi.sim.world import ROLES, Role, World

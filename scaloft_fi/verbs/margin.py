@@ -23,8 +23,7 @@ from scaloft_fi.campaign.store.archive import campaign_folder
 from scaloft_fi.campaign.store.flown_grid import study_of
 from scaloft_fi.defaults import CAMPAIGN, Seeds
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix, SeverityClass
-from scaloft_fi.hazop.name import cell_of, parse
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix, SeverityClass, cell_of, parse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.marks import About

@@ -11,8 +11,19 @@ import click
 from scaloft_fi.console import tell, width, wrapped
 from scaloft_fi.hazop.load import find_study, load_matrix
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.render import blocks, cells, grid_table, legend, overview, sheet, tally
-from scaloft_fi.hazop.worksheet import HEADER, SHORT_HEADER, rows, short_rows
+from scaloft_fi.hazop.render import (
+    HEADER,
+    SHORT_HEADER,
+    blocks,
+    cells,
+    grid_table,
+    legend,
+    overview,
+    rows,
+    sheet,
+    short_rows,
+    tally,
+)
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import Campaign, Operability, Option, StudyFolder, TableFormat
 from scaloft_fi.verbs.verb import verb

@@ -21,7 +21,7 @@ from scaloft_fi.campaign.store.flown_grid import opened
 from scaloft_fi.campaign.store.held import Held, Now, held_in, latest_in, nothing_to_show, stale_in, with_tracks
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import FlownFlight, Store
-from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.hazop.matrix import cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.mutants.catalogue import defaults

@@ -15,8 +15,19 @@ from hypothesis import strategies as st
 from said import as_recorded
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.matrix import Cell, CellStatus, Expected, Fault, Guideword, Magnitude, Matrix, Parameter
-from scaloft_fi.hazop.name import Name, parse, split_magnitude
+from scaloft_fi.hazop.matrix import (
+    Cell,
+    CellStatus,
+    Expected,
+    Fault,
+    Guideword,
+    Magnitude,
+    Matrix,
+    Name,
+    Parameter,
+    parse,
+    split_magnitude,
+)
 from scaloft_fi.mutants import catalogue
 from scaloft_fi.mutants.catalogue import default_of, defaults, derive, realise, select, source_of, with_events
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant

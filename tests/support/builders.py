@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from paper_flyer import made
 
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.hazop.matrix import SeverityClass
-from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.hazop.matrix import SeverityClass, cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Subject
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space

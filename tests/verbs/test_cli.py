@@ -13,9 +13,9 @@ from click.testing import CliRunner
 from refusal import run
 
 from scaloft_fi.cli import GROUPS, Pipeline, main
+from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import GateError, InputError, ScaloftError
 from scaloft_fi.verbs.options import typed
-from scaloft_fi.version import __version__
 
 ROOT = Path(__file__).parents[2]
 

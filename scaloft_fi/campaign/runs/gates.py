@@ -21,7 +21,7 @@ from scaloft_fi.campaign.store.platforms import BITS, FACTS, Platforms, claim, r
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.campaign.workers.local import Executor, Workers
 from scaloft_fi.errors import GateError
-from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.hazop.matrix import cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK_COLUMNS, Outcome, unpack_track
 from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.status import (

@@ -26,8 +26,7 @@ from scaloft_fi.campaign.store.archive import STORE_NAME, promising
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import read_store
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.matrix import Fault, Matrix, mild_to_strong
-from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.hazop.matrix import Fault, Matrix, cell_of, mild_to_strong
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import realise, source_of

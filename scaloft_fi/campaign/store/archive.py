@@ -32,7 +32,7 @@ from scaloft_fi.campaign.store.store import CHUNK, NOTE, FlownFlight, Stands, St
 from scaloft_fi.document import FILE_BYTES, is_file, is_folder, opened, read_bytes
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import FOLDERS
-from scaloft_fi.hazop.name import parse
+from scaloft_fi.hazop.matrix import parse
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.study import Study

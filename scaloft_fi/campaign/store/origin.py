@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
-from scaloft_fi.version import __version__
+from scaloft_fi.defaults import __version__
 
 NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet")
 """Packages whose versions can change the last bit of a flight or a reading."""

@@ -38,10 +38,9 @@ from scaloft_fi.campaign.store.archive import (
     study_files,
 )
 from scaloft_fi.console import json_text, printable
-from scaloft_fi.defaults import SEARCHED
+from scaloft_fi.defaults import SEARCHED, __version__
 from scaloft_fi.document import is_there, read_bytes, read_text
-from scaloft_fi.hazop.matrix import Cell, Matrix, worst_first
-from scaloft_fi.hazop.name import cell_of
+from scaloft_fi.hazop.matrix import Cell, Matrix, cell_of, worst_first
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, track_values
 from scaloft_fi.judge.requirement import Kind, Requirement, measured_rho
 from scaloft_fi.judge.space import Space
@@ -52,7 +51,6 @@ from scaloft_fi.sim.grid import FOLDER
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 from scaloft_fi.verbs.verdict import acceptance, in_campaign, next_command, next_find, verdict, why
-from scaloft_fi.version import __version__
 from scaloft_fi.views.output import Columns, ColumnType, Field, Rows, cell, needed_pyarrow, shape_of, type_of, writer_of
 from scaloft_fi.views.table import csv_text
 

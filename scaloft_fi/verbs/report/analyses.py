@@ -27,8 +27,7 @@ from scaloft_fi.analysis.suite import NIST, NIST_SOURCE, interactions, minimal_s
 from scaloft_fi.analysis.survivor import FAILING, Disposition, Judged, PhasedFault, Tried, backgrounds, judge
 from scaloft_fi.campaign.seeking.finds import words_of
 from scaloft_fi.campaign.store.held import nothing_to_show
-from scaloft_fi.hazop.matrix import Matrix, class_of
-from scaloft_fi.hazop.name import cell_of, parse, split_magnitude
+from scaloft_fi.hazop.matrix import Matrix, cell_of, class_of, parse, split_magnitude
 from scaloft_fi.judge.bounds import comparisons
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import TRIGGER, Kind, Requirement

@@ -19,6 +19,7 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Score, score_of
 from scaloft_fi.campaign.runs.gates import check_gates
 from scaloft_fi.console import all_printable
+from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.judge.requirement import Kind
@@ -28,7 +29,6 @@ from scaloft_fi.verbs.first_screen import NOT_COMPARED, answers, coverage_line
 from scaloft_fi.verbs.report import analyses
 from scaloft_fi.verbs.report.analyses import Evidence
 from scaloft_fi.verbs.report.flights import DETAILS, FAR, broken, columns, found, packs, scenes
-from scaloft_fi.version import __version__
 from scaloft_fi.views.glossary import TERMS
 from scaloft_fi.views.output import plain, printed_of
 from scaloft_fi.views.table import counted
