@@ -32,7 +32,7 @@ from dataclasses import dataclass
 from enum import Enum
 from functools import cache
 from inspect import cleandoc, get_annotations
-from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from scaloft_fi.document import ITEMS, Item
 from scaloft_fi.errors import Faults, InputError, did_you_mean
@@ -348,8 +348,6 @@ def _scalar(hint: Any, kinds: Collection[type], item: Item, names: Names) -> Any
 
 def _marked(kind: type, hint: Any) -> Any:
     """A plain type with the bounds of another."""
-    from typing import Annotated
-
     bounds = _mark(hint, Bounds)
     return Annotated[kind, bounds] if bounds else kind
 

@@ -12,18 +12,21 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.document import is_there, load
 from scaloft_fi.errors import InputError
+from scaloft_fi.judge.bounds import check_caps, within_caps
+from scaloft_fi.judge.requirement import Requirement, load_requirements
+from scaloft_fi.judge.space import Realisation, Space
+from scaloft_fi.judge.stl import Formula, FormulaError
 from scaloft_fi.registry import in_one_line
+from scaloft_fi.sim.grid import Grid, load_grid
+from scaloft_fi.sim.log import SIGNALS, signal_names
+from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.stacks import StackChoice
 from scaloft_fi.stack.declaration import Declaration
 
 if TYPE_CHECKING:
-    from scaloft_fi.judge.requirement import Requirement
-    from scaloft_fi.judge.space import Realisation, Space
     from scaloft_fi.outside.command import FlightCommand
     from scaloft_fi.outside.records.record_map import RecordMap
-    from scaloft_fi.sim.grid import Grid
     from scaloft_fi.sim.load import Scenario, SimConfig
-    from scaloft_fi.sim.situation import Situation
 
 
 @dataclass(frozen=True)
@@ -84,10 +87,6 @@ class Setup:
         Raises:
             InputError: a predicate of an axis compares a signal with a threshold beyond its cap.
         """
-        from scaloft_fi.judge.bounds import check_caps
-        from scaloft_fi.judge.stl import FormulaError
-        from scaloft_fi.sim.grid import load_grid
-
         grid = load_grid(self.folder / "sim", self.grid_name)
         caps = self._caps(grid)
         for axis in grid.axes:
@@ -101,8 +100,6 @@ class Setup:
     @cached_property
     def signals(self) -> tuple[str, ...]:
         """Names of the signals that requirements and situations may use; a command adds those of its record."""
-        from scaloft_fi.sim.log import signal_names
-
         world = self.grid.world()
         ours = signal_names(world.surfaces, self.stack.beliefs, world.signals)
         path = self.folder / "sim" / "record.yaml"
@@ -117,26 +114,18 @@ class Setup:
         return self._caps(self.grid)
 
     def _caps(self, grid: Grid) -> Mapping[str, float]:
-        from scaloft_fi.sim.log import SIGNALS
-
         optional = (SIGNALS[name] for name in grid.world().signals)
         return {**self.stack.caps, **{signal.name: signal.most for signal in optional if math.isfinite(signal.most)}}
 
     @cached_property
     def requirements(self) -> tuple[Requirement, ...]:
         """The requirements."""
-        from scaloft_fi.judge.bounds import within_caps
-        from scaloft_fi.judge.requirement import load_requirements
-        from scaloft_fi.judge.stl import Formula
-
         path = self.folder / "sim" / "requirements.yaml"
         return load_requirements(path, self.signals, within_caps(Formula.parse, self.caps))
 
     @cached_property
     def space(self) -> Space:
         """The situation space for scores and coverage."""
-        from scaloft_fi.judge.space import Space
-
         return Space.of(self.grid)
 
     @cached_property
@@ -146,8 +135,6 @@ class Setup:
         Raises:
             InputError: a predicate of an axis is no formula over the signals of the log.
         """
-        from scaloft_fi.judge.space import Realisation
-
         return Realisation.read(self.grid, (*self.signals, *self.grid.passing_signals))
 
     def scenario(self, situation: Situation) -> Scenario:

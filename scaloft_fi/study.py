@@ -28,6 +28,7 @@ from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import write_whole
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.setup import Setup
+from scaloft_fi.sim.events import events_in
 from scaloft_fi.sim.found import FILE, Break, Find, read_finds
 from scaloft_fi.sim.grid import FOLDER, WITH_FOUND, grid_names, own_name, searched_grid
 from scaloft_fi.sim.happenings import HAPPENINGS
@@ -329,8 +330,6 @@ class Study(Setup):
     @cached_property
     def matrix(self) -> Matrix:
         """The deviation matrix."""
-        from scaloft_fi.sim.events import events_in
-
         matrix, world = load_matrix(self.folder / "hazop", self.stack.by_name), self.folder / "sim" / "world.yaml"
         return with_events(matrix, events_in(load(world), self.stack.beliefs))
 
