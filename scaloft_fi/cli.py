@@ -22,7 +22,7 @@ from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import ExitCode, InputError, ScaloftError, did_you_mean
 from scaloft_fi.registry import in_one_line, plugin_behind
 from scaloft_fi.verbs.completion import COMPLETION, answered
-from scaloft_fi.verbs.verb import REST, Example, HelpPage, Page
+from scaloft_fi.verbs.options import REST, Example, HelpPage, Page
 
 try:
     import resource

@@ -14,8 +14,8 @@ import click
 from scaloft_fi.cli import GROUPS, MODULES, VERBS, command_of
 from scaloft_fi.errors import ExitCode
 from scaloft_fi.model import Names, Schema
+from scaloft_fi.verbs.options import Verb
 from scaloft_fi.verbs.schema import DOCUMENTS, Document, declared_names
-from scaloft_fi.verbs.verb import Verb
 from scaloft_fi.views.output import SUMMARY, Output, Rows, flat_tables
 from scaloft_fi.views.table import markdown
 

@@ -11,8 +11,7 @@ from scaloft_fi.sim.situation import Drawn, Shape, number_text
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.listing import Entry, Listing
 from scaloft_fi.verbs.names import axes
-from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder, verb
 from scaloft_fi.views.output import Answer, Output
 
 if TYPE_CHECKING:

@@ -20,9 +20,8 @@ from scaloft_fi.judge.status import Facts, baseline_status, facts_of, flights_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.dossier import WAITING, FlightStatus, ordered
 from scaloft_fi.verbs.names import campaigns
-from scaloft_fi.verbs.options import Campaign, LineFormat, Option, Several, StudyFolder, answer
+from scaloft_fi.verbs.options import Campaign, LineFormat, Option, Several, StudyFolder, answer, verb
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
-from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 

@@ -10,8 +10,7 @@ from scaloft_fi.checks.situations import GridCheck
 from scaloft_fi.console import line
 from scaloft_fi.errors import ExitCode
 from scaloft_fi.hazop.load import find_study
-from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer, verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Format, Table, TableCell, counted, render
 

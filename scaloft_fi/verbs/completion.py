@@ -21,8 +21,7 @@ from click.shell_completion import (
 )
 
 from scaloft_fi.console import tell
-from scaloft_fi.verbs.options import Option
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import Option, verb
 
 PROGRAM = "scaloft-fi"
 COMPLETION = "_SCALOFT_FI_COMPLETE"

@@ -10,9 +10,8 @@ from scaloft_fi.analysis.coverage import SHARES, Coverage, coverage_of
 from scaloft_fi.analysis.pool import LEAST, State
 from scaloft_fi.judge.space import Space
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.options import Campaign
+from scaloft_fi.verbs.options import Campaign, verb
 from scaloft_fi.verbs.snapshot import Stale, snapshot
-from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 

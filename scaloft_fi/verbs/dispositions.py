@@ -14,9 +14,8 @@ from scaloft_fi.console import say
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import ExitCode, InputError
 from scaloft_fi.study import Study, append_drafts
-from scaloft_fi.verbs.options import Campaign, Option, StudyFolder, TableFormat, Today, answer, check_own
+from scaloft_fi.verbs.options import Campaign, Option, StudyFolder, TableFormat, Today, answer, check_own, verb
 from scaloft_fi.verbs.snapshot import snapshot
-from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import NO_POOL, in_campaign, next_find
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table, counted

@@ -17,8 +17,7 @@ from scaloft_fi.errors import GateError, InputError, ScaloftError
 from scaloft_fi.hazop.load import find_study
 from scaloft_fi.registry import PLUGIN_GROUP, in_one_line
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer, verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 

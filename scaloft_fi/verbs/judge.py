@@ -14,8 +14,7 @@ from scaloft_fi.judge.requirement import Compliance, measured_rho
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import situations
-from scaloft_fi.verbs.options import Option
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import Option, verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 

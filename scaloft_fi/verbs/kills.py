@@ -40,9 +40,8 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
-from scaloft_fi.verbs.options import Option, Several, answer, check_writable, several, write
+from scaloft_fi.verbs.options import Option, Several, answer, check_writable, several, verb, write
 from scaloft_fi.verbs.snapshot import Snapshot, Stale, snapshot
-from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import Next, Stage, Survivor, short_units, survivors
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.picture import FAINT, INK, png, svg, text

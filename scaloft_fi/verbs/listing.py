@@ -29,8 +29,7 @@ from scaloft_fi.stack.messages import (
 )
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import operators, seams
-from scaloft_fi.verbs.options import Option
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import Option, verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Format, Table, TableCell, render
 

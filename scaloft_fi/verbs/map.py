@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
 from scaloft_fi.verbs.names import situations
-from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder, TableFormat, answer, check_writable, write
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder, TableFormat, answer, check_writable, verb, write
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.picture import FloorPlan, Happens, draw_plan, png, scene_of
 from scaloft_fi.views.table import Table

@@ -25,8 +25,7 @@ from scaloft_fi.hazop.render import (
     tally,
 )
 from scaloft_fi.verbs import names
-from scaloft_fi.verbs.options import Campaign, Operability, Option, StudyFolder, TableFormat
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import Campaign, Operability, Option, StudyFolder, TableFormat, verb
 from scaloft_fi.views.table import Format, tabulated
 
 if TYPE_CHECKING:

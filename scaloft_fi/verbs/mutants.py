@@ -23,8 +23,7 @@ from scaloft_fi.mutants.catalogue import (
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
-from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, check_own
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, check_own, verb
 from scaloft_fi.views.output import Output
 from scaloft_fi.views.table import Format, body_text, tabulated
 

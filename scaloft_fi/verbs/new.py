@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.verbs.options import LineFormat, Option, answer
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import LineFormat, Option, answer, verb
 from scaloft_fi.views.output import Answer, Output
 
 

@@ -30,8 +30,7 @@ from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.judge.status import APART_M, JudgedFlight, agreement, digests, flight_of, in_step, parting_s
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.verbs.names import flights
-from scaloft_fi.verbs.options import Campaign, LineFormat, Option, StudyFolder, check_writable, write
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import Campaign, LineFormat, Option, StudyFolder, check_writable, verb, write
 from scaloft_fi.views.output import Output
 from scaloft_fi.views.picture import draw, png, scene_of, track_of
 from scaloft_fi.views.table import Format, Table, csv_text, render

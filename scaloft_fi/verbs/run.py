@@ -31,8 +31,8 @@ from scaloft_fi.verbs.options import (
     campaign_over,
     several,
     typed,
+    verb,
 )
-from scaloft_fi.verbs.verb import verb
 
 MOST_INVALID = 0.1
 FlownMutants = Annotated[

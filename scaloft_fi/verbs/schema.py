@@ -43,8 +43,7 @@ from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.study import DispositionModel, ScoreModel, Study
 from scaloft_fi.verbs.listing import OWN, argument_facts, package_of
 from scaloft_fi.verbs.names import documents
-from scaloft_fi.verbs.options import Option, StudyFolder, write
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import Option, StudyFolder, verb, write
 from scaloft_fi.views.table import Format, Table, render
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

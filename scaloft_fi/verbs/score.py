@@ -30,9 +30,8 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs import options
 from scaloft_fi.verbs.dispositions import ratchet
 from scaloft_fi.verbs.first_screen import first_screen, group_table, screen_text, tables_behind
-from scaloft_fi.verbs.options import Option, answer
+from scaloft_fi.verbs.options import Option, answer, verb
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
-from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Format, Table, render
 

@@ -57,9 +57,9 @@ from scaloft_fi.verbs.options import (
     answer,
     check_own,
     typed,
+    verb,
 )
 from scaloft_fi.verbs.snapshot import snapshot
-from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import words
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table

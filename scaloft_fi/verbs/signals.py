@@ -18,8 +18,7 @@ from scaloft_fi.stack.declaration import UNITS, Belief
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.listing import OWN, Entry, Listing, number_range, package_of
 from scaloft_fi.verbs.names import signals
-from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder
-from scaloft_fi.verbs.verb import verb
+from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder, verb
 from scaloft_fi.views.output import Answer, Output
 
 

@@ -45,10 +45,10 @@ from scaloft_fi.verbs.options import (
     answer,
     check_writable,
     tell_warnings,
+    verb,
     write,
 )
 from scaloft_fi.verbs.snapshot import Stale, snapshot
-from scaloft_fi.verbs.verb import verb
 from scaloft_fi.verbs.verdict import NO_POOL, acceptance, effect, flies, next_find, words, would_decide
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import FORMULA, Format, Table, csv_text, latex, markdown, render

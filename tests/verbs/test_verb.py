@@ -14,8 +14,7 @@ from scaloft_fi.cli import GROUPS, VERBS, command_of, main
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.reference import command_reference
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.options import Option
-from scaloft_fi.verbs.verb import REST, HelpPage, Page, Verb, verb
+from scaloft_fi.verbs.options import REST, HelpPage, Option, Page, Verb, verb
 
 ROOT = Path(__file__).parents[2]
 MANY = 10
@@ -29,7 +28,7 @@ def study() -> Study:
 
 def _command(name: str) -> Verb:
     command = command_of(name)
-    assert isinstance(command, Verb), f"{name} is not declared by @verb (scaloft_fi/verbs/verb.py)"
+    assert isinstance(command, Verb), f"{name} is not declared by @verb (scaloft_fi/verbs/options.py)"
     return command
 
 

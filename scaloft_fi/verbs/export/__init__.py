@@ -28,12 +28,13 @@ from scaloft_fi.verbs.options import (
     Option,
     StudyFolder,
     Today,
+    Verb,
     check_folder,
     check_writable,
     make_folder,
+    verb,
     write,
 )
-from scaloft_fi.verbs.verb import Verb, verb
 
 __all__ = ["FORMATS", "Dossier", "ExportFormat", "export_format"]
 

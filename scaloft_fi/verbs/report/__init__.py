@@ -10,11 +10,20 @@ from scaloft_fi.campaign.store.archive import campaign_folder, is_archive
 from scaloft_fi.console import line
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.options import AsOf, Campaign, LineFormat, Option, StudyFolder, answer, check_writable, write
+from scaloft_fi.verbs.options import (
+    AsOf,
+    Campaign,
+    LineFormat,
+    Option,
+    StudyFolder,
+    answer,
+    check_writable,
+    verb,
+    write,
+)
 from scaloft_fi.verbs.report.analyses import gather
 from scaloft_fi.verbs.report.page import page
 from scaloft_fi.verbs.snapshot import Stale
-from scaloft_fi.verbs.verb import verb
 from scaloft_fi.views.output import Answer, Output
 
 
