@@ -19,9 +19,8 @@ if TYPE_CHECKING:
     from scaloft_fi.analysis.roster import Ratio
     from scaloft_fi.campaign.workers.local import Interrupted
     from scaloft_fi.errors import GateError, InputError, ScaloftError
-    from scaloft_fi.scripting.campaign import CampaignScore, OpenCampaign
     from scaloft_fi.scripting.flight import Figure, FlownFlight, Log
-    from scaloft_fi.scripting.study import OpenStudy
+    from scaloft_fi.scripting.study import CampaignScore, OpenCampaign, OpenStudy
     from scaloft_fi.scripting.study import open_study as open  # noqa: A004 - who writes `scaloft_fi.open` means this
     from scaloft_fi.verbs.worksheet import Worksheet
     from scaloft_fi.views.output import Answer, Columns, ColumnType
@@ -52,9 +51,8 @@ _LATE = {
         "analysis.roster": "Ratio",
         "campaign.workers.local": "Interrupted",
         "errors": "GateError InputError ScaloftError",
-        "scripting.campaign": "CampaignScore OpenCampaign",
         "scripting.flight": "Figure FlownFlight Log",
-        "scripting.study": "OpenStudy open",
+        "scripting.study": "CampaignScore OpenCampaign OpenStudy open",
         "verbs.worksheet": "Worksheet",
         "views.output": "Answer ColumnType Columns",
     }.items()

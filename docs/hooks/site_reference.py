@@ -22,7 +22,7 @@ from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.status import Status
 from scaloft_fi.mutants.operator import Need
 from scaloft_fi.reference import command_reference, outputs_page, yaml_keys_page
-from scaloft_fi.scripting.campaign import OpenCampaign
+from scaloft_fi.scripting.study import OpenCampaign
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.dossier import EXPORT, FORMATS, HEAD

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated
 
-from scaloft_fi.checks.check import Check, check_study
-from scaloft_fi.checks.situations import GridCheck
+from scaloft_fi.checks.check import Check, GridCheck, check_study
 from scaloft_fi.console import line
 from scaloft_fi.errors import ExitCode
 from scaloft_fi.hazop.load import find_study

@@ -6,8 +6,8 @@ import pytest
 
 from scaloft_fi.campaign.plan import parse_seeds
 from scaloft_fi.errors import GateError, InputError
-from scaloft_fi.scripting.campaign import OpenCampaign
 from scaloft_fi.scripting.flight import in_python, number, python_words
+from scaloft_fi.scripting.study import OpenCampaign
 from scaloft_fi.verbs.options import several
 
 
