@@ -10,10 +10,12 @@ import difflib
 import hashlib
 import math
 import os
+import re
 import stat
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from datetime import date
 from functools import lru_cache
 from io import BufferedReader
 from pathlib import Path
@@ -143,6 +145,20 @@ def _unreadable(path: Path, error: OSError | ValueError) -> UnreadableError:
 
 def _too_large(most_bytes: int) -> str:
     return f"it is larger than {most_bytes:,} bytes"
+
+
+def parse_date(text: str) -> date | None:
+    """Parse a date in the form YYYY-MM-DD of ISO 8601; None for any other text.
+
+    >>> parse_date("2027-01-31"), parse_date("2027-02-30"), parse_date("20270131")
+    (datetime.date(2027, 1, 31), None, None)
+    """
+    if not re.fullmatch(r"\d{4}-\d{2}-\d{2}", text):
+        return None
+    try:
+        return date.fromisoformat(text)
+    except ValueError:
+        return None
 
 
 ITEMS = 30_000

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from scaloft_fi.analysis.detection import ALPHA, MOST_ALPHA
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.survivor import Disposition
-from scaloft_fi.document import Item, digest, is_file, is_there, load, read_text
+from scaloft_fi.document import Item, digest, is_file, is_there, load, parse_date, read_text
 from scaloft_fi.errors import Faults, InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import find_study, load_matrix
 from scaloft_fi.hazop.matrix import Matrix
@@ -228,20 +227,6 @@ def _date(item: Item) -> date:
     if day is None:
         raise item.error("a date such as 2027-01-31")
     return day
-
-
-def parse_date(text: str) -> date | None:
-    """Parse a date in the form YYYY-MM-DD of ISO 8601; None for any other text.
-
-    >>> parse_date("2027-01-31"), parse_date("2027-02-30"), parse_date("20270131")
-    (datetime.date(2027, 1, 31), None, None)
-    """
-    if not re.fullmatch(r"\d{4}-\d{2}-\d{2}", text):
-        return None
-    try:
-        return date.fromisoformat(text)
-    except ValueError:
-        return None
 
 
 def append_drafts(path: Path, mutants: Iterable[str]) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Annotated
 
 from scaloft_fi.campaign.processes import THREAD_SETTINGS, cores, one_thread_each
+from scaloft_fi.campaign.runs.gates import fly_again
 from scaloft_fi.campaign.store.origin import DECIDES, fingerprint
 from scaloft_fi.console import say
 from scaloft_fi.errors import GateError, InputError, ScaloftError
@@ -312,8 +313,6 @@ def doctor_command(
     failure: Exception | None = None
     known = None
     if not no_flight:
-        from scaloft_fi.campaign.runs.gates import fly_again
-
         try:
             known = KnownFlight(same=True, told=fly_again(say))
         except GateError as error:

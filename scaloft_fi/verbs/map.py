@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from scaloft_fi.console import say
 from scaloft_fi.errors import InputError
+from scaloft_fi.sim.situation import Situation
+from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import situations
 from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder, TableFormat, answer, check_writable, verb, write
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.picture import FloorPlan, Happens, draw_plan, png, scene_of
 from scaloft_fi.views.table import Table
-
-if TYPE_CHECKING:
-    from scaloft_fi.sim.situation import Situation
-    from scaloft_fi.study import Study
 
 
 @dataclass(frozen=True)
@@ -240,8 +238,6 @@ def map_command(
     if output is not None and output.suffix.lower() not in PICTURES:
         raise InputError(f"--output={str(output)!r} must end in .svg or .png")
     check_writable(output)
-    from scaloft_fi.study import Study
-
     study = Study.open(study_folder, grid)
     one = study.grid.situation(situation) if situation else study.grid.situations[0]
     answer(Answer(MAP, lambda: map_of(study, one), lambda: (map_table(study, one),)), style)

@@ -23,6 +23,7 @@ from click.core import ParameterSource
 
 from scaloft_fi.console import PROSE, Style, coloured, say, styled, tell, width, wrapped
 from scaloft_fi.defaults import CAMPAIGN
+from scaloft_fi.document import parse_date
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import find_study, nearest_study
 from scaloft_fi.output import unwritable, write_named
@@ -161,8 +162,6 @@ def _asked(name: str, hint: Any, option: Option, default: Any, otherwise: str) -
 def _day(_context: click.Context, _option: click.Parameter, text: str | None) -> date | None:
     if text is None:
         return None
-    from scaloft_fi.study import parse_date
-
     found = parse_date(text)
     if found is None:
         raise click.BadParameter(f"{text!r} is not a date such as 2027-01-31")

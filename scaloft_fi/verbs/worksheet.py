@@ -508,13 +508,13 @@ def to_xlsx(rows: Sequence[SheetRow]) -> bytes:
         InputError: openpyxl is not installed.
     """
     try:
-        from openpyxl import Workbook
+        from openpyxl import Workbook, styles
     except ImportError:
         raise InputError("--format=xlsx needs openpyxl: pip install 'scaloft-fi[xlsx]'") from None
     book = Workbook()
     for number, (title, shown, listed) in enumerate(sections(rows)):
-        _fill(book.create_sheet() if number else book.active, title, shown if number else COLUMNS, listed)
-    _about(book.create_sheet(), rows)
+        _fill(book.create_sheet() if number else book.active, styles, title, shown if number else COLUMNS, listed)
+    _about(book.create_sheet(), styles, rows)
     raw = io.BytesIO()
     book.save(raw)
     files = unzipped(raw.getvalue())
@@ -522,31 +522,26 @@ def to_xlsx(rows: Sequence[SheetRow]) -> bytes:
     return zipped(files | {CORE: clock.sub(b"1980-01-01T00:00:00Z", files[CORE])})
 
 
-def _fill(page: Any, title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) -> None:
-    from openpyxl.styles import Font, PatternFill
-    from openpyxl.utils import get_column_letter
-
+def _fill(page: Any, styles: Any, title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) -> None:
     page.title = title
     for at, column in enumerate(shown, 1):
-        page.column_dimensions[get_column_letter(at)].width = column.width
         part = "team" if column in TEAM else "findings" if column in FINDINGS else "study"
-        head = _put(page, 1, at, column.title)
-        head.font, head.fill = Font(bold=True), PatternFill("solid", fgColor=FILLS[part])
+        head = _put(page, styles, 1, at, column.title)
+        head.font, head.fill = styles.Font(bold=True), styles.PatternFill("solid", fgColor=FILLS[part])
+        page.column_dimensions[head.column_letter].width = column.width
     for number, row in enumerate(rows, 2):
         for at, column in enumerate(shown, 1):
-            _put(page, number, at, row.values[column.key])
+            _put(page, styles, number, at, row.values[column.key])
     page.freeze_panes = "B2"
-    page.auto_filter.ref = f"A1:{get_column_letter(len(shown))}{len(rows) + 1}"
+    page.auto_filter.ref = page.dimensions
     page.page_setup.orientation, page.page_setup.fitToWidth, page.page_setup.fitToHeight = "landscape", 1, 0
     page.sheet_properties.pageSetUpPr.fitToPage = True
     page.print_title_rows = "1:1"
 
 
-def _put(page: Any, line: int, at: int, value: SheetValue) -> Any:
-    from openpyxl.styles import Alignment
-
+def _put(page: Any, styles: Any, line: int, at: int, value: SheetValue) -> Any:
     cell = page.cell(line, at)
-    cell.alignment = Alignment(wrap_text=True, vertical="top")
+    cell.alignment = styles.Alignment(wrap_text=True, vertical="top")
     if isinstance(value, str):
         text = _ESCAPE.sub("_x005F_", printable(value))
         cell.value = text if len(text) <= LONGEST else text[: LONGEST - len(CUT)] + CUT
@@ -557,14 +552,14 @@ def _put(page: Any, line: int, at: int, value: SheetValue) -> Any:
     return cell
 
 
-def _about(page: Any, rows: Sequence[SheetRow]) -> None:
+def _about(page: Any, styles: Any, rows: Sequence[SheetRow]) -> None:
     """What the columns say, and the fields at the head of the classic sheet."""
     page.title = "About"
     lines: list[tuple[str, str]] = [*((name, "") for name in FRAME), ("Population", population(rows)), ("", "")]
     lines += [(column.title, column.about) for column in COLUMNS]
     for number, pair in enumerate(lines, 1):
         for at, part in enumerate(pair, 1):
-            _put(page, number, at, part)
+            _put(page, styles, number, at, part)
     page.column_dimensions["A"].width, page.column_dimensions["B"].width = 24, 100
 
 
