@@ -176,37 +176,33 @@ def run_command(
 
     one_thread_each()
     from scaloft_fi.analysis.pool import LEAST
+    from scaloft_fi.campaign import plan, progress
     from scaloft_fi.campaign.flights.fork import CAN_FORK
-    from scaloft_fi.campaign.plan import parse_seeds, parse_shard
-    from scaloft_fi.campaign.progress import Progress, Silence
-    from scaloft_fi.campaign.runs.gates import RunOptions
-    from scaloft_fi.campaign.runs.request import Request, fly, planned_run
-    from scaloft_fi.campaign.runs.run import budget_s
-    from scaloft_fi.campaign.store.archive import campaign_folder
-    from scaloft_fi.campaign.store.flown_grid import study_of
+    from scaloft_fi.campaign.runs import gates, request, run
+    from scaloft_fi.campaign.store import archive, flown_grid
     from scaloft_fi.campaign.workers.cluster import executor_named
-    from scaloft_fi.verbs.score import RUN, bars_of, detected_so_far, report, scored_run
+    from scaloft_fi.verbs import score
 
     campaign = campaign_over(grid, campaign)
-    request = Request(
+    asked = request.Request(
         mutants=several(mutants, "mutants"),
         situations=several(situations, "situations"),
         choose=choose,
         choose_seed=choose_seed,
-        seeds=parse_seeds(seeds) if seeds else None,
-        baseline_seeds=parse_seeds(baseline_seeds, "--baseline-seeds") if baseline_seeds else None,
+        seeds=plan.parse_seeds(seeds) if seeds else None,
+        baseline_seeds=plan.parse_seeds(baseline_seeds, "--baseline-seeds") if baseline_seeds else None,
         baseline_from=baseline_from,
         sequential=sequential,
-        shard=parse_shard(shard) if shard is not None else None,
-        budget_s=budget_s(budget) if budget is not None else None,
+        shard=plan.parse_shard(shard) if shard is not None else None,
+        budget_s=run.budget_s(budget) if budget is not None else None,
     )
-    bars = bars_of(fail_under, fail_under_firm)
-    for option, least in bars.items() if request.short_of_pool is not None else ():
+    bars = score.bars_of(fail_under, fail_under_firm)
+    for option, least in bars.items() if asked.short_of_pool is not None else ():
         raise InputError(
             f"{option}={least:g} needs a baseline pool of at least {LEAST} seeds, and --baseline-seeds="
-            f"{baseline_seeds!r} makes {request.short_of_pool} of them; leave one out"
+            f"{baseline_seeds!r} makes {asked.short_of_pool} of them; leave one out"
         )
-    options = RunOptions(
+    options = gates.RunOptions(
         executor=executor_named(executor, jobs, None if cluster_security is None else Path(cluster_security)),
         share=CAN_FORK and not no_share,
         max_invalid=max_invalid,
@@ -214,9 +210,11 @@ def run_command(
         same_platform=same_platform,
         command=typed(),
     )
-    study = study_of(study_folder, campaign, grid)
-    planned = planned_run(study, request)
-    progress = Silence() if quiet else Progress(tally=detected_so_far)
-    flown = fly(planned, campaign_folder(study, campaign), options, progress=progress)
-    scored = scored_run(flown, campaign)
-    return report(scored, RUN, grouping=None, everything=everything, style=style, tables=tables_folder, bars=bars)
+    study = flown_grid.study_of(study_folder, campaign, grid)
+    planned = request.planned_run(study, asked)
+    shown = progress.Silence() if quiet else progress.Progress(tally=score.detected_so_far)
+    flown = request.fly(planned, archive.campaign_folder(study, campaign), options, progress=shown)
+    scored = score.scored_run(flown, campaign)
+    return score.report(
+        scored, score.RUN, grouping=None, everything=everything, style=style, tables=tables_folder, bars=bars
+    )
