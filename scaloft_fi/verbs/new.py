@@ -1,15 +1,139 @@
-"""`scaloft-fi new`: write a small study, or a plugin package with a study that uses it."""
+"""`scaloft-fi new`: write a small study, or a plugin package with a study that uses it.
+
+The templates are the folder `templates/` of the checkout, which the wheel carries as `_templates`.  The files of the
+vehicle, the sensors and the stack are those of the reference study.
+"""
 
 from __future__ import annotations
 
+import keyword
 import shlex
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Literal
 
-from scaloft_fi.errors import InputError
+from scaloft_fi.document import is_folder, is_there, read_bytes
+from scaloft_fi.errors import InputError, shown
+from scaloft_fi.hazop.load import reference_study
+from scaloft_fi.output import write_whole
 from scaloft_fi.verbs.options import LineFormat, Option, answer, verb
 from scaloft_fi.views.output import Answer, Output
+
+Files = Mapping[str, bytes]
+"""Content by path, relative to the new folder."""
+
+WORD = "your_plugin"
+"""The word in the templates that stands for the name of the package."""
+MORE = ".more.yaml"
+"""The end of the name of a template whose text is appended to the file of the study."""
+SHARED = ("sim/vehicle.yaml", "sim/sensors.yaml", "sim/stack.yaml")
+"""The files of the reference study that a new study takes as they are."""
+_PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def study_files() -> Files:
+    """The files of a small study with the reference stack."""
+    reference = reference_study()
+    return {**_template("study"), **{name: read_bytes(reference / name) for name in SHARED}}
+
+
+def plugin_files(package: str) -> Files:
+    """The files of a plugin package, whose folder `study/` is the small study with its own matrix and stack.
+
+    Args:
+        package: name of the package; see `check_package_name`.
+    """
+    files = {f"study/{name}": text for name, text in study_files().items() if not name.startswith(("hazop", "mutants"))}
+    for name, text in _template("plugin").items():
+        if name.endswith(MORE):
+            below = f"{name.removesuffix(MORE)}.yaml"
+            files[below] = files[below] + b"\n" + text
+        else:
+            files[name] = text
+    return {name.replace(WORD, package): text.replace(WORD.encode(), package.encode()) for name, text in files.items()}
+
+
+def check_package_name(name: str, place: str) -> None:
+    """Refuse a name that no package can have, or that hides another package.
+
+    Args:
+        name: the name.
+        place: where it comes from, for the message.
+
+    Raises:
+        InputError: as above; the message names a near name that is possible.
+    """
+    if not name.isidentifier() or not name.isascii() or name.startswith("_") or keyword.iskeyword(name):
+        near = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in name).strip("_")
+        possible = near.isidentifier() and not keyword.iskeyword(near)
+        hint = f"; --name {near} is one" if possible else "; --name my_faults is one"
+        raise InputError(f"{place}={shown(name)} must be the name of a Python package: letters, digits and _{hint}")
+    if name in sys.stdlib_module_names or _is_installed(name):
+        raise InputError(
+            f"{place}={shown(name)} is the name of a package that is installed; choose another, as --name my_{name}"
+        )
+
+
+def write_new(folder: Path, files: Files) -> None:
+    """Write the files into a folder that is empty or does not exist; after a failure nothing of them is left.
+
+    Raises:
+        InputError: the folder is not empty, is no folder, or cannot be written.
+    """
+    try:
+        if is_there(folder) and (not is_folder(folder) or any(folder.iterdir())):
+            what = "is not empty" if is_folder(folder) else "is no folder"
+            raise InputError(f"{str(folder)!r} {what}, and `new` writes into no other than an empty or a new folder")
+        _write(folder, files)
+    except (OSError, ValueError) as error:
+        reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
+        raise InputError(f"{str(folder)!r} cannot be written: {reason}; nothing of it is left") from error
+
+
+def _write(folder: Path, files: Files) -> None:
+    made: list[Path] = []
+    try:
+        for name, content in files.items():
+            path = folder / name
+            made += _make_folders(path.parent)
+            write_whole(path, content)
+            made.append(path)
+    except BaseException:
+        for path in reversed(made):
+            with suppress(OSError):
+                path.rmdir() if is_folder(path) else path.unlink()
+        raise
+
+
+def _make_folders(folder: Path) -> list[Path]:
+    """Make a folder and those above it; returns the folders that were missing, the highest first."""
+    missing: list[Path] = []
+    while not is_there(folder):
+        missing.insert(0, folder)
+        folder = folder.parent
+    for one in missing:
+        one.mkdir()
+    return missing
+
+
+def _template(name: str) -> dict[str, bytes]:
+    """The files of one template."""
+    folder = next(one for one in (_PACKAGE / "_templates", _PACKAGE.parent / "templates") if is_folder(one)) / name
+    return {path.relative_to(folder).as_posix(): read_bytes(path) for path in _files(folder)}
+
+
+def _files(folder: Path) -> Iterator[Path]:
+    return (path for path in sorted(folder.rglob("*")) if path.is_file() and "__pycache__" not in path.parts)
+
+
+def _is_installed(name: str) -> bool:
+    """Whether a package of this name can be imported; a bare folder, such as the new one, is none."""
+    spec = find_spec(name)
+    return spec is not None and spec.origin is not None
 
 
 @dataclass(frozen=True)
@@ -65,7 +189,6 @@ def new_command(
     package, `scaloft-fi schema --write` makes that folder once the package is installed.
     """
     from scaloft_fi.sim.stacks import STACKS
-    from scaloft_fi.templates import check_package_name, plugin_files, study_files, write_new
     from scaloft_fi.verbs.schema import pointed, schema_files
 
     if name is not None and not plugin:

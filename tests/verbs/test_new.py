@@ -18,6 +18,7 @@ from refusal import run
 from scaloft_fi.document import load
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.study import Study
+from scaloft_fi.verbs import new
 from scaloft_fi.verbs.schema import DOCUMENTS
 
 KEY = re.compile(r"^[ -]*([\w-]+):(?=\s|$)")
@@ -151,16 +152,14 @@ def test_it_prints_the_next_commands_without_a_way_where_one_stands_already(
 def test_after_a_failure_nothing_is_left(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from scaloft_fi import templates
-
-    whole = templates.write_whole
+    whole = new.write_whole
 
     def fails_late(path: Path, content: bytes) -> None:
         if path.name == "world.yaml":
             raise OSError(28, os.strerror(28))
         whole(path, content)
 
-    monkeypatch.setattr(templates, "write_whole", fails_late)
+    monkeypatch.setattr(new, "write_whole", fails_late)
     assert run("new", tmp_path / "a" / "b") == 2
     assert "No space left on device; nothing of it is left" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
