@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from datetime import date
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from scaloft_fi.analysis.detection import ALPHA, MOST_ALPHA
 from scaloft_fi.analysis.roster import Roster
@@ -22,23 +22,19 @@ from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.marks import MOST, Bounds, Examples, Reads, Size
 from scaloft_fi.model import read
 from scaloft_fi.mutants.catalogue import check_catalogue, realise, with_events
-from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import write_whole
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.setup import Setup
 from scaloft_fi.sim.events import events_in
 from scaloft_fi.sim.found import FILE, Break, Find, read_finds
-from scaloft_fi.sim.grid import FOLDER, WITH_FOUND, grid_names, own_name, searched_grid
+from scaloft_fi.sim.grid import FOLDER, WITH_FOUND, Grid, grid_names, own_name, searched_grid
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import SIGNALS
+from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sim.world import ROLES
 from scaloft_fi.sources import closure, digest_of
-
-if TYPE_CHECKING:
-    from scaloft_fi.mutants.mutant import Mutant
-    from scaloft_fi.sim.grid import Grid
-    from scaloft_fi.sim.situation import Situation
 
 
 @dataclass(frozen=True)
