@@ -167,56 +167,37 @@ def axis_list(grid: Grid) -> Listing[ListedAxis]:
 def _spanning(axis: Axis) -> ListedAxis:
     met = ", ".join(f"{axis.id}{value.id}" for value in axis.values if value.realised)
     benign, *others = (value.title for value in axis.values)
-    told = ListedAxis(
-        name=axis.id,
-        title=axis.title,
-        category=axis.category,
-        kind=VALUES,
-        keys=tuple(f"{axis.id}{value.id}" for value in axis.values),
-        benign=benign,
-        summary=f"{benign} (benign), {', '.join(others)}",
-        values=tuple(
-            ListedValue(
-                f"{axis.id}{value.id}", value.title, _changes(value.changes), value.realised or f"none of {met} is met"
-            )
-            for value in axis.values
-        ),
+    keys = tuple(f"{axis.id}{value.id}" for value in axis.values)
+    values = tuple(
+        ListedValue(key, value.title, _changes(value.changes), value.realised or f"none of {met} is met")
+        for key, value in zip(keys, axis.values, strict=True)
     )
     if (own := axis.range) is None:
-        return told
-    low, high = number_text(own.edges[0]), number_text(own.edges[-1])
+        summary = f"{benign} (benign), {', '.join(others)}"
+        return ListedAxis(axis.id, axis.title, axis.category, VALUES, keys, benign, summary, values)
     middle = next(bin_ for bin_ in own.ids if bin_ != 0)
-    return replace(
-        told,
-        kind=RANGE,
-        keys=(*told.keys, f"{axis.id}{middle}={number_text(own.middle(middle))}"),
-        benign=own.told(own.benign),
-        summary=f"{low} to {high} {own.unit}, {_shape(own)}, {len(own.ids)} bins",
-        unit=own.unit,
-        low=own.edges[0],
-        high=own.edges[-1],
-        distribution=_shape(own),
-        path=own.path,
-        realised=axis.realised,
-    )
+    drawn = _drawn(axis, own, RANGE, (*keys, f"{axis.id}{middle}={number_text(own.middle(middle))}"))
+    summary = f"{drawn.summary}, {len(own.ids)} bins"
+    return replace(drawn, summary=summary, values=values, realised=axis.realised)
 
 
 def _free(axis: FreeAxis) -> ListedAxis:
+    only_with = (Companion(name, tuple(map(str, sorted(ids)))) for name, ids in axis.only_with.items())
+    drawn = _drawn(axis, axis, FREE, (f"{axis.id}={number_text(axis.at(0.5))}",))
+    return replace(drawn, also=_changes(axis.also), only_with=tuple(only_with))
+
+
+def _drawn(axis: Axis | FreeAxis, own: Drawn, kind: str, keys: tuple[str, ...]) -> ListedAxis:
+    """What is told of every axis of a number."""
     return ListedAxis(
-        name=axis.id,
-        title=axis.title,
-        category=axis.category,
-        kind=FREE,
-        keys=(f"{axis.id}={number_text(axis.at(0.5))}",),
-        benign=f"{number_text(axis.benign)} {axis.unit}",
-        summary=f"{number_text(axis.low)} to {number_text(axis.high)} {axis.unit}, {_shape(axis)}",
-        unit=axis.unit,
-        low=axis.low,
-        high=axis.high,
-        distribution=_shape(axis),
-        path=axis.path,
-        also=_changes(axis.also),
-        only_with=tuple(Companion(name, tuple(map(str, sorted(ids)))) for name, ids in axis.only_with.items()),
+        *(axis.id, axis.title, axis.category, kind, keys),
+        benign=f"{number_text(own.benign)} {own.unit}",
+        summary=f"{number_text(own.low)} to {number_text(own.high)} {own.unit}, {_shape(own)}",
+        distribution=_shape(own),
+        path=own.path,
+        unit=own.unit,
+        low=own.low,
+        high=own.high,
     )
 
 

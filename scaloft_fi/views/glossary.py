@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 
@@ -38,17 +37,13 @@ def _terms(text: str) -> tuple[Term, ...]:
 TERMS = _terms(Path(__file__).with_suffix(".txt").read_text(encoding="utf-8"))
 """Every term, in alphabetical order."""
 
+_BY_FORM = {form.casefold(): term for term in TERMS for form in (*term.also, term.name)}
 
-@cache
+
 def term(text: str) -> Term | None:
     """The term that has this name or other form, whatever its capitals; None when the glossary has none.
 
     >>> term("Kills").name
     'kill'
     """
-    return _by_form().get(text.casefold())
-
-
-@cache
-def _by_form() -> dict[str, Term]:
-    return {form.casefold(): term for term in TERMS for form in (*term.also, term.name)}
+    return _BY_FORM.get(text.casefold())
