@@ -144,6 +144,7 @@ VERBS: dict[str, str] = dict(chain.from_iterable(group.items() for group in GROU
 MODULES = {
     **dict.fromkeys(("seams", "operators"), "listing"),
     **dict.fromkeys(("status", "diff", "merge"), "campaigns"),
+    **dict.fromkeys(("axes", "coverage"), "situations"),
 }
 """The file of a verb, where it is not named after the verb."""
 

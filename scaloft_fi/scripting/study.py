@@ -29,7 +29,7 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.output import write_named
 from scaloft_fi.scripting.flight import Figure, FlownFlight, described, in_python, number
 from scaloft_fi.study import Study
-from scaloft_fi.verbs import campaigns, coverage, dispositions, kills, margin, seek, worksheet
+from scaloft_fi.verbs import campaigns, dispositions, kills, margin, seek, situations, worksheet
 from scaloft_fi.verbs.campaigns import MergedCampaigns, MergedPlatform
 from scaloft_fi.verbs.check import checked
 from scaloft_fi.verbs.export.dossier import FORMATS, dossier, flight_columns
@@ -360,7 +360,7 @@ class OpenCampaign:
             return file
 
     status = of_campaign(campaigns.status)
-    coverage = of_campaign(coverage.coverage)
+    coverage = of_campaign(situations.coverage)
     kills = of_campaign(kills.kills)
     when = of_campaign(margin.when_answer)
     worksheet = of_campaign(worksheet.worksheet)

@@ -25,7 +25,7 @@ from scaloft_fi.judge.requirement import Compliance, Kind, rho_text
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Rulings, Status
 from scaloft_fi.study import NO_FINDS, KnownFinds
-from scaloft_fi.verbs.coverage import coverage_tables
+from scaloft_fi.verbs.situations import coverage_tables
 from scaloft_fi.verbs.verdict import Next, advice, command, effect, flies, in_campaign, next_find, words
 from scaloft_fi.views.output import printed_of
 from scaloft_fi.views.table import Format, Table, commands, counted, render

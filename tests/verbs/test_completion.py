@@ -18,11 +18,11 @@ from said import as_recorded
 
 from scaloft_fi.cli import main
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.axes import axis_list
 from scaloft_fi.verbs.completion import COMPLETION, answered
 from scaloft_fi.verbs.listing import Listing, operator_list, seam_list
 from scaloft_fi.verbs.names import OPERATOR, declared
 from scaloft_fi.verbs.signals import signal_list
+from scaloft_fi.verbs.situations import axis_list
 
 STUDY = Path(__file__).parents[2]
 BREAKS = " \t\n\"'@><=;|&(:"

@@ -19,9 +19,9 @@ from scaloft_fi.judge.stl import Formula
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.log import SIGNALS, TRUTH_NAMES
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.axes import Change, Companion, axis_list
 from scaloft_fi.verbs.listing import Listing, acted_on, operator_list, sample_text, seam_list
 from scaloft_fi.verbs.signals import BOTH, EXAMPLES, REALISED, TO_ASK, signal_list
+from scaloft_fi.verbs.situations import Change, Companion, axis_list
 
 STUDY = Path(__file__).parents[2]
 

@@ -12,7 +12,7 @@ from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.score import By, Score
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.verbs import axes, first_screen, listing, signals
+from scaloft_fi.verbs import first_screen, listing, signals, situations
 from scaloft_fi.verbs.first_screen import NAMES
 from scaloft_fi.verbs.worksheet import COLUMNS
 from scaloft_fi.views.glossary import TERMS, term
@@ -23,8 +23,7 @@ def test_every_heading_of_every_table_is_a_term() -> None:
     pages = [text for words, (_, text, _) in recorded().items() if words.endswith(("markdown", "sace"))]
     assert len({head for page in pages for head in headings(page)}) > 120
     assert {head for page in pages for head in no_terms(page)} == set()
-    listed = [head for module in (axes, signals) for head in module.OVERVIEW]
-    listed += [*listing.SEAM_OVERVIEW, *listing.OPERATOR_OVERVIEW]
+    listed = [*situations.AXIS_OVERVIEW, *signals.OVERVIEW, *listing.SEAM_OVERVIEW, *listing.OPERATOR_OVERVIEW]
     of_screens = [
         head for columns in (*first_screen.COLUMNS.values(), first_screen.CONTROL_COLUMNS) for head in columns
     ]
