@@ -9,21 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import click
 
 from scaloft_fi.console import tell, width, wrapped
+from scaloft_fi.hazop import render
 from scaloft_fi.hazop.load import find_study, load_matrix
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.hazop.render import (
-    HEADER,
-    SHORT_HEADER,
-    blocks,
-    cells,
-    grid_table,
-    legend,
-    overview,
-    rows,
-    sheet,
-    short_rows,
-    tally,
-)
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import Campaign, Operability, Option, StudyFolder, TableFormat, verb
 from scaloft_fi.views.table import Format, tabulated
@@ -107,16 +95,16 @@ def _with_events(matrix: Matrix, study_folder: Path | None) -> Matrix:
 def _all(matrix: Matrix, style: str) -> str:
     if style == "table":
         hint = f"one cell whole: `scaloft-fi matrix --cell {next(iter(matrix)).name}`; the grid alone: `--grid`"
-        return "\n\n".join([overview(matrix, width()), cells(matrix, width()), wrapped(hint, width())])
+        return "\n\n".join([render.overview(matrix, width()), render.cells(matrix, width()), wrapped(hint, width())])
     if style == "csv":
-        return _tabulated(HEADER, rows(matrix), style)
-    return _tabulated(SHORT_HEADER, short_rows(matrix), style)
+        return _tabulated(render.HEADER, render.rows(matrix), style)
+    return _tabulated(render.SHORT_HEADER, render.short_rows(matrix), style)
 
 
 def _grid(matrix: Matrix, style: str) -> str:
     if style == "table":
-        return overview(matrix, width())
-    header, lines = grid_table(matrix)
+        return render.overview(matrix, width())
+    header, lines = render.grid_table(matrix)
     header = ["parameter", *header[1:]]
     return _tabulated(header, lines, style)
 
@@ -137,8 +125,10 @@ def _margins(study_folder: Path | None, campaign: str, style: str, *, operabilit
     header = ["parameter", *(word.id for word in matrix.guidewords)]
     lines = [[p.id, *(by_cell[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
     if style == "table":
-        grid = blocks(["", *header[1:]], lines, width())
-        return "\n".join([grid, "", legend(LEGEND, width(), LEGEND_AT), "", wrapped(tally(matrix), width())])
+        grid = render.blocks(["", *header[1:]], lines, width())
+        return "\n".join(
+            [grid, "", render.legend(LEGEND, width(), LEGEND_AT), "", wrapped(render.tally(matrix), width())]
+        )
     return _tabulated(header, lines, style)
 
 
@@ -146,11 +136,11 @@ def _one(matrix: Matrix, name: str, style: str, study_folder: Path | None) -> st
     cell = matrix.cell(name)
     if style == "table":
         edges = {seam.name: seam.edge for seam in _opened(study_folder).stack.seams} if cell.faults else {}
-        return sheet(matrix, cell, edges, width())
-    row = rows(matrix.only([cell.guideword], [cell.parameter]))[0]
+        return render.sheet(matrix, cell, edges, width())
+    row = render.rows(matrix.only([cell.guideword], [cell.parameter]))[0]
     if style == "csv":
-        return _tabulated(HEADER, [row], style)
-    lines = [[name, text] for name, text in zip(HEADER[1:], row[1:], strict=True) if text]
+        return _tabulated(render.HEADER, [row], style)
+    lines = [[name, text] for name, text in zip(render.HEADER[1:], row[1:], strict=True) if text]
     return _tabulated(("cell", cell.name), lines, style)
 
 

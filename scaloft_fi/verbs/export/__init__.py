@@ -21,20 +21,9 @@ from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.study import Study
-from scaloft_fi.verbs import names
+from scaloft_fi.verbs import names, options
 from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, ExportFormat, dossier, export_format, unzipped
-from scaloft_fi.verbs.options import (
-    Campaign,
-    Option,
-    StudyFolder,
-    Today,
-    Verb,
-    check_folder,
-    check_writable,
-    make_folder,
-    verb,
-    write,
-)
+from scaloft_fi.verbs.options import Option, check_folder, check_writable, make_folder, verb, write
 
 __all__ = ["FORMATS", "Dossier", "ExportFormat", "export_format"]
 
@@ -46,7 +35,7 @@ ARCHIVE, ZIP = "archive", ".zip"
 """The format of several files; the end of the name of one that holds them all."""
 
 
-class ExportCommand(Verb):
+class ExportCommand(options.Verb):
     """Its help lists every format, those of plugins too."""
 
     def sections(self, ctx: click.Context) -> list[tuple[str, list[tuple[str, str]]]]:
@@ -67,13 +56,13 @@ class ExportCommand(Verb):
 )
 def export_command(
     *,
-    study_folder: StudyFolder,
-    campaign: Campaign,
+    study_folder: options.StudyFolder,
+    campaign: options.Campaign,
     style: Annotated[
         str,
         Option("One of the formats listed below.", "--format", metavar="NAME", complete=names.formats, default="json"),
     ],
-    today: Today,
+    today: options.Today,
     output: Annotated[Path | None, Option("Write there instead of printing.", metavar="FILE")],
 ) -> None:
     """Print one row per flight, ordered by mutant, situation and seed, or the campaign in another tool's format.

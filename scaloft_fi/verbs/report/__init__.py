@@ -10,17 +10,8 @@ from scaloft_fi.campaign.store.archive import campaign_folder, is_archive
 from scaloft_fi.console import line
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.options import (
-    AsOf,
-    Campaign,
-    LineFormat,
-    Option,
-    StudyFolder,
-    answer,
-    check_writable,
-    verb,
-    write,
-)
+from scaloft_fi.verbs import options
+from scaloft_fi.verbs.options import Option, answer, check_writable, verb, write
 from scaloft_fi.verbs.report.analyses import gather
 from scaloft_fi.verbs.report.page import page
 from scaloft_fi.verbs.snapshot import Stale
@@ -56,13 +47,13 @@ NAME = "report.html"
 )
 def report_command(
     *,
-    study_folder: StudyFolder,
-    campaign: Campaign,
+    study_folder: options.StudyFolder,
+    campaign: options.Campaign,
     output: Annotated[
         Path | None, Option("Write the page there.", metavar="FILE", otherwise="report.html in the campaign's folder")
     ],
-    today: AsOf,
-    style: LineFormat,
+    today: options.AsOf,
+    style: options.LineFormat,
 ) -> None:
     """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
     check_writable(output)
