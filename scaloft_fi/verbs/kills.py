@@ -10,28 +10,10 @@ from typing import Annotated, Any
 
 import click
 
+from scaloft_fi.analysis import suite as suites
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.kill_matrix import KillMatrix, kill_matrix
 from scaloft_fi.analysis.roster import Ratio
-from scaloft_fi.analysis.suite import (
-    NIST,
-    NIST_SOURCE,
-    ChosenKills,
-    Interaction,
-    KillOrder,
-    Node,
-    Redundancy,
-    SituationKills,
-    Subsumption,
-    Suite,
-    chosen_kills,
-    interactions,
-    minimal_suite,
-    orders,
-    redundancies,
-    situation_kills,
-    subsumption,
-)
 from scaloft_fi.analysis.survivor import backgrounds
 from scaloft_fi.console import printable, tell_line
 from scaloft_fi.errors import InputError, did_you_mean
@@ -76,7 +58,7 @@ def with_detected(shown: Sequence[Table], matrix: KillMatrix) -> list[Table]:
     return [replace(shown[0], notes=(*shown[0].notes, *notes)), *shown[1:]]
 
 
-def interaction_table(listed: Sequence[Interaction]) -> Table:
+def interaction_table(listed: Sequence[suites.Interaction]) -> Table:
     """Per killed mutant its condition and its kill interaction order."""
     rows = []
     for one in listed:
@@ -85,24 +67,24 @@ def interaction_table(listed: Sequence[Interaction]) -> Table:
     return Table("Killed where", ("mutant", "situations", "order", "condition"), tuple(rows), (ORDER,))
 
 
-def order_table(orders: Sequence[KillOrder]) -> Table:
+def order_table(orders: Sequence[suites.KillOrder]) -> Table:
     """The histogram of orders, cumulative, beside NIST's."""
     rows: list[tuple[TableCell, ...]] = []
     for size, mutants, _, share in orders:
-        nist = [_percent(shares[size - 1] if 1 <= size <= len(shares) else None) for shares in NIST.values()]
+        nist = [_percent(shares[size - 1] if 1 <= size <= len(shares) else None) for shares in suites.NIST.values()]
         rows.append((size, mutants, _percent(share) or "n/a", *nist))
     notes = (
         "Default mutants of credible cells that are killed, % with at most this order; NIST's failures beside them.",
-        f"Source: {NIST_SOURCE}; blank: not at hand.  NIST counts input variables, here axes of the grid count.",
+        f"Source: {suites.NIST_SOURCE}; blank: not at hand.  NIST counts input variables, here axes of the grid count.",
     )
-    return Table("Kill interaction orders", ("order", "mutants", "at most %", *NIST), tuple(rows), notes)
+    return Table("Kill interaction orders", ("order", "mutants", "at most %", *suites.NIST), tuple(rows), notes)
 
 
 def _percent(share: float | None) -> str:
     return "" if share is None else f"{share:.0f}"
 
 
-def situation_table(listed: Sequence[SituationKills], space: Space, *, short: bool = False) -> Table:
+def situation_table(listed: Sequence[suites.SituationKills], space: Space, *, short: bool = False) -> Table:
     """Per situation what it kills and what it alone kills; `short` leaves out those between."""
     shown = [entry for entry in listed if not short or entry.alone or not entry.killed]
     rows = tuple(
@@ -131,11 +113,11 @@ def situation_table(listed: Sequence[SituationKills], space: Space, *, short: bo
     )
 
 
-def suite_table(suite: Suite, matrix: KillMatrix) -> Table:
+def suite_table(suite: suites.Suite, matrix: KillMatrix) -> Table:
     """The smallest set of situations that keeps every kill, and how far its first ones come."""
     rows = []
     for number, key in enumerate(suite.situations, start=1):
-        so_far, own = chosen_kills(matrix, suite.situations[:number]), chosen_kills(matrix, [key])
+        so_far, own = suites.chosen_kills(matrix, suite.situations[:number]), suites.chosen_kills(matrix, [key])
         needed = "yes" if key in suite.needed else ""
         words = ", ".join(matrix.space.words_of(key))
         rows.append((key, words, needed, own.killed.part, str(so_far.killed), str(so_far.dominator_score)))
@@ -149,7 +131,7 @@ def suite_table(suite: Suite, matrix: KillMatrix) -> Table:
     return Table("Smallest set of situations", headers, tuple(rows), (*notes, COUNTED))
 
 
-def chosen_table(chosen: ChosenKills) -> Table:
+def chosen_table(chosen: suites.ChosenKills) -> Table:
     """What some situations kill together."""
     rows = (
         ("killed", str(chosen.killed), "of the mutants killed in any situation flown"),
@@ -164,16 +146,16 @@ def chosen_table(chosen: ChosenKills) -> Table:
     return Table(f"These {len(chosen.situations)} situations", ("", "mutants", ""), rows, (note, COUNTED))
 
 
-def subsumption_table(graph: Subsumption, *, short: bool = False) -> Table:
+def subsumption_table(graph: suites.Subsumption, *, short: bool = False) -> Table:
     """The subsumption graph as indented rows; `short` leaves only the minimal mutants."""
-    above: dict[int, list[Node]] = {node.node: [] for node in graph.nodes}
-    below: dict[int, list[Node]] = {node.node: [] for node in graph.nodes}
+    above: dict[int, list[suites.Node]] = {node.node: [] for node in graph.nodes}
+    below: dict[int, list[suites.Node]] = {node.node: [] for node in graph.nodes}
     for upper, lower in graph.edges:
         above[lower].append(graph.nodes[upper])
         below[upper].append(graph.nodes[lower])
     rows: list[tuple[str, int, str]] = []
 
-    def add(node: Node) -> None:
+    def add(node: suites.Node) -> None:
         others = ", ".join(upper.name for upper in above[node.node])
         rows.append(("> " * node.layer + ", ".join(node.mutants), len(node.kills), others))
         # a node stands below the last of the nodes that subsume it directly from the layer before
@@ -191,7 +173,7 @@ def subsumption_table(graph: Subsumption, *, short: bool = False) -> Table:
     return Table("Subsumption", ("mutants", "killed in", "subsumed by"), tuple(rows), tuple(notes))
 
 
-def redundancy_table(listed: Sequence[Redundancy]) -> Table:
+def redundancy_table(listed: Sequence[suites.Redundancy]) -> Table:
     """Per cell with several killed mutants, how many say what another says."""
     rows = tuple(
         (entry.cell, str(entry.redundant), "; ".join(" = ".join(group) for group in entry.duplicates))
@@ -272,13 +254,13 @@ class CampaignKills:
 
     matrix: KillMatrix
     stale: Stale
-    chosen: ChosenKills | None = None
-    conditions: tuple[Interaction, ...] | None = None
-    orders: tuple[KillOrder, ...] | None = None
-    situations: tuple[SituationKills, ...] | None = None
-    suite: Suite | None = None
-    subsumption: Subsumption | None = None
-    redundancies: tuple[Redundancy, ...] | None = None
+    chosen: suites.ChosenKills | None = None
+    conditions: tuple[suites.Interaction, ...] | None = None
+    orders: tuple[suites.KillOrder, ...] | None = None
+    situations: tuple[suites.SituationKills, ...] | None = None
+    suite: suites.Suite | None = None
+    subsumption: suites.Subsumption | None = None
+    redundancies: tuple[suites.Redundancy, ...] | None = None
     survivors: tuple[Survivor, ...] | None = None
     KEYS = (
         *("matrix.values", "mutants=matrix.rows", "matrix.results", "detected_without_kill=matrix.scattered", "chosen"),
@@ -312,18 +294,18 @@ def kills(
         study = now.study
         matrix, stale = _chosen(now, patterns), now.stale
         cases = _survivors(now, matrix) if "survivors" in wanted else None
-    found = interactions(matrix) if "conditions" in wanted else None
-    graph = subsumption(matrix.kill_sets(by_requirement)) if "subsumption" in wanted else None
+    found = suites.interactions(matrix) if "conditions" in wanted else None
+    graph = suites.subsumption(matrix.kill_sets(by_requirement)) if "subsumption" in wanted else None
     told = CampaignKills(
         matrix,
         stale,
-        chosen=chosen_kills(matrix, (one.key for one in study.grid.select(keys))) if keys else None,
+        chosen=suites.chosen_kills(matrix, (one.key for one in study.grid.select(keys))) if keys else None,
         conditions=found,
-        orders=None if found is None else orders(found, matrix.space),
-        situations=situation_kills(matrix) if "situations" in wanted else None,
-        suite=minimal_suite(matrix.kills, matrix.flown) if "suite" in wanted else None,
+        orders=None if found is None else suites.orders(found, matrix.space),
+        situations=suites.situation_kills(matrix) if "situations" in wanted else None,
+        suite=suites.minimal_suite(matrix.kills, matrix.flown) if "suite" in wanted else None,
         subsumption=graph,
-        redundancies=None if graph is None else redundancies(graph),
+        redundancies=None if graph is None else suites.redundancies(graph),
         survivors=cases,
     )
     return Answer(
@@ -394,7 +376,7 @@ Slot = tuple[int, int, int]
 """What takes a place in a layer: (layer, node, -1), or (layer, above, below) where an edge passes through."""
 
 
-def draw_subsumption(graph: Subsumption, *, title: str = "What subsumes what") -> str:
+def draw_subsumption(graph: suites.Subsumption, *, title: str = "What subsumes what") -> str:
     """The graph as the text of an SVG file: layers from left to right (Sugiyama, Tagawa and Toda, 1981)."""
     boxes, wide, high = _places(graph)
     wide = max(wide, 620.0)
@@ -410,13 +392,13 @@ def draw_subsumption(graph: Subsumption, *, title: str = "What subsumes what") -
     return svg(wide, high, title, parts, font_size=12)
 
 
-def _way(graph: Subsumption, above: int, below: int) -> list[Slot]:
+def _way(graph: suites.Subsumption, above: int, below: int) -> list[Slot]:
     """The slots of an edge: of the node above, of the layers between that it passes through, of the node below."""
     first, last = graph.nodes[above].layer, graph.nodes[below].layer
     return [(first, above, -1), *((layer, above, below) for layer in range(first + 1, last)), (last, below, -1)]
 
 
-def _places(graph: Subsumption) -> tuple[dict[Slot, Box], float, float]:
+def _places(graph: suites.Subsumption) -> tuple[dict[Slot, Box], float, float]:
     """Where everything is, and the size of the picture [px]."""
     layers = _ordered(graph)
     lines = {slot: _lines(graph.nodes[slot[1]]) for members in layers for slot in members if slot[2] < 0}
@@ -435,7 +417,7 @@ def _places(graph: Subsumption) -> tuple[dict[Slot, Box], float, float]:
     return boxes, x - GAP_X + MARGIN, TOP + high + MARGIN
 
 
-def dot(graph: Subsumption) -> str:
+def dot(graph: suites.Subsumption) -> str:
     """The graph in the DOT language of Graphviz."""
 
     def quoted(words: str) -> str:
@@ -449,7 +431,7 @@ def dot(graph: Subsumption) -> str:
     return "\n".join([*lines, "}", ""])
 
 
-def _ordered(graph: Subsumption) -> list[list[Slot]]:
+def _ordered(graph: suites.Subsumption) -> list[list[Slot]]:
     """The layers, each sorted by the mean place of its slots' neighbours, again and again, so that few lines cross."""
     layers: list[list[Slot]] = [[] for _ in {node.layer for node in graph.nodes}]
     for node in graph.nodes:
@@ -470,7 +452,7 @@ def _ordered(graph: Subsumption) -> list[list[Slot]]:
     return layers
 
 
-def _lines(node: Node) -> list[str]:
+def _lines(node: suites.Node) -> list[str]:
     kept = node.mutants if len(node.mutants) <= MOST_LINES else node.mutants[: MOST_LINES - 1]
     names = [name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 3] + "..." for name in kept]
     rest = len(node.mutants) - len(kept)
@@ -496,7 +478,7 @@ def _middle(box: Box) -> float:
     return box[1] + box[3] / 2
 
 
-def _box(node: Node, box: Box, *, thick: bool) -> list[str]:
+def _box(node: suites.Node, box: Box, *, thick: bool) -> list[str]:
     x, y, width, height = box
     frame = f'x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}" rx="4"'
     parts = [
@@ -576,7 +558,7 @@ def kills_command(
     study = Study.open(study_folder)
     if output is not None:
         with snapshot(study, campaign) as now:
-            graph = subsumption(_chosen(now, several(mutants, "mutants")).kill_sets(by_requirement))
+            graph = suites.subsumption(_chosen(now, several(mutants, "mutants")).kill_sets(by_requirement))
         drawn = dot(graph) if output.suffix.lower() == ".dot" else draw_subsumption(graph)
         write(output, png(drawn) if output.suffix.lower() == ".png" else drawn.encode())
         tell_line(f"subsumption graph: {output}")

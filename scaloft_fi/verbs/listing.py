@@ -17,16 +17,8 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.mutants.operator import Argument, Operator
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.registry import PLUGIN_GROUP
+from scaloft_fi.stack import messages
 from scaloft_fi.stack.declaration import UNITS, Seam
-from scaloft_fi.stack.messages import (
-    Point,
-    field_names,
-    field_type,
-    image_fields,
-    number_fields,
-    stamp_fields,
-    vector_fields,
-)
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import operators, seams
 from scaloft_fi.verbs.options import Option, verb
@@ -171,14 +163,14 @@ def fields_of(seam: Seam) -> tuple[MessageField, ...]:
     """The fields of a seam's message."""
     return tuple(
         MessageField(name, kind_of(seam.message, name), _unit_of_field(seam, name))
-        for name in field_names(seam.message)
+        for name in messages.field_names(seam.message)
     )
 
 
 def _unit_of_field(seam: Seam, name: str) -> str:
-    if name in stamp_fields(seam.message):
+    if name in messages.stamp_fields(seam.message):
         return "s"
-    if name in number_fields(seam.message):
+    if name in messages.number_fields(seam.message):
         return seam.unit(name)
     return ""
 
@@ -192,12 +184,12 @@ def kind_of(message: type, name: str) -> str:
     >>> kind_of(Detections, "persons")
     'Person, any number of: label text, score number, bearing_rad number [rad], range_m number [m]'
     """
-    if name in stamp_fields(message):
+    if name in messages.stamp_fields(message):
         return "time stamp"
-    if name in image_fields(message):
+    if name in messages.image_fields(message):
         return "image"
-    hint = field_type(message, name)
-    if hint == Point or name in vector_fields(message):
+    hint = messages.field_type(message, name)
+    if hint == messages.Point or name in messages.vector_fields(message):
         return "3 numbers x, y, z"
     return _kind_said(hint)
 
@@ -210,17 +202,17 @@ def _kind_said(hint: Any) -> str:
         if rest == [Ellipsis]:
             return (
                 f"{_inner(first)}, any number of"
-                if not field_names(first)
+                if not messages.field_names(first)
                 else f"{first.__name__}, any number of: {_whole(first)}"
             )
         return f"{len(rest) + 1} values"
-    if field_names(hint):
+    if messages.field_names(hint):
         return f"{hint.__name__}: {_whole(hint)}"
     return "numbers" if "float" in str(hint) else "true or false, any number of" if "bool" in str(hint) else "values"
 
 
 def _inner(hint: Any) -> str:
-    return "3 numbers x, y, z" if hint == Point else _kind_said(hint)
+    return "3 numbers x, y, z" if hint == messages.Point else _kind_said(hint)
 
 
 def _whole(message: type) -> str:
@@ -228,7 +220,7 @@ def _whole(message: type) -> str:
         unit = UNITS.get(name.rpartition("_")[2], "") if "_" in name else ""
         return f"{name} {kind_of(message, name)}" + (f" [{unit}]" if unit else "")
 
-    return ", ".join(map(one, field_names(message)))
+    return ", ".join(map(one, messages.field_names(message)))
 
 
 SEAM_OVERVIEW = {
@@ -349,7 +341,7 @@ def acted_on(seam: Seam) -> tuple[str, ...]:
 
     A declared effect is a function of the sample; it acts on what its code names.
     """
-    fields = field_names(seam.message)
+    fields = messages.field_names(seam.message)
     if seam.effect is Seam.__dataclass_fields__["effect"].default:
         return tuple(fields)
     named = set(_names_in(seam.effect))

@@ -11,15 +11,7 @@ import click
 
 from scaloft_fi.console import say, tell, tell_line, width
 from scaloft_fi.errors import InputError
-from scaloft_fi.mutants.catalogue import (
-    CATALOGUE,
-    check_catalogue,
-    default_of,
-    defaults,
-    derive,
-    select,
-    write_catalogue,
-)
+from scaloft_fi.mutants import catalogue
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
@@ -117,16 +109,16 @@ def mutants_command(
     study = Study.open(study_folder)
     folder = study.folder / "mutants"
     if write:
-        check_own(study, study_folder, folder / CATALOGUE)
+        check_own(study, study_folder, folder / catalogue.CATALOGUE)
     matrix = study.matrix
-    derived = check_catalogue(folder, matrix) if check else derive(matrix)
-    default_ids = {mutant.id for mutant in defaults(matrix)}
-    path = write_catalogue(folder, derived) if write else folder / CATALOGUE
+    derived = catalogue.check_catalogue(folder, matrix) if check else catalogue.derive(matrix)
+    default_ids = {mutant.id for mutant in catalogue.defaults(matrix)}
+    path = catalogue.write_catalogue(folder, derived) if write else folder / catalogue.CATALOGUE
     current = write or check or _is_current(folder, matrix)
     chosen = derived if write or check else _chosen(derived, matrix, patterns, cells, only_defaults=only_defaults)
     if style == Format.JSON:
-        catalogue = Catalogue(str(path), current, write, len(derived), len(default_ids))
-        tell(MUTANTS.json(MutantList(catalogue, tuple(ListedMutant(one, one.id in default_ids) for one in chosen))))
+        told = Catalogue(str(path), current, write, len(derived), len(default_ids))
+        tell(MUTANTS.json(MutantList(told, tuple(ListedMutant(one, one.id in default_ids) for one in chosen))))
     elif write or (check and style != Format.CSV):
         tell_line(f"{path}: {'' if write else 'current, '}{len(derived)} mutants of {len(default_ids)} cells")
     else:
@@ -136,7 +128,7 @@ def mutants_command(
 def _is_current(folder: Path, matrix: Matrix) -> bool:
     """Whether the written catalogue is what the matrix gives; a warning says why it is not."""
     try:
-        check_catalogue(folder, matrix)
+        catalogue.check_catalogue(folder, matrix)
     except InputError as error:
         say(f"warning: {error}")
         return False
@@ -148,14 +140,14 @@ def _chosen(
 ) -> Sequence[Mutant]:
     """What the user asks for; without a word the whole catalogue."""
     for name in cells:
-        default_of(matrix.cell(name))  # refuses a cell without mutants, with its reason
-    chosen = list(select(patterns, matrix, derived))
+        catalogue.default_of(matrix.cell(name))  # refuses a cell without mutants, with its reason
+    chosen = list(catalogue.select(patterns, matrix, derived))
     known = {mutant.id for mutant in chosen}
     if cells or not patterns:
         chosen += [m for m in derived if (not cells or m.cell in cells) and m.id not in known]
     if not only_defaults:
         return chosen
-    kept = {mutant.id for mutant in defaults(matrix)}
+    kept = {mutant.id for mutant in catalogue.defaults(matrix)}
     return [mutant for mutant in chosen if mutant.id in kept]
 
 

@@ -26,17 +26,7 @@ from scaloft_fi.analysis.margin import Scale
 from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import MutantScore, Score, score
 from scaloft_fi.analysis.survivor import Disposition, accepted_survivors, score_without
-from scaloft_fi.campaign.store.archive import (
-    EXTRA,
-    MANIFEST,
-    NUMBERS,
-    OUTCOMES,
-    TEXT,
-    TRACKS,
-    VERSION,
-    WHOLES,
-    study_files,
-)
+from scaloft_fi.campaign.store import archive
 from scaloft_fi.console import json_text, printable
 from scaloft_fi.defaults import SEARCHED, __version__
 from scaloft_fi.document import is_there, read_bytes, read_text
@@ -510,7 +500,7 @@ def parquet_file(table: pyarrow.Table) -> bytes:
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
 """Date of every file: the earliest that ZIP knows."""
-_TYPES = {TEXT: ColumnType.TEXT, WHOLES: ColumnType.WHOLES, NUMBERS: ColumnType.NUMBERS}
+_TYPES = {archive.TEXT: ColumnType.TEXT, archive.WHOLES: ColumnType.WHOLES, archive.NUMBERS: ColumnType.NUMBERS}
 """Types of columns by their names in Arrow."""
 
 
@@ -552,13 +542,15 @@ def archive_files(
     """
     with snapshot(study, campaign) as now:
         study = now.study
-        files = {OUTCOMES: outcome_file(now.outcomes, study), TRACKS: _tracks(now, kept)}
+        files = {archive.OUTCOMES: outcome_file(now.outcomes, study), archive.TRACKS: _tracks(now, kept)}
         platform, notes = now.store.meta(), now.store.notes()
         campaign = Path(now.name).name
     if documents:
-        files |= {path.relative_to(study.folder).as_posix(): read_bytes(path) for path in study_files(study.folder)}
+        files |= {
+            path.relative_to(study.folder).as_posix(): read_bytes(path) for path in archive.study_files(study.folder)
+        }
     content = {
-        "archive": VERSION,
+        "archive": archive.VERSION,
         "study": study.name,
         "campaign": campaign,
         "platform": platform,
@@ -567,7 +559,7 @@ def archive_files(
         "axes": list(study.space.axes),
         "files": {name: hashlib.sha256(file).hexdigest() for name, file in files.items()},
     }
-    return {MANIFEST: (json.dumps(content, indent=1) + "\n").encode(), **files}
+    return {archive.MANIFEST: (json.dumps(content, indent=1) + "\n").encode(), **files}
 
 
 def outcome_file(outcomes: Sequence[Outcome], study: Study) -> bytes:
@@ -579,9 +571,9 @@ def outcome_file(outcomes: Sequence[Outcome], study: Study) -> bytes:
     names = [requirement.name for requirement in study.requirements]
     rows = export_rows(outcomes, study.roster, study.space, names)
     types = {name: column_type(name) for name in columns(rows, names)}
-    types |= {name: _TYPES[extra.type] for name, extra in EXTRA.items()}
+    types |= {name: _TYPES[extra.type] for name, extra in archive.EXTRA.items()}
     listed = ordered(outcomes, study.roster, study.space)
-    more = ({name: extra.value(one) for name, extra in EXTRA.items()} for one in listed)
+    more = ({name: extra.value(one) for name, extra in archive.EXTRA.items()} for one in listed)
     return parquet_file(Columns("Flights", types, (row | extra for row, extra in zip(rows, more, strict=True))).arrow())
 
 
