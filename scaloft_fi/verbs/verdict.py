@@ -136,20 +136,16 @@ def lacks_pool(mutant: MutantScore, lacking: Collection[str]) -> bool:
 
 
 def _detected(mutant: MutantScore) -> str:
+    firm = mutant.firmness.words if mutant.firmness else ""
     if mutant.kills:
         names = {kill.requirement for kill in mutant.kills}
         by = ", ".join(
             f"{name} in {ratio.part} of {ratio.whole}" for name, ratio in mutant.requirements if name in names
         )
-        return f"killed in {len(mutant.killing)} of {_tests(mutant)} ({by}); {_firm(mutant)}"
+        return f"killed in {len(mutant.killing)} of {_tests(mutant)} ({by}); {firm}"
     by = ", ".join(f"{name} (p = {mutant.safety.p[name]:.2g})" for name in mutant.safety.by)
     seen = f"; seen in {len(mutant.seen_in)} of {_tests(mutant)}" if mutant.seen_in else ""
-    often = f"it violates {by} more often than chance explains, but nowhere in most of its flights{seen}"
-    return f"{often}; {_firm(mutant)}"
-
-
-def _firm(mutant: MutantScore) -> str:
-    return mutant.firmness.words if mutant.firmness else ""
+    return f"it violates {by} more often than chance explains, but nowhere in most of its flights{seen}; {firm}"
 
 
 def _undecided(mutant: MutantScore, lacking: Collection[str]) -> str:
@@ -231,20 +227,15 @@ def effect(evidence: Evidence) -> str:
 def facts(find: Find, mutant: str) -> str:
     """The find in a sentence, with its evidence."""
     shown = find.shows[mutant]
-    return (
+    told = (
         f"a search found a situation that shows it, {find.name} ({words(find)}): it {effect(shown)} there, in "
         f"{shown.violated} of {shown.flights} flights (p = {shown.p:.2g}); the unmutated drone holds "
-        f"{shown.requirement} in {shown.held} of {shown.baselines} by more than its spread." + _replicated(shown)
+        f"{shown.requirement} in {shown.held} of {shown.baselines} by more than its spread."
     )
-
-
-def _replicated(shown: Evidence) -> str:
     if shown.again is None:
-        return "  It is not replicated yet (`scaloft-fi seek --replicate`)."
-    again = shown.again
-    return (
-        f"  On seeds that nothing before used it held again: {again.violated} of {again.flights} (p = {again.p:.2g})."
-    )
+        return f"{told}  It is not replicated yet (`scaloft-fi seek --replicate`)."
+    again = f"{shown.again.violated} of {shown.again.flights} (p = {shown.again.p:.2g})"
+    return f"{told}  On seeds that nothing before used it held again: {again}."
 
 
 def flies(find: Find, mutant: str, finds: KnownFinds, campaign: str, grid: str = "") -> str:
