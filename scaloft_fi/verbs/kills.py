@@ -551,9 +551,7 @@ def kills_command(
 
     MUTANT is an id, a cell's name or a pattern; without any it is every mutant flown but the controls.
     """
-    if output is not None and output.suffix.lower() not in PICTURES:
-        raise InputError(f"--output={str(output)!r} must end in .svg, .png or .dot")
-    check_writable(output)
+    check_writable(output, *PICTURES)
 
     study = Study.open(study_folder)
     if output is not None:

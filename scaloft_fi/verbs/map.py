@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Annotated
 
 from scaloft_fi.console import say
-from scaloft_fi.errors import InputError
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import situations
@@ -235,9 +234,7 @@ def map_command(
 
     SITUATION is a key or another name of it; by default every axis has its benign value.
     """
-    if output is not None and output.suffix.lower() not in PICTURES:
-        raise InputError(f"--output={str(output)!r} must end in .svg or .png")
-    check_writable(output)
+    check_writable(output, *PICTURES)
     study = Study.open(study_folder, grid)
     one = study.grid.situation(situation) if situation else study.grid.situations[0]
     answer(Answer(MAP, lambda: map_of(study, one), lambda: (map_table(study, one),)), style)

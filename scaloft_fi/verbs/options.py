@@ -328,14 +328,20 @@ def typed() -> str:
     return shlex.join([*(["python", "-m", "scaloft_fi"] if program == "__main__.py" else [program]), *sys.argv[1:]])
 
 
-def check_writable(path: Path | None) -> None:
+def check_writable(path: Path | None, *ends: str) -> None:
     """Refuse early what could not be written late; None is fine.
 
+    Args:
+        path: the value of `--output`.
+        ends: the ends that its name may have; by default any.
+
     Raises:
-        InputError: no file can be written there.
+        InputError: the name ends otherwise, or no file can be written there.
     """
     if path is None:
         return
+    if ends and path.suffix.lower() not in ends:
+        raise InputError(f"--output={str(path)!r} must end in {', '.join(ends[:-1])} or {ends[-1]}")
     try:
         path.stat()
     except FileNotFoundError:

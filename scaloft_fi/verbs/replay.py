@@ -464,9 +464,7 @@ def replay_command(
 
     MUTANT is `baseline`, `PLACEBO` or a mutant's id.  The map shows the baseline beside the mutant.
     """
-    if output is not None and output.suffix.lower() not in ENDS:
-        raise InputError(f"--output={str(output)!r} must end in .svg, .png, .mcap or .csv")
-    check_writable(output)
+    check_writable(output, *ENDS)
 
     one_thread_each()
 
