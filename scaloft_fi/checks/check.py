@@ -9,7 +9,6 @@ from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.coverage import greedy_array
 from scaloft_fi.campaign.flights.check_stack import polls_of
@@ -21,11 +20,13 @@ from scaloft_fi.checks.world import RouteCheck, check_vehicle, check_world
 from scaloft_fi.document import Item, is_file, is_there, load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.load import SHEETS
+from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.judge.bounds import ANY, Ranges, ranges_of, within_rock, without
 from scaloft_fi.judge.space import MOST_LISTED, Space
 from scaloft_fi.judge.stl import FormulaError
 from scaloft_fi.model import value_of
 from scaloft_fi.outside.border import BORDERS
+from scaloft_fi.outside.exchange import OutsideConfig
 from scaloft_fi.outside.records.record_map import load_record_map
 from scaloft_fi.registry import PLUGIN_GROUP, load_plugin
 from scaloft_fi.sim.found import FILE as FOUND
@@ -37,15 +38,9 @@ from scaloft_fi.sim.log import SIGNALS, clearance_name, signal_names
 from scaloft_fi.sim.patch import PARTS, leaves
 from scaloft_fi.sim.situation import Axis, AxisModel, AxisValue
 from scaloft_fi.sim.stacks import StackChoice
-from scaloft_fi.sim.world import GROUND, WALL
+from scaloft_fi.sim.world import GROUND, WALL, World
+from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.study import SituationKeys, Study, read_disposition
-
-if TYPE_CHECKING:
-    from scaloft_fi.hazop.matrix import Matrix
-    from scaloft_fi.outside.exchange import OutsideConfig
-    from scaloft_fi.sim.world import World
-    from scaloft_fi.stack.declaration import Declaration
-
 
 _SHOWN_IN = re.compile(r",? as in situation \S+")
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from scaloft_fi.checks.finding import Finding, Findings, Severity, finding_of
 from scaloft_fi.document import Item, is_there, load
@@ -25,12 +24,8 @@ from scaloft_fi.judge.bounds import ANY, Ranges, Spans, bounds_of, constants, ve
 from scaloft_fi.judge.requirement import MOST, TRIGGER, Check, Kind, Requirement, read_definition, read_requirement
 from scaloft_fi.judge.stl import Formula, inside_always, tokenize
 from scaloft_fi.mutants.catalogue import derive
-
-if TYPE_CHECKING:
-    from collections.abc import Collection
-
-    from scaloft_fi.stack.declaration import Declaration
-    from scaloft_fi.study import Study
+from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.study import Study
 
 
 @dataclass(frozen=True)

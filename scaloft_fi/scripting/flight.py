@@ -10,23 +10,20 @@ from dataclasses import dataclass
 from functools import cached_property
 from inspect import Parameter, cleandoc, formatannotation, get_annotations, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
+
+from numpy.typing import NDArray
 
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.status import baseline_status
 from scaloft_fi.output import write_named
 from scaloft_fi.verbs.options import marked
+from scaloft_fi.verbs.replay import LoggedFlight
 from scaloft_fi.verbs.signals import signal_list
 from scaloft_fi.views.output import Columns, ColumnType
 from scaloft_fi.views.picture import png
 from scaloft_fi.views.table import Format, Table, html, render
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from scaloft_fi.verbs.replay import LoggedFlight
-
 
 NAMES = {"mutant": "mutants", "situation": "situations", "budget": "budget_s", "output": "path"}
 """Arguments that have another name than the option of the verb."""

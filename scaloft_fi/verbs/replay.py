@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from scaloft_fi.campaign.flight import Flight
 from scaloft_fi.campaign.flights.fly import fly_log, judged
@@ -28,16 +28,13 @@ from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.judge.status import APART_M, JudgedFlight, agreement, digests, flight_of, in_step, parting_s
-from scaloft_fi.sim.log import Ending
+from scaloft_fi.sim.log import Ending, FlightLog
+from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import flights
 from scaloft_fi.verbs.options import Campaign, LineFormat, Option, StudyFolder, check_writable, verb, write
 from scaloft_fi.views.output import Output
 from scaloft_fi.views.picture import draw, png, scene_of, track_of
 from scaloft_fi.views.table import Format, Table, csv_text, render
-
-if TYPE_CHECKING:
-    from scaloft_fi.sim.log import FlightLog
-    from scaloft_fi.study import Study
 
 
 def log_table(log: FlightLog) -> bytes:

@@ -178,22 +178,15 @@ def test_the_nearest_study_upwards_is_found(tmp_path: Path, monkeypatch: pytest.
     assert find_study() == here
 
 
-def test_outside_a_study_the_packaged_one_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    packaged = study(tmp_path / "package" / "_study")
-    (tmp_path / "elsewhere").mkdir()
-    monkeypatch.chdir(tmp_path / "elsewhere")
-    monkeypatch.setattr(load, "_PACKAGE", tmp_path / "package")
-    assert find_study() == packaged
-
-
-def test_without_a_packaged_one_the_study_beside_the_package_is_used(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("place", ["scaloft_fi/_study", "."])
+def test_outside_a_study_the_packaged_one_is_used_else_that_beside_the_package(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
 ) -> None:
-    checkout = study(tmp_path / "checkout")
+    known = study(tmp_path / "installed" / place)
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
-    monkeypatch.setattr(load, "_PACKAGE", checkout / "scaloft_fi")
-    assert find_study() == checkout
+    monkeypatch.setattr(load, "_PACKAGE", tmp_path / "installed" / "scaloft_fi")
+    assert find_study() == known
 
 
 def test_no_study_anywhere_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
