@@ -28,8 +28,7 @@ from operator import itemgetter
 from typing import Any
 from unittest.mock import patch
 
-from scaloft_fi.campaign.flight import Batch
-from scaloft_fi.campaign.flights.fly import Worker, left_of, lost
+from scaloft_fi.campaign.flights.fly import Batch, Worker, left_of, lost
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import alone, plan, together
 from scaloft_fi.campaign.pool import ProcessPool

@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 import pyarrow.parquet
 
 from experiments import PUBLISHED
-from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.fly import fly_log, judged
+from scaloft_fi.campaign.flights.fly import Flight, fly_log, judged
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import together
 from scaloft_fi.campaign.store.archive import STORE_NAME, outcome_of, subject_of

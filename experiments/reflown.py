@@ -29,10 +29,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 
 from experiments.flights import GRIDS, Row, name_of, own_s, published, shared
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.processes import cores
 from scaloft_fi.campaign.store.held import flight_named
-from scaloft_fi.campaign.store.origin import fingerprint
+from scaloft_fi.campaign.store.platforms import fingerprint
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.dossier import export_rows
 

@@ -25,8 +25,7 @@ from typing import Any
 
 from experiments import ROOT
 from experiments.pages import Row, blocks, parser, registered, table
-from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.fly import judged, wire_of
+from scaloft_fi.campaign.flights.fly import Flight, judged, wire_of
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.flight import fly

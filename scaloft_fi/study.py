@@ -250,7 +250,7 @@ def draft(mutants: Iterable[str]) -> str:
 
 
 PACKAGE = Path(__file__).resolve().parent
-FLYING = ("scaloft_fi.campaign.flights.share", "scaloft_fi.setup")
+FLYING = ("scaloft_fi.campaign.flights.fly", "scaloft_fi.setup")
 """The modules that fly and judge; these modules and all that they import can change an outcome."""
 COMMANDED = ("scaloft_fi.campaign.flights.command", "scaloft_fi.outside.command")
 """The modules that fly besides where a command flies."""

@@ -44,7 +44,7 @@ READERS = {
     "document.py": "the one reader",
     "sources.py": "source files of packages",
     "stack/kernel.py": "source files of the kernels",
-    "campaign/store/origin.py": "/proc/cpuinfo",
+    "campaign/store/platforms.py": "/proc/cpuinfo",
     "verbs/report/page.py": "files of this package",
     "campaign/flights/physics.py": "the null device",
     "campaign/runs/gates.py": "files of this package",

@@ -203,8 +203,8 @@ def test_nothing_is_imported_to_fly_and_judge_that_does_not_enter_keys(study: St
     """A stack's own operators are declared in every flight, and none is made in a baseline."""
     program = """
 import sys
-from scaloft_fi.campaign.flights.share import judged, wire_of
-from scaloft_fi.campaign.flight import Flight as Planned
+from scaloft_fi.campaign.flights.fly import judged, wire_of
+from scaloft_fi.campaign.flights.fly import Flight as Planned
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.setup import Setup
 from pathlib import Path

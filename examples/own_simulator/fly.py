@@ -13,8 +13,7 @@ import json
 import sys
 from pathlib import Path
 
-from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.fly import fly_log
+from scaloft_fi.campaign.flights.fly import Flight, fly_log
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.study import Study

@@ -10,7 +10,7 @@ from functools import cached_property
 from itertools import count, islice
 from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.flight import Batch, Flight
+from scaloft_fi.campaign.flights.fly import Batch, Flight
 from scaloft_fi.defaults import Seeds
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import CellStatus
@@ -79,10 +79,10 @@ class Plan:
 
     def shard(self, number: int, shards: int) -> Plan:
         """The plan for every `shards`-th pair of situation and seed, beginning with the `number`-th (from 1)."""
-        own = {(flight.situation.key, flight.seed) for flight in self.baselines[number - 1 :: shards]}
+        own = {flight.pair for flight in self.baselines[number - 1 :: shards]}
 
         def ours(flights: tuple[Flight, ...]) -> tuple[Flight, ...]:
-            return tuple(flight for flight in flights if (flight.situation.key, flight.seed) in own)
+            return tuple(flight for flight in flights if flight.pair in own)
 
         return replace(
             self, baselines=ours(self.baselines), mutants=ours(self.mutants), canary=self.canary if own else None
@@ -117,7 +117,7 @@ def canary_flight(planned: Plan, baselines: Iterable[Outcome]) -> Flight | None:
     if planned.canary is None or not planned.baselines:
         return None
     held = {(outcome.situation, outcome.seed): held_requirements(outcome) for outcome in baselines}
-    best = max(planned.baselines, key=lambda flight: held.get((flight.situation.key, flight.seed), 0))
+    best = max(planned.baselines, key=lambda flight: held.get(flight.pair, 0))
     return Flight(planned.canary, best.situation, best.seed)
 
 

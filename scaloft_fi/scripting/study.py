@@ -11,7 +11,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import By, MutantScore
-from scaloft_fi.campaign.flights.fork import CAN_FORK
+from scaloft_fi.campaign.flights.fly import CAN_FORK
 from scaloft_fi.campaign.plan import parse_seeds
 from scaloft_fi.campaign.plan import parse_shard as shard_in
 from scaloft_fi.campaign.processes import cores
@@ -19,8 +19,7 @@ from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.request import Request, fly, planned_run
 from scaloft_fi.campaign.seeking.finds import Allowance
-from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive
-from scaloft_fi.campaign.store.flown_grid import study_of, study_of_all
+from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive, study_of, study_of_all
 from scaloft_fi.campaign.workers.cluster import LOCAL, executor_named
 from scaloft_fi.campaign.workers.local import Executor, Local
 from scaloft_fi.checks.check import check_study

@@ -10,8 +10,7 @@ from typing import Annotated, Literal
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.campaign.runs.merge import Merged
 from scaloft_fi.campaign.runs.merge import merge as merged_into
-from scaloft_fi.campaign.store.archive import MANIFEST, campaign_folder
-from scaloft_fi.campaign.store.flown_grid import study_of_all
+from scaloft_fi.campaign.store.archive import MANIFEST, campaign_folder, study_of_all
 from scaloft_fi.console import line
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome

@@ -19,8 +19,7 @@ from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.margin import find, target
 from scaloft_fi.campaign.runs.request import choose_situations
-from scaloft_fi.campaign.store.archive import campaign_folder
-from scaloft_fi.campaign.store.flown_grid import study_of
+from scaloft_fi.campaign.store.archive import campaign_folder, study_of
 from scaloft_fi.defaults import CAMPAIGN, Seeds
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix, SeverityClass, cell_of, parse

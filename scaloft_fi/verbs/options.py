@@ -111,7 +111,7 @@ def called(function: Callable[..., Any]) -> Callable[..., Any]:
         if (name is not None and hasattr(hints[name], "__metadata__")) or name == "study":
             tell_study(given[name], quiet=given.get("quiet", False), campaign=given.get("campaign", ""))
         if name == "study":
-            from scaloft_fi.campaign.store.flown_grid import study_of
+            from scaloft_fi.campaign.store.archive import study_of
             from scaloft_fi.study import Study
 
             folder, grid = given["study"], given.get("grid")

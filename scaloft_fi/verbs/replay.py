@@ -14,15 +14,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
-from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.fly import fly_log, judged
+from scaloft_fi.campaign.flights.fly import Flight, fly_log, judged
 from scaloft_fi.campaign.flights.physics import Commanded, Physics, fly_in_window
 from scaloft_fi.campaign.processes import one_thread_each
-from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive
-from scaloft_fi.campaign.store.flown_grid import opened, study_of
+from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive, opened, study_of
 from scaloft_fi.campaign.store.held import Keys, flight_named
-from scaloft_fi.campaign.store.origin import differences, fingerprint
-from scaloft_fi.campaign.store.platforms import Platforms
+from scaloft_fi.campaign.store.platforms import Platforms, differences, fingerprint
 from scaloft_fi.console import json_text, say, tell, tell_line
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome

@@ -177,9 +177,9 @@ def run_command(
     one_thread_each()
     from scaloft_fi.analysis.pool import LEAST
     from scaloft_fi.campaign import plan, progress
-    from scaloft_fi.campaign.flights.fork import CAN_FORK
+    from scaloft_fi.campaign.flights.fly import CAN_FORK
     from scaloft_fi.campaign.runs import gates, request, run
-    from scaloft_fi.campaign.store import archive, flown_grid
+    from scaloft_fi.campaign.store import archive
     from scaloft_fi.campaign.workers.cluster import executor_named
     from scaloft_fi.verbs import score
 
@@ -210,7 +210,7 @@ def run_command(
         same_platform=same_platform,
         command=typed(),
     )
-    study = flown_grid.study_of(study_folder, campaign, grid)
+    study = archive.study_of(study_folder, campaign, grid)
     planned = request.planned_run(study, asked)
     shown = progress.Silence() if quiet else progress.Progress(tally=score.detected_so_far)
     flown = request.fly(planned, archive.campaign_folder(study, campaign), options, progress=shown)

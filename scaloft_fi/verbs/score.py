@@ -18,7 +18,7 @@ from scaloft_fi.analysis.pool import Pair, SituationBaseline, findings
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import By, Group, Score, groups, score_of
 from scaloft_fi.analysis.survivor import Disposition, accepted_survivors, backgrounds, score_without
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.plan import Plan
 from scaloft_fi.campaign.runs.request import Look
 from scaloft_fi.campaign.runs.run import borrowed

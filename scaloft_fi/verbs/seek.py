@@ -30,8 +30,7 @@ from scaloft_fi.campaign.seeking.finds import (
 )
 from scaloft_fi.campaign.seeking.proposals import require_optuna
 from scaloft_fi.campaign.seeking.seek import seek as seek_mutants
-from scaloft_fi.campaign.store.archive import campaign_folder
-from scaloft_fi.campaign.store.flown_grid import study_of
+from scaloft_fi.campaign.store.archive import campaign_folder, study_of
 from scaloft_fi.defaults import SEARCHED
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import find_study

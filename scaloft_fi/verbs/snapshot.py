@@ -16,8 +16,7 @@ from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import Score, score_of
 from scaloft_fi.campaign.runs.request import Remembered, remembered
 from scaloft_fi.campaign.runs.run import spending_of
-from scaloft_fi.campaign.store.archive import Archive, campaign_folder
-from scaloft_fi.campaign.store.flown_grid import opened
+from scaloft_fi.campaign.store.archive import Archive, campaign_folder, opened
 from scaloft_fi.campaign.store.held import Held, Now, held_in, latest_in, nothing_to_show, stale_in, with_tracks
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import FlownFlight, Store

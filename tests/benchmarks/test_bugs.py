@@ -10,8 +10,7 @@ from experiments.bug_stacks import BUGS, WITHOUT, Parts, StackStudy, declare
 from experiments.bugs import FLIGHTS, REFERENCE, SEEDS, Published, campaign_of, flown, names_of
 from experiments.flights import Flights, outcomes, published, read
 from experiments.pages import registered
-from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.fly import fly_log
+from scaloft_fi.campaign.flights.fly import Flight, fly_log
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind

@@ -15,8 +15,7 @@ from experiments.operating_point import PLAIN
 from experiments.pages import registered
 from scaloft_fi.analysis.detection import ALPHA
 from scaloft_fi.analysis.stratified import Stratum, p_value
-from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.fly import fly_log
+from scaloft_fi.campaign.flights.fly import Flight, fly_log
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study

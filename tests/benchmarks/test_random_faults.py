@@ -33,7 +33,7 @@ from experiments.random_faults import (
 )
 from scaloft_fi.analysis.pool import State
 from scaloft_fi.campaign.flights.fly import facts, fly_log
-from scaloft_fi.campaign.store.origin import fingerprint
+from scaloft_fi.campaign.store.platforms import fingerprint
 from scaloft_fi.hazop.matrix import parse
 from scaloft_fi.judge.outcome import BASELINE, Subject
 from scaloft_fi.mutants.catalogue import realise

@@ -19,8 +19,7 @@ from paper_flyer import Whole, made
 from running import Runs
 
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.campaign.flights.fly import invalid, reason_of
+from scaloft_fi.campaign.flights.fly import Batch, Flight, invalid, reason_of
 from scaloft_fi.campaign.workers.cluster import MAKE, security_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix

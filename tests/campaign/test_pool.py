@@ -63,11 +63,15 @@ def _process(task: Any, home: Callable[[Any], None]) -> None:
     home(os.getpid())
 
 
-def _map(
-    work: Callable[[Any, Callable[[Any], None]], None], tasks: Iterable[Any], jobs: int = 1, **options: Any
-) -> Any:
+def _pool(work: Callable[[Any, Callable[[Any], None]], None], jobs: int = 1, **options: Any) -> ProcessPool[Any, Any]:
+    """A pool that tries all of a task again, and tells how it was lost."""
+    words = {"left": lambda task, _home: task, "lost": lambda _task, how: [how], **options}
+    return ProcessPool(work, jobs, **words)
+
+
+def _map(work: Any, tasks: Iterable[Any], jobs: int = 1, **options: Any) -> list[Any]:
     """What comes home of `tasks`."""
-    with ProcessPool(work, jobs, left=lambda task, _home: task, lost=lambda _task, how: [how], **options) as pool:
+    with _pool(work, jobs, **options) as pool:
         return list(pool.map(tasks))
 
 
@@ -87,11 +91,8 @@ def test_a_task_whose_worker_dies_once_is_tried_again(tmp_path: Path) -> None:
 
 
 def test_what_is_home_when_a_worker_dies_is_not_done_again() -> None:
-    pool: ProcessPool[str, str] = ProcessPool(
-        _letters, 1, left=lambda word, home: word[len(home) :] or None, lost=lambda word, how: [how, *word[1:]]
-    )
-    with pool:
-        assert list(pool.map(["abxcd"])) == ["a", "b", "died every time it was flown", "c", "d"]
+    rest = {"left": lambda word, home: word[len(home) :] or None, "lost": lambda word, how: [how, *word[1:]]}
+    assert _map(_letters, ["abxcd"], **rest) == ["a", "b", "died every time it was flown", "c", "d"]
 
 
 def test_a_worker_that_hangs_is_lost_and_no_other_task() -> None:
@@ -101,10 +102,7 @@ def test_a_worker_that_hangs_is_lost_and_no_other_task() -> None:
 
 def _stopped_after(most: int, work: Any, tasks: Iterable[Any], jobs: int = 1) -> list[Any]:
     home: list[Any] = []
-    pool: ProcessPool[Any, Any] = ProcessPool(
-        work, jobs, left=lambda task, _home: task, lost=lambda _task, how: [how], stop=lambda: len(home) >= most
-    )
-    with pool:
+    with _pool(work, jobs, stop=lambda: len(home) >= most) as pool:
         home.extend(pool.map(tasks))
     return home
 
@@ -129,13 +127,13 @@ def test_no_worker_outlives_the_pool() -> None:
 
 
 def test_a_pool_keeps_its_workers_from_one_map_to_the_next() -> None:
-    with ProcessPool(_process, 1, left=lambda task, _home: task, lost=lambda _task, how: [how]) as pool:
+    with _pool(_process) as pool:
         first, second = list(pool.map([0])), list(pool.map([0]))
     assert first == second != [os.getpid()]
 
 
 def test_a_worker_that_died_between_two_maps_is_replaced() -> None:
-    with ProcessPool(_process, 1, left=lambda task, _home: task, lost=lambda _task, how: [how]) as pool:
+    with _pool(_process) as pool:
         (first,) = pool.map([0])
         os.kill(first, signal.SIGKILL)
         (second,) = pool.map([0])

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.plan import plan
 from scaloft_fi.campaign.progress import (
     FLIGHT_S,

@@ -141,7 +141,7 @@ def test_every_verb_runs_without_the_reference_stack(told: dict[str, tuple[int, 
 TWO = """
 import json, sys
 from scaloft_fi.campaign.flights.fly import fly_log
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 

@@ -10,8 +10,7 @@ from runpy import run_path
 import pytest
 from processes import marked
 
-from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.campaign.flights.fly import Worker, fly_log, judged
+from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker, fly_log, judged
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome

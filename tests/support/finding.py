@@ -9,7 +9,7 @@ from pathlib import Path
 from copies import copied
 from paper_flyer import Whole
 
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.mutant import PLACEBO

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.plan import Plan, plan
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 from paper_flyer import Paper, Whole
 from papers import flight
 
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.cli import main
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study

@@ -10,7 +10,7 @@ from click.testing import Result
 from forms import of_form
 
 from scaloft_fi.campaign.runs.gates import published
-from scaloft_fi.campaign.store.origin import fingerprint
+from scaloft_fi.campaign.store.platforms import fingerprint
 from scaloft_fi.errors import GateError
 
 Call = Callable[..., Result]
@@ -21,7 +21,7 @@ def answer(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], str]], Non
     """Replaces the known flight."""
 
     def become(tell: Callable[[], str]) -> None:
-        monkeypatch.setattr("scaloft_fi.campaign.runs.gates.fly_again", lambda _say: tell())
+        monkeypatch.setattr("scaloft_fi.verbs.doctor.fly_again", lambda _say: tell())
 
     become(lambda: "as published")
     return become

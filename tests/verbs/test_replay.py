@@ -16,7 +16,7 @@ from forms import of_form
 from mcap.reader import make_reader
 from printed import no_terms
 
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.store import Store

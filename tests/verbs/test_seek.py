@@ -17,7 +17,7 @@ from refusal import sentence
 
 import scaloft_fi
 from scaloft_fi.analysis.seeking import Breach, Effort, Signature
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.seeking.finds import SeekReport, Sought, anew, interrupted, saver
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store

@@ -20,7 +20,7 @@ from obeyed import obeyed
 from paper_flyer import Whole
 from papers import STUDY, flight
 
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.cli import main
 from scaloft_fi.console import printable
 from scaloft_fi.judge.outcome import Outcome

@@ -11,17 +11,18 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from scaloft_fi.campaign.flights.physics import stderr_silenced
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.registry import in_one_line
-from scaloft_fi.stack.declaration import TICK_HZ, Instant, PlainWire
-from scaloft_fi.stack.messages import Thrust
+from scaloft_fi.sim.stacks import claims_of
+from scaloft_fi.stack.declaration import TICK_HZ, Declaration, Instant, PlainWire, Seam, Stack, Wire
+from scaloft_fi.stack.messages import Imu, Thrust
+from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
     from scaloft_fi.setup import Setup
     from scaloft_fi.sim.log import FlightLog
     from scaloft_fi.sim.situation import Situation
-    from scaloft_fi.stack.declaration import Declaration, Seam, Stack, Wire
-    from scaloft_fi.stack.messages import Imu
 
 
 S = TypeVar("S")
@@ -150,8 +151,6 @@ def check_stack(study: Path | str | None = None, *, situation: str = "", seed: i
     Raises:
         InputError: the study cannot be opened, has no such situation, or is flown by a command.
     """
-    from scaloft_fi.study import Study
-
     opened = Study.open(study)
     if opened.command is not None:
         raise InputError(f"{opened.folder}: a command flies this study (sim/flyer.yaml), so its stack is not called")
@@ -188,8 +187,6 @@ def polls_of(setup: Setup, situation: Situation) -> SeenPolls:
 
 def guarded(declared: Declaration) -> Declaration:
     """The declaration of a stack whose orders to the rotors are looked at, once the server of the physics is there."""
-    from scaloft_fi.campaign.flights.physics import stderr_silenced
-
     with stderr_silenced():
         import pybullet  # noqa: F401 - its first import writes to standard error
     return replace(declared, make=lambda task, wire: _Guarded(declared.make(task, wire)))
@@ -248,8 +245,6 @@ class _Inspection:
                 self.failures.append(f"belief {belief.name!r} is NaN, but declares no value for unknown")
 
     def _check_claims(self, declared: Declaration, first: FlightLog) -> None:
-        from scaloft_fi.sim.stacks import claims_of
-
         try:
             claims = claims_of(declared, first.signals)
         except ScaloftError as error:

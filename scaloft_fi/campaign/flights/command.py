@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.document import is_there
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.requirement import Reading, Requirement, judge_signals

@@ -11,9 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from threading import Timer
 
-from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.campaign.flights.fly import Worker, fly_log, judged, left_of, lost, wire_of
-from scaloft_fi.campaign.flights.share import fly_shared
+from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker, fly_log, fly_shared, judged, left_of, lost, wire_of
 from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.campaign.processes import PATIENCE_S
 from scaloft_fi.errors import InputError

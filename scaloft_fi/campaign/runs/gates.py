@@ -11,13 +11,20 @@ from pathlib import Path
 from scaloft_fi.analysis.detection import Sample, Spending, detect
 from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.campaign.flights.fly import Flyer
-from scaloft_fi.campaign.flights.fork import CAN_FORK
+from scaloft_fi.campaign.flights.fly import CAN_FORK, Flyer
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import alone
 from scaloft_fi.campaign.store.held import counting_flights, flight_named
-from scaloft_fi.campaign.store.origin import differences, fingerprint
-from scaloft_fi.campaign.store.platforms import BITS, FACTS, Platforms, claim, remember
+from scaloft_fi.campaign.store.platforms import (
+    BITS,
+    FACTS,
+    Platforms,
+    claim,
+    differences,
+    fingerprint,
+    pair_of,
+    remember,
+)
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.campaign.workers.local import Executor, Workers
 from scaloft_fi.errors import GateError
@@ -323,7 +330,7 @@ def prove_platform(
                 f"compare: the {len(stored)} stored flights count"
             )
             continue
-        pairs = [_pair(flight) for flight in stored]
+        pairs = [pair_of(flight) for flight in stored]
         if known.shown(FACTS, theirs, ours):
             if same_platform:
                 claim(store, pairs, ours)
@@ -363,11 +370,11 @@ def sample_of(stored: Sequence[FlownFlight], name: str) -> list[FlownFlight]:
     """
     drawn = sorted(stored, key=lambda flight: sha256(f"{name}\n{flight.key}".encode()).digest())
     mutants = [flight for flight in drawn if flight.mutant != BASELINE]
-    tested = {_pair(flight) for flight in mutants}
+    tested = {pair_of(flight) for flight in mutants}
     baselines = [flight for flight in drawn if flight.mutant == BASELINE]
-    baselines.sort(key=lambda flight: _pair(flight) not in tested)
-    pairs = {_pair(flight) for flight in baselines[:BASELINES]}
-    beside = [flight for flight in mutants if _pair(flight) in pairs or not pairs]
+    baselines.sort(key=lambda flight: pair_of(flight) not in tested)
+    pairs = {pair_of(flight) for flight in baselines[:BASELINES]}
+    beside = [flight for flight in mutants if pair_of(flight) in pairs or not pairs]
     return [*baselines[:BASELINES], *beside[:MUTANTS]]
 
 
@@ -387,7 +394,3 @@ def _again(
         reasons = "; ".join(f"{outcome.name}: {outcome.invalid}" for outcome in again)
         raise GateError(f"gate failed: the platform has changed, and no stored flight could be flown again: {reasons}")
     return agreement(first, again)
-
-
-def _pair(flight: FlownFlight) -> tuple[str, int]:
-    return flight.situation, flight.seed

@@ -16,8 +16,7 @@ from scaloft_fi.analysis.margin import Margin, Scale, margin_of
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried, phased_fault, tried_in
-from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.plan import canary, plan
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
@@ -230,7 +229,7 @@ def find(
         pooled.update(lacking)
         shown = progress()
         shown.line(_asked(flights))
-        share = options.share and len(flights) >= SHARED_FROM * len({(f.situation.key, f.seed) for f in flights})
+        share = options.share and len(flights) >= SHARED_FROM * len({flight.pair for flight in flights})
         planned = plan(situations, seeds, [], canary(study)).with_pool()
         pool = [flight for situation in lacking for flight in planned.pool(situation, LEAST)]
         # with all baselines that the campaign has, so that the gates see every steady pair

@@ -10,8 +10,17 @@ from scaloft_fi.campaign.plan import held_requirements
 from scaloft_fi.campaign.runs.run import write_log
 from scaloft_fi.campaign.store.archive import STORE_NAME, existing, writable
 from scaloft_fi.campaign.store.held import current_in
-from scaloft_fi.campaign.store.origin import differences, fingerprint
-from scaloft_fi.campaign.store.platforms import Pair, Platform, Platforms, claim, is_pair_note, set_apart
+from scaloft_fi.campaign.store.platforms import (
+    Pair,
+    Platform,
+    Platforms,
+    claim,
+    differences,
+    fingerprint,
+    is_pair_note,
+    pair_of,
+    set_apart,
+)
 from scaloft_fi.campaign.store.record import Planned
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import GateError
@@ -99,7 +108,7 @@ class _Joined:
         self.own = self._known.own
         self._apart = {flight.key for flight in set_apart(target)}
         self._current = {outcome.name: outcome for outcome in current_in(study, target)}
-        self.pairs = {_pair(o): self._known.of(_pair(o)) for o in self._current.values() if not o.invalid}
+        self.pairs = {pair_of(o): self._known.of(pair_of(o)) for o in self._current.values() if not o.invalid}
 
     @property
     def valid(self) -> set[str]:
@@ -115,28 +124,28 @@ class _Joined:
         rows, known, apart = dict(source.keyed()), Platforms(source), {flight.key for flight in set_apart(source)}
         self._apart |= apart
         self.own = self.own or known.own
-        pairs = {_pair(o): known.of(_pair(o)) for key, o in rows.items() if not o.invalid and key not in apart}
+        pairs = {pair_of(o): known.of(pair_of(o)) for key, o in rows.items() if not o.invalid and key not in apart}
         other = {
             pair: theirs
             for pair, theirs in pairs.items()
             if pair in self.pairs and not self._equal(self.pairs[pair], theirs, known)
         }
         for key, outcome in rows.items():
-            if _pair(outcome) not in other:
+            if pair_of(outcome) not in other:
                 self._hold_equal(key, outcome, path)
         current = current_in(self._study, source)
         warnings = self._compare(current, other, known, path)
         kept = _other_baselines(self.rows, rows, other)
         apart = self._apart | self.rows.keys()
-        if out := [key for key, outcome in rows.items() if _pair(outcome) in kept and key not in apart]:
+        if out := [key for key, outcome in rows.items() if pair_of(outcome) in kept and key not in apart]:
             warnings.append(
                 f"{len(out)} flights of {path.parent} are left out, because {self._folder} has flights of another "
                 f"platform in the same situations and seeds ({len(kept)}); `run` flies what is missing there"
             )
         for key, outcome in rows.items():
-            if _pair(outcome) not in kept and (key not in self.rows or self.rows[key].invalid):
+            if pair_of(outcome) not in kept and (key not in self.rows or self.rows[key].invalid):
                 self.rows[key], self.taken[key] = outcome, path
-        self._current |= {o.name: o for o in current if _pair(o) not in kept and not self._has(o)}
+        self._current |= {o.name: o for o in current if pair_of(o) not in kept and not self._has(o)}
         self.pairs = pairs | self.pairs
         return warnings
 
@@ -165,7 +174,7 @@ class _Joined:
         changed = {", ".join(differences(ours, theirs)) for ours, theirs in flown} - {""}
         if not changed:
             return []
-        compared = agreement([outcome for outcome in current if _pair(outcome) in other], self._current.values())
+        compared = agreement([outcome for outcome in current if pair_of(outcome) in other], self._current.values())
         platform = f"{path.parent} was flown on another platform than {self._folder} ({'; '.join(sorted(changed))})"
         if compared.facts:
             raise GateError(
@@ -186,15 +195,11 @@ def _other_baselines(mine: Mapping[str, Outcome], theirs: Mapping[str, Outcome],
     """The `pairs` in which flights of two platforms may not be judged together: those without equal baselines."""
     equal: dict[Pair, bool] = {}
     for key, outcome in theirs.items():
-        pair = _pair(outcome)
+        pair = pair_of(outcome)
         if outcome.mutant == BASELINE and not outcome.invalid and pair in pairs:
             same = key in mine and digests(mine[key]) == digests(outcome)
             equal[pair] = equal.get(pair, True) and same
     return {pair for pair in pairs if not equal.get(pair, False)}
-
-
-def _pair(outcome: Outcome) -> Pair:
-    return outcome.situation, outcome.seed
 
 
 def _spare_canaries(study: Study, rows: dict[str, Outcome], plans: Sequence[Planned]) -> set[str]:

@@ -30,8 +30,7 @@ from scaloft_fi.analysis.coverage import covering_array
 from scaloft_fi.analysis.detection import LOOKS, Verdict
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.score import score
-from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.plan import Plan, canary, parse_mutants, plan, plan_draws
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
@@ -46,8 +45,7 @@ from scaloft_fi.campaign.runs.run import (
     run,
     spending_of,
 )
-from scaloft_fi.campaign.store.archive import STORE_NAME, promising, writable
-from scaloft_fi.campaign.store.flown_grid import remember_grid
+from scaloft_fi.campaign.store.archive import STORE_NAME, promising, remember_grid, writable
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome

@@ -23,18 +23,24 @@ from typing import Any, TypeVar
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.roster import Roster
-from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.flights.fly import Batch, Flight, Flyer
 from scaloft_fi.campaign.flights.physics import Commanded, Physics
 from scaloft_fi.campaign.plan import Plan, alone, canary_flight, infects, together
 from scaloft_fi.campaign.progress import Progress, Reporter
 from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.gates import RunOptions, prove_platform
-from scaloft_fi.campaign.store.archive import LOG_NAME, STORE_NAME, campaign_folder, existing, promising, writable
-from scaloft_fi.campaign.store.flown_grid import remember_grid, with_grid
+from scaloft_fi.campaign.store.archive import (
+    LOG_NAME,
+    STORE_NAME,
+    campaign_folder,
+    existing,
+    promising,
+    remember_grid,
+    with_grid,
+    writable,
+)
 from scaloft_fi.campaign.store.held import Keys, counting_flights, current_in, flight_named
-from scaloft_fi.campaign.store.origin import fingerprint
-from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim
+from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim, fingerprint
 from scaloft_fi.campaign.store.store import Store, read_store
 from scaloft_fi.campaign.workers.local import Interrupted, Local, Workers, interruptible
 from scaloft_fi.console import json_text
@@ -389,7 +395,7 @@ class Run:
     def repeat(self, flights: Sequence[Flight]) -> None:
         """Repeat the shortest of the stored `flights`, if this run flew any; a gate compares the digests."""
         missing = set(self.missing(flights))
-        done = [flight for flight in flights if flight not in missing and not self._foreign(_pair(flight))]
+        done = [flight for flight in flights if flight not in missing and not self._foreign(flight.pair)]
         if self.flown and done:
             self.repeats += self._outcomes(alone([min(done, key=self.weight_s)]))
 
@@ -456,7 +462,7 @@ class Run:
 
     def _beside(self, flights: Iterable[Flight]) -> dict[str, Flight]:
         """The stored flights of another platform in the situations and seeds of `flights`, by key."""
-        pairs = {pair for pair in map(_pair, flights) if self._foreign(pair)}
+        pairs = {pair for pair in (flight.pair for flight in flights) if self._foreign(pair)}
         stored = counting_flights(self.study, self.store) if pairs else []
         again = {
             flown.key: flight_named(self.study, flown.mutant, flown.situation, flown.seed)
@@ -513,10 +519,6 @@ def opened(
             )
             yield Run(study, folder, store, workers, progress, options, stopped.is_set)
             store.confirm()
-
-
-def _pair(flight: Flight) -> Pair:
-    return flight.situation.key, flight.seed
 
 
 @dataclass(frozen=True)

@@ -35,8 +35,7 @@ from scaloft_fi.analysis.seeking import (
     replicas,
     shown_by,
 )
-from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Budget, Run, budget_s, opened, write_log

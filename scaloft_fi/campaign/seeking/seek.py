@@ -27,8 +27,7 @@ from scaloft_fi.analysis.seeking import (
     share_of,
     shrunk,
 )
-from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.fly import Flyer
+from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Run

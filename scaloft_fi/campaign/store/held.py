@@ -14,9 +14,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.store.origin import Origin
-from scaloft_fi.campaign.store.record import Planned
+from scaloft_fi.campaign.flights.fly import Flight
+from scaloft_fi.campaign.store.record import Origin, Planned
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, TRACK_EVERY, Outcome, track_values

@@ -1,4 +1,4 @@
-"""The platforms of a store's flights, and what samples have shown of the platforms.
+"""The fingerprint of a platform; the platforms of a store's flights, and what samples have shown of them.
 
 A mutant may be judged beside a baseline of its own platform only, because a masked flight equals its baseline to the
 bit.  So all flights of one pair of situation and seed come from one platform: the store's own, which flew first, or the
@@ -7,16 +7,106 @@ platform that a note names.  Flights of another platform in the pair are set apa
 
 from __future__ import annotations
 
+import ctypes
 import json
+import platform
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from pathlib import Path
 from typing import TypeVar
 
-from scaloft_fi.campaign.store.origin import differences, fingerprint
 from scaloft_fi.campaign.store.record import Planned
 from scaloft_fi.campaign.store.store import NOTE, FlownFlight, Store
+from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
+
+NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet")
+"""Packages whose versions can change the last bit of a flight or a reading."""
+BRING_OPENBLAS = ("numpy", "scipy")
+"""Packages whose wheels contain an OpenBLAS, in a folder `<package>.libs` beside the package."""
+DECIDES = {
+    "system": "yes, by its libraries",
+    "machine": "yes, by its instructions",
+    "processor": "yes: numba compiles for it, and OpenBLAS chooses its kernels by it",
+    "libc": "yes: sines, roots and exponentials",
+    "python": "yes: sums and mathematical functions",
+    "scaloft-fi": "no: the hash of its code is part of each flight's key",
+    "numpy": "yes",
+    "numba": "yes: the compiled kernels",
+    "llvmlite": "yes: the compiled kernels",
+    "filterpy": "yes: the covariance of the filter",
+    "scipy": "yes",
+    "pybullet": "yes: rigid bodies and contacts",
+    "numpy kernels": "yes: the order of additions in a product",
+    "scipy kernels": "yes: the order of additions in a product",
+}
+"""Whether each part of a fingerprint decides the bits of a flight."""
+CORE_NAMES = tuple(f"{prefix}openblas_get_corename{suffix}" for prefix in ("scipy_", "") for suffix in ("64_", ""))
+"""Possible names of OpenBLAS's function for the name of its kernels; the name depends on the build."""
+
+
+def fingerprint() -> dict[str, str]:
+    """Platform and versions, by name."""
+    facts = {
+        "system": platform.system(),
+        "machine": platform.machine(),
+        "processor": _processor(),
+        "libc": "-".join(platform.libc_ver()),
+        "python": platform.python_version(),
+        "scaloft-fi": __version__,
+    }
+    versions = {name: _version(name) for name in NUMERIC}
+    return facts | versions | {f"{package} kernels": _kernels(package) for package in BRING_OPENBLAS}
+
+
+def differences(ours: Mapping[str, str], theirs: Mapping[str, str], words: str = "{} {} here, {} there") -> list[str]:
+    """The differences, each as `numpy 2.4.6 here, 1.26.4 there`, or in other `words`."""
+    return [
+        words.format(name, ours.get(name, "none"), theirs.get(name, "none"))
+        for name in sorted(ours.keys() | theirs.keys())
+        if ours.get(name) != theirs.get(name)
+    ]
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "none"
+
+
+def _kernels(package: str) -> str:
+    """The name of OpenBLAS's kernels in this process; "unknown" for another library.
+
+    Kernels differ in the order of additions, which decides the last bit of a product.  This function loads the library
+    without importing the package, because the import would dominate the time of a verb that only reads.
+    """
+    spec = find_spec(package)
+    folders = [Path(place).with_name(f"{package}.libs") for place in (spec and spec.submodule_search_locations) or ()]
+    with suppress(OSError, StopIteration):
+        library = ctypes.CDLL(str(next(path for folder in folders for path in sorted(folder.glob("*openblas*.so*")))))
+        for name in CORE_NAMES:
+            with suppress(AttributeError):
+                function = getattr(library, name)
+                function.restype = ctypes.c_char_p
+                return bytes(function()).decode()
+    return "unknown"
+
+
+def _processor() -> str:
+    """The model of the processor, which decides the compiled instructions."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor()
+    return next(
+        (line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.processor()
+    )
+
 
 Pair = tuple[str, int]
 """Key of a situation, and a seed."""
@@ -74,7 +164,7 @@ class Platforms:
         if not self._pairs:  # the store has one platform
             return [(self.own, listed)] if listed else []
         for flight in listed:
-            groups.setdefault(self._pairs.get((flight.situation, flight.seed), self._own), []).append(flight)
+            groups.setdefault(self._pairs.get(pair_of(flight), self._own), []).append(flight)
         most_first = sorted(groups.items(), key=lambda group: (-len(group[1]), group[0]))
         return [(self._platforms[hash_], group) for hash_, group in most_first]
 
@@ -176,6 +266,11 @@ def set_apart(store: Store) -> list[Planned]:
         for flight in store.flights()
         if flight.origin in origins
     ]
+
+
+def pair_of(flown: FlownFlight | Outcome) -> Pair:
+    """The pair of a flight."""
+    return flown.situation, flown.seed
 
 
 def is_pair_note(name: str) -> bool:

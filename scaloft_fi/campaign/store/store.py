@@ -18,7 +18,6 @@ from sys import intern
 from threading import Timer
 from typing import Any, NamedTuple, TypeVar
 
-from scaloft_fi.campaign.store.origin import Origin
 from scaloft_fi.campaign.store.record import (
     COLUMNS,
     FLIGHT,
@@ -28,6 +27,7 @@ from scaloft_fi.campaign.store.record import (
     TEXT,
     BadCellError,
     Cell,
+    Origin,
     Planned,
     Reader,
     Record,

@@ -26,12 +26,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from scaloft_fi.campaign.flight import Batch
-from scaloft_fi.campaign.flights.fly import Flyer, left_of, lost
+from scaloft_fi.campaign.flights.fly import Batch, Flyer, left_of, lost
 from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.campaign.processes import cores, started_clean
 from scaloft_fi.campaign.store.archive import study_files
-from scaloft_fi.campaign.store.origin import differences, fingerprint
+from scaloft_fi.campaign.store.platforms import differences, fingerprint
 from scaloft_fi.campaign.workers.local import Executor, Interrupted, LateWorker, Local, Workers
 from scaloft_fi.document import read_bytes
 from scaloft_fi.errors import InputError

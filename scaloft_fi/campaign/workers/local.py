@@ -13,8 +13,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any, Protocol
 
-from scaloft_fi.campaign.flight import Batch
-from scaloft_fi.campaign.flights.fly import Flyer, Worker, left_of, lost
+from scaloft_fi.campaign.flights.fly import Batch, Flyer, Worker, left_of, lost
 from scaloft_fi.campaign.pool import WORKER_PATIENCE_S, ProcessPool
 from scaloft_fi.campaign.processes import ATTEMPTS, HANGUP, Work, forked, started_clean
 from scaloft_fi.errors import InputError, ScaloftError

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.campaign.flights.fly import Worker
+from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker
 from scaloft_fi.campaign.flights.physics import Commanded
 from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.errors import InputError

@@ -16,9 +16,7 @@ from effort import usually
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from scaloft_fi.campaign.flight import Batch, Flight
-from scaloft_fi.campaign.flights.fly import Worker, fly_log
-from scaloft_fi.campaign.flights.fork import CAN_FORK
+from scaloft_fi.campaign.flights.fly import CAN_FORK, Batch, Flight, Worker, fly_log
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import alone
 from scaloft_fi.judge.outcome import Outcome

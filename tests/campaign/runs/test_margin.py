@@ -17,7 +17,7 @@ from running import Runs, asked, quiet
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margin_of, margins
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.margin import WIDENINGS, Search, find, target
@@ -304,30 +304,27 @@ def test_what_gets_worse_as_it_shrinks_is_searched_downwards(threshold: float) -
         assert found.survives - found.kills <= 0.1 * (1 - found.kills) * (1 + 1e-9)
 
 
-def test_a_fault_that_never_kills_is_tried_a_little_beyond_the_ladder_and_no_further() -> None:
-    found, flown = searched(SEARCH, kills_from(1e9))
-    assert flown == [*LADDER, 10.0, 20.0, 40.0]
-    assert len(flown) == len(LADDER) + WIDENINGS
-    assert margin_text(found) == "> 40 s"
+SHARE = Search(Scale("%", 1, 0.0), (25.0, 50.0, 60.0), lambda m: 0 <= m <= 100, 0.0, 100.0)
+PERIOD = Search(Scale("s", -1), (60.0, 20.0, 10.0))
 
 
-def test_a_fault_that_always_kills_is_tried_a_little_below_the_ladder_and_no_further() -> None:
-    found, flown = searched(SEARCH, kills_from(0.0))
-    assert flown == [*LADDER, 0.25, 0.125, 0.0625]
-    assert margin_text(found) == "<= 0.0625 s"
-
-
-def test_a_period_without_a_harmless_end_is_doubled() -> None:
-    found, flown = searched(Search(Scale("s", -1), (60.0, 20.0, 10.0)), kills_from(1e9, -1))
-    assert flown == [60.0, 20.0, 10.0, 120.0, 240.0, 480.0]
-    assert margin_text(found) == ">= 480 s"
-
-
-def test_the_operators_range_ends_the_search() -> None:
-    share = Search(Scale("%", 1, 0.0), (25.0, 50.0, 60.0), lambda m: 0 <= m <= 100, 0.0, 100.0)
-    found, flown = searched(share, kills_from(1000.0))
-    assert flown == [25.0, 50.0, 60.0, 100.0]
-    assert margin_text(found) == "> 100 %"
+@pytest.mark.parametrize(
+    ("search", "response", "beyond", "said"),
+    [
+        pytest.param(SEARCH, kills_from(1e9), [10.0, 20.0, 40.0], "> 40 s", id="never"),
+        pytest.param(SEARCH, kills_from(0.0), [0.25, 0.125, 0.0625], "<= 0.0625 s", id="always"),
+        pytest.param(PERIOD, kills_from(1e9, -1), [120.0, 240.0, 480.0], ">= 480 s", id="no harmless end"),
+        pytest.param(SHARE, kills_from(1000.0), [100.0], "> 100 %", id="the end of the operator's range"),
+        pytest.param(SEARCH, lambda _m: Reaction.UNTESTED, [], "?", id="nothing can be shown"),
+    ],
+)
+def test_a_fault_without_a_threshold_is_tried_a_little_beyond_the_ladder_and_no_further(
+    search: Search, response: Response, beyond: list[float], said: str
+) -> None:
+    found, flown = searched(search, response)
+    assert flown == [*search.ladder, *beyond]
+    assert len(beyond) <= WIDENINGS
+    assert margin_text(found) == said
 
 
 @given(st.integers(2, 30))
@@ -362,12 +359,6 @@ def test_a_response_that_is_not_monotone_is_said_and_its_interval_is_true(rungs:
     assert found.survives == max((m for m in survived if found.kills is None or m < found.kills), default=None)
     assert found.again == tuple(sorted(m for m in survived if found.kills is not None and m > found.kills))
     assert margin_text(found).endswith("!") == bool(found.again)
-
-
-def test_where_nothing_can_be_shown_only_the_ladder_is_flown() -> None:
-    found, flown = searched(SEARCH, lambda _m: Reaction.UNTESTED)
-    assert flown == list(LADDER)
-    assert margin_text(found) == "?"
 
 
 def test_what_changes_no_sample_on_the_ladder_may_do_so_beyond_and_else_tells_nothing() -> None:

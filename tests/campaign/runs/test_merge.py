@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from running import LATE, Runs, asked
 
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.plan import Plan
 from scaloft_fi.campaign.runs.merge import merge
 from scaloft_fi.campaign.store.archive import LOG_NAME, STORE_NAME
@@ -42,13 +42,6 @@ def test_shards_merged_in_any_order_are_the_undivided_run(study: Any, fly: Runs,
     assert _export(fly, study.folder / "merged") == _export(fly, whole)
     assert (study.folder / "merged" / LOG_NAME).read_text() == (whole / LOG_NAME).read_text()
     assert merged.added == 3 * 8 + 1
-
-
-def test_the_shards_of_a_plan_are_the_plan(study: Any) -> None:
-    planned = _plan(study)
-    shards = [planned.shard(k, 3) for k in (1, 2, 3)]
-    assert sorted(f.name for shard in shards for f in shard.mutants) == sorted(f.name for f in planned.mutants)
-    assert sorted(f.name for shard in shards for f in shard.baselines) == sorted(f.name for f in planned.baselines)
 
 
 def test_the_undivided_command_flies_nothing_after_the_merge(study: Any, log: Any, fly: Runs) -> None:
@@ -175,11 +168,3 @@ def test_a_source_without_a_campaign_stops_the_merge_before_anything_is_made(stu
     with pytest.raises(InputError, match="no campaign was flown here"):
         merge(study, study.folder / "merged", [study.folder / "nothing"])
     assert not (study.folder / "merged").exists()
-
-
-def test_what_was_planned_and_not_flown_is_owed(study: Any, fly: Runs) -> None:
-    folder = _run(fly, _plan(study), "c")
-    with Store(folder / STORE_NAME) as store:
-        assert held_in(study, store, folder).owed == 0
-        store._connection.execute("DELETE FROM outcomes WHERE mutant = ?", (LATE,))
-        assert held_in(study, store, folder).owed == 8

@@ -16,10 +16,10 @@ from typing import Any
 import pytest
 from builders import GRID, ROSTER, campaigns, outcome
 from hypothesis import given
-from running import CONTROL, LATE, MORE, Runs, asked, changed, interrupting, red, same
+from running import CONTROL, LATE, MORE, Change, Runs, asked, changed, interrupting, red, same
 
 from scaloft_fi.analysis.detection import Spending
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.plan import plan
 from scaloft_fi.campaign.progress import Progress, violation_line
 from scaloft_fi.campaign.runs.gates import RISE_M, check_gates
@@ -68,37 +68,6 @@ def test_the_mission_log_names_every_safety_violation_and_as_many_are_counted(fl
     assert f"SR2:{LATE}/D0H1/0" in written["safety_violation_ids"]
     told = f"violations: {len(written['violations'])} (baseline 1, mutants 3, PLACEBO 1); all of them are in {path}"
     assert stream.getvalue().splitlines()[:-1] == [told]
-
-
-@pytest.mark.parametrize("digest", ["digest", "perceived_digest"])
-def test_a_placebo_that_differs_or_perceives_otherwise_fails_the_gate_by_name(log: Any, fly: Runs, digest: str) -> None:
-    log.change = changed("PLACEBO/D0H1/0", **{digest: "other"})
-    with pytest.raises(GateError, match=r"PLACEBO differs from the baseline: PLACEBO/D0H1/0"):
-        fly()
-
-
-def test_a_repeat_that_differs_fails_the_gate(log: Any, fly: Runs) -> None:
-    log.change = lambda _flight, outcome: replace(outcome, digest=f"{outcome.digest}-{len(log.flown) > 13}")
-    with pytest.raises(GateError, match="a repeated flight differs from the first: baseline/D0H0/0"):
-        fly()
-
-
-def test_a_control_that_shows_nothing_fails_the_gate(log: Any, fly: Runs) -> None:
-    def tame(flight: Flight, outcome: Outcome) -> Outcome:
-        if flight.subject.id != CONTROL:
-            return outcome
-        calm = tuple(replace(r, violated_at_s=None) for r in outcome.readings)
-        return replace(outcome, readings=calm, violations=())
-
-    log.change = tame
-    with pytest.raises(GateError, match="a control shows nothing, so faults may not reach the drone: REVERSE-velcmd"):
-        fly()
-
-
-def test_red_baselines_everywhere_fail_the_gate(log: Any, fly: Runs) -> None:
-    log.change = lambda _flight, outcome: red(outcome)
-    with pytest.raises(GateError, match="no situation flown has a baseline that holds a safety requirement"):
-        fly()
 
 
 def test_a_crash_of_the_harness_is_invalid_with_its_reason_and_is_flown_again_next_time(log: Any, fly: Runs) -> None:
@@ -263,12 +232,6 @@ def test_a_pool_in_which_no_pair_is_steady_fails_the_gate(study: Any, log: Any, 
         fly(asked(study).with_pool())
 
 
-def test_without_a_pool_some_baseline_must_hold_a_safety_requirement(log: Any, fly: Runs) -> None:
-    log.change = lambda flight, outcome: outcome if flight.mutant else red(outcome)
-    with pytest.raises(GateError, match="no situation flown has a baseline that holds a safety requirement"):
-        fly()
-
-
 def test_a_campaign_remembers_with_which_seeds_its_mutants_were_asked_for(study: Any, fly: Runs) -> None:
     once = fly(asked(study, names=(LATE, MORE), canary=""))
     assert once.spending == Spending(0.01, frozenset())
@@ -297,23 +260,52 @@ FLOWN = {"ending": "timed_out", "track": _track(0.06, 1.6, 1.6)}
 SENTENCE = "the drone never leaves the ground without any fault: baseline/D0H1/0"
 
 
-def test_a_stack_that_raises_in_a_baseline_fails_the_gate_with_flight_and_error(log: Any, fly: Runs) -> None:
-    log.change = changed("baseline/D0H1", stack_error=ERROR)
+SILENT = "a control shows nothing, so faults may not reach the drone: REVERSE-velcmd"
+
+
+def _tame(flight: Flight, outcome: Outcome) -> Outcome:
+    """The control violates nothing."""
+    if flight.subject.id != CONTROL:
+        return outcome
+    calm = tuple(replace(reading, violated_at_s=None) for reading in outcome.readings)
+    return replace(outcome, readings=calm, violations=())
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (changed("PLACEBO/D0H1/0", digest="other"), "PLACEBO differs from the baseline: PLACEBO/D0H1/0"),
+        (changed("PLACEBO/D0H1/0", perceived_digest="other"), "PLACEBO differs from the baseline: PLACEBO/D0H1/0"),
+        (_tame, SILENT),
+        (
+            lambda flight, outcome: outcome if flight.mutant else red(outcome),
+            "no situation flown has a baseline that holds a safety requirement: D0H0, D0H1, D1H0 and 1 more; " + SILENT,
+        ),
+        (changed("baseline/D0H1", stack_error=ERROR), f"the stack raises without any fault: baseline/D0H1/0 ({ERROR})"),
+        (changed("baseline/D0H1", **GROUNDED), SENTENCE),
+    ],
+)
+def test_a_gate_that_fails_names_the_flights(log: Any, fly: Runs, change: Change, said: str) -> None:
+    log.change = change
     with pytest.raises(GateError) as caught:
         fly()
-    assert str(caught.value) == f"gate failed: the stack raises without any fault: baseline/D0H1/0 ({ERROR})"
+    assert str(caught.value) == f"gate failed: {said}"
 
 
-def test_a_stack_that_raises_under_a_fault_is_no_gates_business(log: Any, fly: Runs) -> None:
-    log.change = changed("LATE-human", stack_error=ERROR)
+def test_a_repeat_that_differs_fails_the_gate(log: Any, fly: Runs) -> None:
+    log.change = lambda _flight, outcome: replace(outcome, digest=f"{outcome.digest}-{len(log.flown) > 13}")
+    with pytest.raises(GateError, match="a repeated flight differs from the first: baseline/D0H0/0"):
+        fly()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [changed("LATE-human", stack_error=ERROR), changed("baseline", ending="timed_out", track=b"")],
+    ids=["a stack raises under a fault", "a baseline has no track"],
+)
+def test_what_no_gate_asks_for_fails_none(log: Any, fly: Runs, change: Change) -> None:
+    log.change = change
     fly()
-
-
-def test_a_baseline_that_never_rises_fails_the_gate_by_name(log: Any, fly: Runs) -> None:
-    log.change = changed("baseline/D0H1", **GROUNDED)
-    with pytest.raises(GateError) as caught:
-        fly()
-    assert str(caught.value) == f"gate failed: {SENTENCE}"
 
 
 def test_the_gate_holds_when_nothing_is_left_to_fly_and_in_a_part_of_a_run(log: Any, fly: Runs) -> None:
@@ -330,11 +322,6 @@ def test_a_mutant_may_stay_on_the_ground_and_a_baseline_may_fly_to_its_time_limi
         return replace(outcome, **how)
 
     log.change = change
-    fly()
-
-
-def test_a_baseline_without_a_track_is_believed_to_have_flown(log: Any, fly: Runs) -> None:
-    log.change = changed("baseline", ending="timed_out", track=b"")
     fly()
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.store.origin import fingerprint
+from scaloft_fi.campaign.store.platforms import fingerprint
 
 ROOT = Path(__file__).parents[3]
 CPUINFO = Path("/proc/cpuinfo")

@@ -13,7 +13,7 @@ from finding import Ruled, everywhere, number, small_study
 
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.seeking import WORST, Breach, Signature
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.seeking.breaks import seek_breaks

@@ -16,7 +16,7 @@ from effort import usually
 from finding import small_study
 from paper_flyer import Whole
 
-from scaloft_fi.campaign.flight import Flight
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.seeking.finds import Allowance, SeekReport

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.flight import Flight
-from scaloft_fi.campaign.flights.fly import fly_log, judged
+from scaloft_fi.campaign.flights.fly import Flight, fly_log, judged
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions

@@ -1,4 +1,7 @@
-"""An archive is opened as a campaign is and holds outcomes whole; what is damaged or hostile is refused."""
+"""An archive is opened as a campaign is and holds outcomes whole; what is damaged or hostile is refused.
+
+The grid of a campaign, and its folder: a name, or a path that the system accepts.
+"""
 
 from __future__ import annotations
 
@@ -21,21 +24,28 @@ from builders import AXES, GRID, KINDS, ROSTER, campaigns, outcome
 from crafted import campaign
 from hypothesis import given
 
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.store import archive
 from scaloft_fi.campaign.store.archive import (
     MANIFEST,
     STORE_NAME,
     Archive,
     Trajectories,
+    campaign_folder,
     existing,
     is_archive,
+    opened,
     promising,
     read_outcomes,
+    remember_grid,
+    study_of,
+    study_of_all,
+    with_grid,
     writable,
 )
-from scaloft_fi.campaign.store.flown_grid import opened, study_of
-from scaloft_fi.campaign.store.held import held_in
+from scaloft_fi.campaign.store.held import Keys, held_in
 from scaloft_fi.campaign.store.record import MOST_FLIGHTS
+from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, track_values
 from scaloft_fi.judge.requirement import measured_rho
@@ -378,3 +388,71 @@ def test_trajectories_of_unequal_columns_are_refused() -> None:
     pyarrow.parquet.write_table(put("x_m", [[1.0, 2.0]])(table), file)
     with pytest.raises(InputError, match="of equal length"):
         Trajectories(PATH, file.getvalue())
+
+
+def planned(folder: Path, grid: str | None) -> str:
+    """A campaign over a grid, with one planned flight; returns its name."""
+    study = Study.open(STUDY, grid)
+    with Store(folder / STORE_NAME) as store:
+        remember_grid(store, study)
+        store.plan([Keys(study).planned(Flight(None, study.grid.situations[0], 0))])
+    return str(folder)
+
+
+def test_a_campaign_opens_the_study_with_the_grid_over_which_it_was_flown(tmp_path: Path) -> None:
+    wide, paper = planned(tmp_path / "wide", "wide"), planned(tmp_path / "paper", None)
+    assert study_of(STUDY, wide).grid_name == "wide"
+    assert study_of(STUDY, wide, "wide").grid_name == "wide"
+    assert study_of(STUDY, paper).grid_name is None
+    assert study_of(STUDY, paper, "paper").grid_name is None
+
+
+def test_a_campaign_that_does_not_exist_has_the_grid_that_the_user_names(tmp_path: Path) -> None:
+    assert study_of(STUDY, str(tmp_path / "none")).grid_name is None
+    assert study_of(STUDY, str(tmp_path / "none"), "wide").grid_name == "wide"
+    (tmp_path / "empty").mkdir()
+    Store(tmp_path / "empty" / STORE_NAME).close()
+    assert study_of(STUDY, str(tmp_path / "empty"), "wide").grid_name == "wide"
+
+
+def test_a_campaign_takes_no_flights_of_another_grid(tmp_path: Path) -> None:
+    wide, paper = planned(tmp_path / "wide", "wide"), planned(tmp_path / "paper", None)
+    with pytest.raises(InputError, match=r"^--grid=paper: campaign .* was flown over grid 'wide'; name another"):
+        study_of(STUDY, wide, "paper")
+    with pytest.raises(InputError, match=r"^--grid=wide: campaign .* was flown over grid 'paper'; name another"):
+        study_of(STUDY, paper, "wide")
+
+
+def test_campaigns_are_joined_and_compared_over_one_grid_only(tmp_path: Path) -> None:
+    wide, paper = planned(tmp_path / "wide", "wide"), planned(tmp_path / "paper", None)
+    new = str(tmp_path / "new")
+    assert study_of_all(STUDY, [wide, new]).grid_name == "wide"
+    assert study_of_all(STUDY, [paper, new]).grid_name is None
+    with pytest.raises(InputError, match=r"over grid 'wide', and .* over 'paper'; only campaigns of one grid"):
+        study_of_all(STUDY, [paper, wide])
+
+
+def test_a_record_that_is_no_name_is_refused(tmp_path: Path) -> None:
+    with Store(tmp_path / "c" / STORE_NAME) as store:
+        store.set_notes({"grid flown": "[1]"})
+    with pytest.raises(InputError, match="must be a record of `run`"):
+        study_of(STUDY, str(tmp_path / "c"))
+
+
+@pytest.mark.parametrize("name", ["../../secret", "", "wid", ".hidden"])
+def test_a_record_of_a_grid_that_the_study_lacks_is_one_sentence(tmp_path: Path, name: str) -> None:
+    with Store(tmp_path / "c" / STORE_NAME) as store:
+        store.set_notes({"grid flown": json.dumps(name)})
+        with pytest.raises(InputError, match=r"was flown over grid '.*', which the study lacks"):
+            with_grid(Study.open(STUDY), store)
+
+
+@pytest.mark.parametrize("name", ["~nosuchuser/a", "/" + "a" * 300, "a/b\0", "a" * 256, "é" * 128, "..", " ", "a\0"])
+def test_a_name_that_the_system_refuses_is_refused_in_a_sentence(tmp_path, name):
+    with pytest.raises(InputError, match=r"^--campaign: name=.* must be the (path|name) of a folder"):
+        campaign_folder(Study(tmp_path), name)
+
+
+def test_a_name_stands_for_a_folder_of_the_results_and_a_path_for_itself(tmp_path):
+    assert campaign_folder(Study(tmp_path), "a" * 255).parent == tmp_path / "results" / "campaigns"
+    assert campaign_folder(Study(tmp_path), f"{tmp_path}/new") == tmp_path / "new"

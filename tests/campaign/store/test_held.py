@@ -1,34 +1,37 @@
-"""What a campaign holds, and why it has outgrown the rest."""
+"""What a campaign holds, and why it has outgrown the rest; what changes the key of a flight, and what does not."""
 
 from __future__ import annotations
 
-import io
 import operator
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from ranges import with_range
+from running import CONTROL, LATE, MORE, Runs, asked
 
+from scaloft_fi import sources
 from scaloft_fi.campaign.plan import plan
-from scaloft_fi.campaign.progress import Silence
-from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import Held, Keys, current_in, flight_named, held_in, with_tracks
+from scaloft_fi.campaign.store.record import Origin
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
 from scaloft_fi.mutants.catalogue import realise
+from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.stack.reference.declaration import REFERENCE
-from scaloft_fi.study import Study
+from scaloft_fi.study import PACKAGE, Study
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 
-CONTROL, LATE, MORE = "REVERSE-velcmd", "LATE-human@3s", "MORE-goal@1m"
-HAZOP = Path(__file__).parents[3] / "hazop"
+ROOT = Path(__file__).parents[3]
 CODE = "the code that flies and judges"
 HELD, LATEST, CURRENT = (operator.attrgetter(name) for name in ("held", "latest", "outcomes"))
 
@@ -39,15 +42,7 @@ def fly(study: Any, log: Any) -> Callable[..., Held]:
 
     def flying(changed: Any = None) -> Held:
         now = changed or study
-        planned = plan(now.grid, (0,), [realise(now.matrix, name) for name in (LATE, MORE)], None)
-        run(
-            now,
-            planned,
-            now.folder / "c",
-            options=RunOptions(jobs=1),
-            progress=Silence(stream=io.StringIO()),
-            flyer=log,
-        )
+        Runs(study, log)(asked(now, names=(LATE, MORE), canary=""), of=now)
         return _read(now, HELD)
 
     return flying
@@ -71,47 +66,37 @@ def test_of_an_unchanged_study_nothing_is_stale_or_owed(fly: Callable[..., Held]
     assert (len(found.current), found.stale, found.owed) == (16, 0, 0)
 
 
-@pytest.mark.parametrize(
-    ("changes", "why"),
-    [
-        ({"sim": "x"}, "sim/ changed"),
-        ({"requirements": "x"}, "the requirements changed"),
-        ({"code": "x"}, f"{CODE} changed"),
-        ({"sim": "x", "code": "y"}, f"sim/ and {CODE} changed"),
-    ],
-)
-def test_what_every_flight_shares_makes_all_stale(
-    study: Any, fly: Callable[..., Held], changes: dict[str, str], why: str
-) -> None:
-    fly()
-    assert _why(_inputs(study, **changes)) == {why: 16}
-
-
-def test_another_operator_makes_its_mutants_stale_and_nothing_else(study: Any, fly: Callable[..., Held]) -> None:
-    fly()
-    assert _why(_inputs(study, **{"operator delay": "x"})) == {"operator delay changed": 4}
-
-
-def test_how_situations_come_true_makes_baselines_stale(study: Any, fly: Callable[..., Held]) -> None:
-    fly()
-    assert _why(replace(study, predicate="x")) == {"how the situation's values come true changed": 4}
-
-
-def test_a_mutant_that_changed_is_named(study: Any, fly: Callable[..., Held], tmp_path: Path) -> None:
-    fly()
-    shutil.copytree(HAZOP, tmp_path / "hazop")
-    path = tmp_path / "hazop" / "matrix" / "human.yaml"
+def _other_arguments(study: Any, folder: Path) -> Any:
+    """The study with another argument of LATE."""
+    shutil.copytree(ROOT / "hazop", folder / "hazop")
+    path = folder / "hazop" / "matrix" / "human.yaml"
     old = "operator: delay\n      magnitude: {argument: delay_s, unit: s, ladder: [0.5, 1, 3, 5]"
     assert old in path.read_text()
     path.write_text(path.read_text().replace(old, old.replace("\n", "\n      arguments: {keep_first: true}\n")))
-    changed = replace(study, matrix=load_matrix(tmp_path / "hazop", REFERENCE.by_name))
-    assert _why(changed) == {f"mutant {LATE} changed": 4}
+    return replace(study, matrix=load_matrix(folder / "hazop", REFERENCE.by_name))
 
 
-def test_a_situation_that_is_gone_is_said(study: Any, fly: Callable[..., Held]) -> None:
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (lambda study, _: _inputs(study, sim="x"), {"sim/ changed": 16}),
+        (lambda study, _: _inputs(study, requirements="x"), {"the requirements changed": 16}),
+        (lambda study, _: _inputs(study, code="x"), {f"{CODE} changed": 16}),
+        (lambda study, _: _inputs(study, sim="x", code="y"), {f"sim/ and {CODE} changed": 16}),
+        (lambda study, _: _inputs(study, **{"operator delay": "x"}), {"operator delay changed": 4}),
+        (lambda study, _: replace(study, predicate="x"), {"how the situation's values come true changed": 4}),
+        (_other_arguments, {f"mutant {LATE} changed": 4}),
+        (
+            lambda study, _: replace(study, grid=type(study.grid)(study.grid[1:])),
+            {"the situation is not in the grid any more": 4},
+        ),
+    ],
+)
+def test_an_edit_makes_the_flights_stale_that_it_can_change_and_is_named(
+    study: Any, fly: Callable[..., Held], tmp_path: Path, change: Callable[[Any, Path], Any], why: dict[str, int]
+) -> None:
     fly()
-    changed = replace(study, grid=type(study.grid)(study.grid[1:]))
-    assert _why(changed) == {"the situation is not in the grid any more": 4}
+    assert _why(change(study, tmp_path)) == why
 
 
 def test_flights_flown_again_leave_the_stale_ones_beside_them(study: Any, fly: Callable[..., Held]) -> None:
@@ -195,13 +180,12 @@ def test_what_a_run_writes_meanwhile_is_read_the_next_time(
     assert len(_read(study, CURRENT)) == there
 
 
-STUDY = Path(__file__).parents[3]
 HERE = "T0O0W0D0H1"
 FLOWN = (("baseline", 0), ("baseline", 1), ("LATE-human@3s", 0), ("NO-human@100%", 0))
 
 
 def test_only_the_trajectories_asked_for_are_read(tmp_path: Path) -> None:
-    study, keys = Study.open(STUDY), Keys(Study.open(STUDY))
+    study, keys = Study.open(ROOT), Keys(Study.open(ROOT))
     track = pack_track({name: [1.0, 2.0] for name in TRACK_COLUMNS})
     with Store(tmp_path / STORE_NAME) as store:
         for mutant, seed in FLOWN:
@@ -215,3 +199,127 @@ def test_only_the_trajectories_asked_for_are_read(tmp_path: Path) -> None:
     assert {o.name for o in found if o.track} == {f"baseline/{HERE}/0", f"baseline/{HERE}/1", f"LATE-human@3s/{HERE}/0"}
     assert {outcome.name for outcome in first if outcome.track} == {f"baseline/{HERE}/1"}
     assert [outcome.name for outcome in first] == [outcome.name for outcome in known]
+
+
+EVERY = BASE, IDENTITY, _, ROUTE = "baseline", "PLACEBO", LATE, "REVERSE-waypoint"
+BOTH = DARK, LIGHT = "T1O0W0D1H1", "T0O0W0D0H0"
+ARGUMENT = "operator: delay\n      arguments: {keep_first: true}\n"
+EDITS = {
+    ("sim/world.yaml", "light: 0.9", "light: 0.8"): ("sim", EVERY, BOTH),
+    ("sim/vehicle.yaml", "mass_kg: 1.5", "mass_kg: 1.6"): ("sim", EVERY, BOTH),
+    ("sim/sensors.yaml", "latency_s: 0.05", "latency_s: 0.06"): ("sim", EVERY, BOTH),
+    ("sim/stack.yaml", "gate_sigma: 8.0", "gate_sigma: 7.0"): ("sim", EVERY, BOTH),
+    ("sim/requirements.yaml", "speed_mps / 0.25", "speed_mps / 0.30"): ("requirements", EVERY, BOTH),
+    ("sim/situations.yaml", "light: 0.0", "light: 0.01"): ("situation", EVERY, (DARK,)),
+    ("sim/situations.yaml", "eventually(x_m < -1)", "eventually(x_m < -2)"): ("realised", (BASE,), BOTH),
+    ("hazop/matrix/human.yaml", "operator: delay\n", ARGUMENT): ("mutant", (LATE,), BOTH),
+    ("sim/stack.yaml", "name: reference", "name:  reference  # the same"): ("", (), ()),
+    ("hazop/matrix/human.yaml", "deviation: Detection delivered late.", "deviation: Late."): ("", (), ()),
+}
+"""Edits of a study, with what they change: a part of the origins of subjects in situations."""
+SOURCES = {
+    "sim/flight": EVERY,
+    "sim/sensors/camera": EVERY,
+    "stack/reference/mission": EVERY,
+    "judge/requirement": EVERY,
+    "mutants/wire": EVERY,
+    "campaign/flights/fly": EVERY,
+    "mutants/operators/arrival": (IDENTITY, LATE),
+    "mutants/operators/sensors": (),
+    "mutants/reference/mission": (ROUTE,),
+    "mutants/sample": (IDENTITY, LATE, ROUTE),
+    "analysis/score": (),
+    "views/table": (),
+}
+"""Modules of the package, and the subjects whose flights an edit of them can change."""
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    return tmp_path
+
+
+def _origins(folder: Path) -> dict[tuple[str, str], Origin]:
+    study = Study(folder)
+    return {(name, at): Keys(study).origin(flight_named(study, name, at, 0)) for name in EVERY for at in BOTH}
+
+
+def _moved(before: Mapping[tuple[str, str], Origin], now: Mapping[tuple[str, str], Origin]) -> set[str]:
+    return {name for name, at in before if before[name, at] != now[name, at]}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_an_edit_changes_the_part_of_all_flights_that_it_can_change_and_of_no_other(
+    copy: Path, edit: tuple[str, str, str]
+) -> None:
+    file, old, new = edit
+    before, text = _origins(copy), (copy / file).read_text()
+    assert old in text
+    (copy / file).write_text(text.replace(old, new, 1))
+    now = _origins(copy)
+    part, subjects, situations = EDITS[edit]
+    changed = {place: before[place].changed(now[place]) for place in before if before[place] != now[place]}
+    assert changed == {(name, at): (part,) for name in subjects for at in situations}
+
+
+@pytest.mark.parametrize("module", SOURCES)
+def test_other_code_moves_the_keys_of_all_subjects_that_it_can_change_and_of_no_other(
+    module: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before, read, edited = _origins(ROOT), sources.read, PACKAGE / f"{module}.py"
+    assert edited.is_file()
+    monkeypatch.setattr(
+        sources, "read", lambda path: replace(read(path), meaning="x") if path == edited else read(path)
+    )
+    assert _moved(before, _origins(ROOT)) == {*SOURCES[module]}
+
+
+def test_a_file_beside_the_documents_a_seed_and_a_situation_move_every_key(copy: Path) -> None:
+    before = _origins(copy)
+    (copy / "sim" / "mine.obj").write_text("v 0 0 0\n")
+    assert _moved(before, _origins(copy)) == {*EVERY}
+    study = Study(copy)
+    for name in EVERY:
+        places = (DARK, 0), (DARK, 1), (LIGHT, 0)
+        assert len({Keys(study).key(flight_named(study, name, *place)) for place in places}) == len(places)
+
+
+def test_a_study_that_gains_the_operator_of_a_plugin_keeps_all_flights_but_those_of_its_mutants(
+    copy: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before, cells = _origins(copy), copy / "hazop" / "matrix" / "human.yaml"
+    (tmp_path / "odd_ware.py").write_text("def linger(_context, *, delay_s):\n    return lambda _t_s, sample: sample\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    make = import_module("odd_ware").linger
+    known = dict(OPERATORS)
+    gained = {**known, "linger": replace(known["delay"], name="linger", make=make)}
+    monkeypatch.setattr(OPERATORS, "_entries", gained)
+    cells.write_text(cells.read_text().replace("operator: delay\n", "operator: linger\n", 1))
+    assert _moved(before, _origins(copy)) == {LATE}
+
+
+def test_a_drawn_number_is_part_of_the_key(copy: Path) -> None:
+    study = Study(with_range(copy))
+    situations = ("T0O0W0D0H0C2", "T0O0W0D0H0C2=0.871", "T0O0W0D0H0C2=0.872")
+    origins = [Keys(study).origin(flight_named(study, "baseline", key, 0)) for key in situations]
+    assert study.changes(study.grid.situation(situations[1])) == {"world.mission.cruise_mps": 0.871}
+    assert len({origin.situation for origin in origins}) == len({origin.realised for origin in origins}) == 3
+
+
+hashes = st.text("0123456789abcdef", max_size=4)
+origins = st.builds(Origin, hashes, hashes, hashes, hashes, hashes, hashes, hashes)
+
+
+@given(origins, origins, st.integers(0, 2), st.integers(0, 2))
+def test_two_keys_are_equal_when_all_that_enters_them_is(one: Origin, other: Origin, seed: int, later: int) -> None:
+    assert one.key(seed) == Origin(*one).key(seed)
+    assert (one.key(seed) == other.key(later)) == ((one, seed) == (other, later))
+
+
+@given(origins, origins)
+def test_the_parts_that_changed_are_those_that_differ(one: Origin, other: Origin) -> None:
+    changed = one.changed(other)
+    assert one._replace(**{name: getattr(other, name) for name in changed}) == other
+    assert (changed == ()) == (one == other)

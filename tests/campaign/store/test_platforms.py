@@ -10,8 +10,17 @@ from pathlib import Path
 import pytest
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.campaign.store.origin import BRING_OPENBLAS, differences, fingerprint
-from scaloft_fi.campaign.store.platforms import BITS, FACTS, Platforms, claim, remember, set_apart
+from scaloft_fi.campaign.store.platforms import (
+    BITS,
+    BRING_OPENBLAS,
+    FACTS,
+    Platforms,
+    claim,
+    differences,
+    fingerprint,
+    remember,
+    set_apart,
+)
 from scaloft_fi.campaign.store.store import NOTE, Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome, Subject
@@ -81,7 +90,7 @@ def test_a_damaged_note_is_bad_input(store: Store, notes: dict[str, str]) -> Non
 
 
 CPUINFO = Path("/proc/cpuinfo")
-PROGRAM = "from scaloft_fi.campaign.store.origin import fingerprint as f; print(f()['{package} kernels'])"
+PROGRAM = "from scaloft_fi.campaign.store.platforms import fingerprint as f; print(f()['{package} kernels'])"
 
 
 def test_a_fingerprint_differs_by_what_changed() -> None:
@@ -107,6 +116,6 @@ def test_a_fingerprint_names_the_kernels_that_each_package_multiplies_with(packa
 
 
 def test_kernels_of_a_library_that_does_not_tell_are_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.store.origin.find_spec", lambda _package: None)
+    monkeypatch.setattr("scaloft_fi.campaign.store.platforms.find_spec", lambda _package: None)
     here = fingerprint()
     assert (here["numpy kernels"], here["scipy kernels"]) == ("unknown", "unknown")

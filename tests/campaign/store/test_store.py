@@ -26,8 +26,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from scaloft_fi.campaign.store import store
-from scaloft_fi.campaign.store.origin import Origin
-from scaloft_fi.campaign.store.record import COLUMNS, Planned, Reader, Record, to_row
+from scaloft_fi.campaign.store.record import COLUMNS, Origin, Planned, Reader, Record, to_row
 from scaloft_fi.campaign.store.store import SCHEMA, FlownFlight, Store, told_when_slow
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
