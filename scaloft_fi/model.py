@@ -34,24 +34,9 @@ from functools import cache
 from inspect import cleandoc, get_annotations
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
+from scaloft_fi import marks
 from scaloft_fi.document import ITEMS, Item
 from scaloft_fi.errors import Faults, InputError, did_you_mean
-from scaloft_fi.marks import (
-    LARGEST,
-    About,
-    Bounds,
-    ByName,
-    Called,
-    Choices,
-    Either,
-    Examples,
-    Given,
-    Needed,
-    Otherwise,
-    Pattern,
-    Reads,
-    Size,
-)
 
 T = TypeVar("T")
 Schema = dict[str, Any]
@@ -76,7 +61,7 @@ class Field:
     optional: bool
     default: Any
     about: str
-    given: Given | None
+    given: marks.Given | None
     """How the field is found where no key has it."""
 
 
@@ -93,12 +78,14 @@ def fields_of(cls: type) -> tuple[Field, ...]:
     for name, default in _defaults(cls).items():
         if name.startswith("_"):
             continue
-        hint, called, about = hints[name], _mark(hints[name], Called), _mark(hints[name], About)
+        hint, called, about = hints[name], _mark(hints[name], marks.Called), _mark(hints[name], marks.About)
         text = told.get(name) or (about.text if about else "")
-        if (otherwise := _mark(hint, Otherwise)) is not None:
+        if (otherwise := _mark(hint, marks.Otherwise)) is not None:
             default = otherwise.value
-        optional = default is not dataclasses.MISSING and _mark(hint, Needed) is None
-        found.append(Field(name, called.key if called else name, hint, optional, default, text, _mark(hint, Given)))
+        optional = default is not dataclasses.MISSING and _mark(hint, marks.Needed) is None
+        found.append(
+            Field(name, called.key if called else name, hint, optional, default, text, _mark(hint, marks.Given))
+        )
     return tuple(found)
 
 
@@ -284,7 +271,7 @@ def value_of(hint: Any, item: Item, names: Names = NO_NAMES) -> Any:
 @cache
 def _reader(hint: Any) -> Reader:
     """What reads values of a type; found once, because a study has thousands of values."""
-    if (reads := _mark(hint, Reads)) is not None:
+    if (reads := _mark(hint, marks.Reads)) is not None:
         return lambda item, _names: reads.read(item)
     kinds = _present(hint)
     if set(kinds) <= {str, int, float, bool} and len(kinds) > 1:
@@ -310,7 +297,7 @@ def _reader(hint: Any) -> Reader:
         return lambda item, _names: kind(item.choice(values))
     if kind is bool:
         return lambda item, _names: item.flag()
-    bounds = _mark(hint, Bounds) or Bounds()
+    bounds = _mark(hint, marks.Bounds) or marks.Bounds()
     least, most, above, infinite = bounds.least, bounds.most, bounds.above, bounds.infinite
     if kind is float:
         return lambda item, _names: item.number(least=least, most=most, above=above, infinite=infinite)
@@ -320,7 +307,7 @@ def _reader(hint: Any) -> Reader:
 
 
 def _text(hint: Any, item: Item, names: Names) -> str:
-    choices, pattern = _mark(hint, Choices), _mark(hint, Pattern)
+    choices, pattern = _mark(hint, marks.Choices), _mark(hint, marks.Pattern)
     if choices is not None and (among := choices.among(names)):
         for text, install in choices.elsewhere:
             if item.value == text and text not in among:
@@ -348,7 +335,7 @@ def _scalar(hint: Any, kinds: Collection[type], item: Item, names: Names) -> Any
 
 def _marked(kind: type, hint: Any) -> Any:
     """A plain type with the bounds of another."""
-    bounds = _mark(hint, Bounds)
+    bounds = _mark(hint, marks.Bounds)
     return Annotated[kind, bounds] if bounds else kind
 
 
@@ -363,7 +350,7 @@ def _literal(allowed: tuple[Any, ...], item: Item) -> Any:
 
 def _entries(hint: Any, item: Item, kind: str) -> Any:
     """The entries of a list or mapping, as many as its size allows."""
-    size = _mark(hint, Size) or Size(most=ITEMS)
+    size = _mark(hint, marks.Size) or marks.Size(most=ITEMS)
     entries: Any = item.items(most=max(size.most, size.least)) if kind == "list" else item.mapping(most=size.most)
     if len(entries) < size.least:
         raise item.error(size.allowed or f"a {kind} of at least {'one' if size.least == 1 else size.least}")
@@ -372,11 +359,11 @@ def _entries(hint: Any, item: Item, kind: str) -> Any:
 
 def _several(hint: Any, kind: Any, item: Item, names: Names) -> Any:
     inner, faults, values = get_args(kind), Faults(), []
-    if _mark(hint, ByName) is not None:
+    if _mark(hint, marks.ByName) is not None:
         return tuple(_by_name(hint, inner[0], item, names).values())
     exact = get_origin(kind) is tuple and inner[-1] is not Ellipsis
     if exact and len(item.items()) != len(inner):
-        size = _mark(hint, Size)
+        size = _mark(hint, marks.Size)
         noun = "numbers" if all(_present(one)[0] in (float, int) for one in inner) else "values"
         raise item.error((size.allowed if size else "") or f"a list of {len(inner)} {noun}")
     entries = item.items() if exact else _entries(hint, item, "list")
@@ -388,7 +375,7 @@ def _several(hint: Any, kind: Any, item: Item, names: Names) -> Any:
 
 
 def _by_name(hint: Any, inner: Any, item: Item, names: Names) -> dict[str, Any]:
-    pattern, choices, faults, values = _mark(hint, Pattern), _mark(hint, Choices), Faults(), {}
+    pattern, choices, faults, values = _mark(hint, marks.Pattern), _mark(hint, marks.Choices), Faults(), {}
     reader = _reader(inner)
     for key, entry in _entries(hint, item, "mapping").items():
         if pattern is not None and not re.fullmatch(pattern.text, key):
@@ -404,7 +391,7 @@ def _by_name(hint: Any, inner: Any, item: Item, names: Names) -> dict[str, Any]:
 
 def _form(hint: Any, models: tuple[Any, ...], item: Item) -> Any:
     """The form, of those that a value may have, that an entry has."""
-    either = _mark(hint, Either) or Either()
+    either = _mark(hint, marks.Either) or marks.Either()
     entries = item.mapping()
     if either.by:
         by_value = {value: model for model in models for value in _fixed(model, either.by)}
@@ -469,17 +456,17 @@ def _tells(default: Any) -> bool:
 
 def schema_of(hint: Any, names: Names = NO_NAMES, hook: Hook = lambda _cls, made: made) -> Schema:
     """The JSON Schema of a type with its marks."""
-    examples = _mark(hint, Examples)
+    examples = _mark(hint, marks.Examples)
     told: Schema = {"examples": [_plain(one) for one in examples.values]} if examples else {}
     return {**_schema_of(hint, names, hook), **told}
 
 
 def _schema_of(hint: Any, names: Names, hook: Hook) -> Schema:
-    if (reads := _mark(hint, Reads)) is not None:
+    if (reads := _mark(hint, marks.Reads)) is not None:
         return reads.schema(names)
     kinds = _present(hint)
     if set(kinds) <= {str, int, float, bool} and len(kinds) > 1:
-        pattern = _mark(hint, Pattern)
+        pattern = _mark(hint, marks.Pattern)
         words = {"pattern": f"^(?:{pattern.text})$"} if pattern else {}
         return {"type": list(dict.fromkeys(_UNITS[float if kind is int else kind] for kind in kinds)), **words}
     if len(kinds) > 1:
@@ -490,7 +477,7 @@ def _schema_of(hint: Any, names: Names, hook: Hook) -> Schema:
     if is_model(kind):
         return schema(kind, names, hook=hook)
     origin = get_origin(kind)
-    if origin in (tuple, frozenset) and _mark(hint, ByName) is None:
+    if origin in (tuple, frozenset) and _mark(hint, marks.ByName) is None:
         return _list_schema(hint, kind, names, hook)
     if origin in (tuple, Mapping):
         return _mapping_schema(hint, get_args(kind)[-1 if origin is Mapping else 0], names, hook)
@@ -501,12 +488,12 @@ def _schema_of(hint: Any, names: Names, hook: Hook) -> Schema:
         told = _text_schema(hint, names)
         return told if "enum" in told else {"enum": [member.value for member in kind]}
     if kind in (float, int):
-        return {"type": _UNITS[kind], **_bounds(_mark(hint, Bounds) or Bounds())}
+        return {"type": _UNITS[kind], **_bounds(_mark(hint, marks.Bounds) or marks.Bounds())}
     return {"type": "boolean"} if kind is bool else _text_schema(hint, names)
 
 
 def _text_schema(hint: Any, names: Names) -> Schema:
-    choices, pattern = _mark(hint, Choices), _mark(hint, Pattern)
+    choices, pattern = _mark(hint, marks.Choices), _mark(hint, marks.Pattern)
     if choices is not None and (among := choices.among(names)):
         meanings = among.items() if isinstance(among, Mapping) else ()
         told = "".join(f"\n- {value}: {meaning}" for value, meaning in meanings)
@@ -526,7 +513,7 @@ def _list_schema(hint: Any, kind: Any, names: Names, hook: Hook) -> Schema:
 
 
 def _mapping_schema(hint: Any, inner: Any, names: Names, hook: Hook) -> Schema:
-    each, pattern, choices = schema_of(inner, names, hook), _mark(hint, Pattern), _mark(hint, Choices)
+    each, pattern, choices = schema_of(inner, names, hook), _mark(hint, marks.Pattern), _mark(hint, marks.Choices)
     told: Schema = {"additionalProperties": each}
     if pattern is not None:
         told = {"patternProperties": {f"^(?:{pattern.text})$": each}, "additionalProperties": False}
@@ -536,15 +523,15 @@ def _mapping_schema(hint: Any, inner: Any, names: Names, hook: Hook) -> Schema:
 
 
 def _size(hint: Any, noun: str) -> Schema:
-    size = _mark(hint, Size)
+    size = _mark(hint, marks.Size)
     if size is None:
         return {}
     return {**({f"min{noun}": size.least} if size.least else {}), f"max{noun}": size.most}
 
 
-def _bounds(bounds: Bounds) -> Schema:
+def _bounds(bounds: marks.Bounds) -> Schema:
     told = {"minimum": bounds.least, "exclusiveMinimum": bounds.above, "maximum": bounds.most}
-    return {name: _plain(bound) for name, bound in told.items() if abs(bound) < LARGEST}
+    return {name: _plain(bound) for name, bound in told.items() if abs(bound) < marks.LARGEST}
 
 
 def _plain(value: Any) -> Any:

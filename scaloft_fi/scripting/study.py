@@ -28,7 +28,9 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.output import write_named
 from scaloft_fi.scripting.flight import Figure, FlownFlight, described, in_python, number
 from scaloft_fi.study import Study
-from scaloft_fi.verbs import campaigns, dispositions, kills, margin, seek, situations, worksheet
+from scaloft_fi.verbs import campaigns, dispositions, kills, margin, situations, worksheet
+from scaloft_fi.verbs import run as flying
+from scaloft_fi.verbs import seek as seeking
 from scaloft_fi.verbs.campaigns import MergedCampaigns, MergedPlatform
 from scaloft_fi.verbs.check import checked
 from scaloft_fi.verbs.export.dossier import FORMATS, dossier, flight_columns
@@ -39,32 +41,7 @@ from scaloft_fi.verbs.options import AsOf, BaselineFrom, Jobs, Operability, Same
 from scaloft_fi.verbs.replay import comparison, fly_with_log, ready_to_fly
 from scaloft_fi.verbs.report.analyses import gather
 from scaloft_fi.verbs.report.page import page
-from scaloft_fi.verbs.run import (
-    MOST_INVALID,
-    BaselineSeeds,
-    Choose,
-    ChooseSeed,
-    ClusterSecurity,
-    ExecutorName,
-    FlownMutants,
-    FlownSeeds,
-    FlownSituations,
-    MaxInvalid,
-    Sequential,
-    Shard,
-)
 from scaloft_fi.verbs.score import SCORE, ScoredFlights, scored_campaign, scored_run
-from scaloft_fi.verbs.seek import (
-    Anyhow,
-    Into,
-    Replicate,
-    Search,
-    SearchBudget,
-    SearchedGrid,
-    SearchSeed,
-    SoughtMutants,
-    study_to_search,
-)
 from scaloft_fi.verbs.signals import signal_list
 from scaloft_fi.views.output import Answer, Columns, ColumnType, plain
 from scaloft_fi.views.picture import draw_plan
@@ -369,22 +346,22 @@ class OpenCampaign:
     @described
     def run(
         self,
-        mutants: FlownMutants = (),
-        situations: FlownSituations = (),
+        mutants: flying.FlownMutants = (),
+        situations: flying.FlownSituations = (),
         *,
-        seeds: FlownSeeds = None,
-        baseline_seeds: BaselineSeeds = None,
+        seeds: flying.FlownSeeds = None,
+        baseline_seeds: flying.BaselineSeeds = None,
         baseline_from: BaselineFrom = None,
-        choose: Choose = None,
-        choose_seed: ChooseSeed = 0,
-        sequential: Sequential = False,
-        shard: Shard = None,
+        choose: flying.Choose = None,
+        choose_seed: flying.ChooseSeed = 0,
+        sequential: flying.Sequential = False,
+        shard: flying.Shard = None,
         budget_s: float | None = None,
         jobs: Jobs = None,
-        executor: ExecutorName = LOCAL,
-        cluster_security: ClusterSecurity = None,
+        executor: flying.ExecutorName = LOCAL,
+        cluster_security: flying.ClusterSecurity = None,
         share: bool = True,
-        max_invalid: MaxInvalid = MOST_INVALID,
+        max_invalid: flying.MaxInvalid = flying.MOST_INVALID,
         same_platform: SamePlatform = False,
         progress: Told = False,
     ) -> CampaignScore:
@@ -482,14 +459,14 @@ class OpenCampaign:
     @described
     def seek(
         self,
-        mutants: SoughtMutants = (),
+        mutants: seeking.SoughtMutants = (),
         *,
-        grid: SearchedGrid = SEARCHED,
-        into: Into = None,
-        budget: SearchBudget = None,
-        seed: SearchSeed = 0,
-        anyhow: Anyhow = False,
-        replicate: Replicate = False,
+        grid: seeking.SearchedGrid = SEARCHED,
+        into: seeking.Into = None,
+        budget: seeking.SearchBudget = None,
+        seed: seeking.SearchSeed = 0,
+        anyhow: seeking.Anyhow = False,
+        replicate: seeking.Replicate = False,
         jobs: Jobs = None,
         same_platform: SamePlatform = False,
         progress: Told = False,
@@ -506,7 +483,7 @@ class OpenCampaign:
         """
         with in_python(budget="budget"):
             options, allowance = _options(jobs, same_platform), Allowance.parse(budget)
-            search = Search(
+            search = seeking.Search(
                 into or grid,
                 options,
                 int(number(seed, "seed", 0, MOST_SEED)),
@@ -515,8 +492,8 @@ class OpenCampaign:
                 anyhow,
                 replicate,
             )
-            study = study_to_search(self.study_folder, grid, search.into)
-            return seek.seek(study, self.name, several(mutants, "mutants"), search, named=self.study_folder)
+            study = seeking.study_to_search(self.study_folder, grid, search.into)
+            return seeking.seek(study, self.name, several(mutants, "mutants"), search, named=self.study_folder)
 
     @described
     def merge(self, others: MergedCampaigns, *, same_platform: MergedPlatform = False) -> Answer:

@@ -9,30 +9,8 @@ import click
 
 from scaloft_fi.defaults import Seeds
 from scaloft_fi.errors import InputError
-from scaloft_fi.verbs import names
-from scaloft_fi.verbs.options import (
-    BaselineFrom,
-    Campaign,
-    DefaultWords,
-    Everything,
-    FailUnder,
-    FailUnderFirm,
-    FlownGrid,
-    Jobs,
-    Option,
-    Quiet,
-    SamePlatform,
-    Several,
-    Situations,
-    StudyFolder,
-    TableFormat,
-    TablesFolder,
-    Warnings,
-    campaign_over,
-    several,
-    typed,
-    verb,
-)
+from scaloft_fi.verbs import names, options
+from scaloft_fi.verbs.options import Option, Several, campaign_over, several, typed, verb
 
 MOST_INVALID = 0.1
 FlownMutants = Annotated[
@@ -45,7 +23,7 @@ FlownMutants = Annotated[
         otherwise="every cell's default and the controls",
     ),
 ]
-FlownSituations = Annotated[Situations, DefaultWords("those of --choose")]
+FlownSituations = Annotated[options.Situations, options.DefaultWords("those of --choose")]
 Choose = Annotated[
     str | None,
     Option(
@@ -141,32 +119,32 @@ MaxInvalid = Annotated[
 )
 def run_command(
     *,
-    study_folder: StudyFolder,
-    campaign: Campaign,
-    grid: FlownGrid,
+    study_folder: options.StudyFolder,
+    campaign: options.Campaign,
+    grid: options.FlownGrid,
     mutants: FlownMutants,
     situations: FlownSituations,
     choose: Choose,
     choose_seed: ChooseSeed,
     seeds: FlownSeeds,
     baseline_seeds: BaselineSeeds,
-    baseline_from: BaselineFrom,
+    baseline_from: options.BaselineFrom,
     sequential: Sequential,
-    jobs: Jobs,
+    jobs: options.Jobs,
     executor: ExecutorName,
     cluster_security: ClusterSecurity,
     shard: Shard,
     no_share: Share,
     budget: BudgetTime,
     max_invalid: MaxInvalid,
-    same_platform: SamePlatform,
-    everything: Everything,
-    style: TableFormat,
-    tables_folder: TablesFolder,
-    fail_under: FailUnder,
-    fail_under_firm: FailUnderFirm,
-    warnings: Warnings,
-    quiet: Quiet,
+    same_platform: options.SamePlatform,
+    everything: options.Everything,
+    style: options.TableFormat,
+    tables_folder: options.TablesFolder,
+    fail_under: options.FailUnder,
+    fail_under_firm: options.FailUnderFirm,
+    warnings: options.Warnings,
+    quiet: options.Quiet,
 ) -> int:
     """Fly the baseline, PLACEBO and the mutants in every situation, then print which faults the tests would have shown.
 
@@ -202,7 +180,7 @@ def run_command(
             f"{option}={least:g} needs a baseline pool of at least {LEAST} seeds, and --baseline-seeds="
             f"{baseline_seeds!r} makes {asked.short_of_pool} of them; leave one out"
         )
-    options = gates.RunOptions(
+    run_options = gates.RunOptions(
         executor=executor_named(executor, jobs, None if cluster_security is None else Path(cluster_security)),
         share=CAN_FORK and not no_share,
         max_invalid=max_invalid,
@@ -213,7 +191,7 @@ def run_command(
     study = archive.study_of(study_folder, campaign, grid)
     planned = request.planned_run(study, asked)
     shown = progress.Silence() if quiet else progress.Progress(tally=score.detected_so_far)
-    flown = request.fly(planned, archive.campaign_folder(study, campaign), options, progress=shown)
+    flown = request.fly(planned, archive.campaign_folder(study, campaign), run_options, progress=shown)
     scored = score.scored_run(flown, campaign)
     return score.report(
         scored, score.RUN, grouping=None, everything=everything, style=style, tables=tables_folder, bars=bars

@@ -14,20 +14,8 @@ from scaloft_fi.campaign.plan import parse_mutants
 from scaloft_fi.campaign.processes import cores, one_thread_each
 from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.seeking import finds
 from scaloft_fi.campaign.seeking.breaks import seek_breaks
-from scaloft_fi.campaign.seeking.finds import (
-    Allowance,
-    SeekReport,
-    Sought,
-    Unnamed,
-    anew,
-    break_saver,
-    holding,
-    interrupted,
-    keep,
-    replicate,
-    saver,
-)
 from scaloft_fi.campaign.seeking.proposals import require_optuna
 from scaloft_fi.campaign.seeking.seek import seek as seek_mutants
 from scaloft_fi.campaign.store.archive import campaign_folder, study_of
@@ -41,30 +29,16 @@ from scaloft_fi.sim.found import FILE, Break, read_finds
 from scaloft_fi.sim.grid import grid_names, own_name
 from scaloft_fi.sim.stacks import claims_of
 from scaloft_fi.study import Study
+from scaloft_fi.verbs import options
 from scaloft_fi.verbs.names import campaigns, grids, sought
-from scaloft_fi.verbs.options import (
-    Campaign,
-    Jobs,
-    Option,
-    Quiet,
-    SamePlatform,
-    Several,
-    StudyFolder,
-    TableFormat,
-    TablesFolder,
-    Warnings,
-    answer,
-    check_own,
-    typed,
-    verb,
-)
+from scaloft_fi.verbs.options import Option, Several, answer, check_own, typed, verb
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verdict import words
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 
 
-def breaks_table(report: SeekReport, campaign: str, *, claims: bool) -> Table:
+def breaks_table(report: finds.SeekReport, campaign: str, *, claims: bool) -> Table:
     """The breaks; `campaign` holds their flights, `claims` tells whether the stack declares claims."""
     rows = tuple(
         (
@@ -111,7 +85,7 @@ def belief(one: Break) -> str:
     return f"{one.belief}, {one.error:.2f} {one.unit}" if one.belief else "none"
 
 
-def seek_tables(report: SeekReport, own: str) -> tuple[Table, Table]:
+def seek_tables(report: finds.SeekReport, own: str) -> tuple[Table, Table]:
     """The finds, and the mutants without one; `own` is the name of the study's own grid."""
     rows = tuple(
         (
@@ -156,7 +130,7 @@ def seek_tables(report: SeekReport, own: str) -> tuple[Table, Table]:
     )
 
 
-def replica_table(report: SeekReport) -> Table:
+def replica_table(report: finds.SeekReport) -> Table:
     """The pairs of find and mutant that were flown again, and which of them hold."""
     rows = tuple(
         (
@@ -183,7 +157,7 @@ def replica_table(report: SeekReport) -> Table:
     return Table(f"Replicated: {held} of {len(rows)} pairs of find and mutant hold", headers, rows, notes)
 
 
-def spending(report: SeekReport) -> str:
+def spending(report: finds.SeekReport) -> str:
     """How many candidates a search tested, and what they spent of alpha."""
     tested = [one for one in report.sought if one.candidates]
     if not tested:
@@ -198,7 +172,7 @@ def spending(report: SeekReport) -> str:
     )
 
 
-def why_not(sought: Sought) -> str:
+def why_not(sought: finds.Sought) -> str:
     """Why nothing was found for a mutant: the stage at which the fault stopped, and how near it came."""
     effort = sought.effort
     if sought.candidates:
@@ -218,7 +192,7 @@ def why_not(sought: Sought) -> str:
     return f"it kept {effort.nearest:.0%} of the robustness of {effort.requirement} in {effort.situation}"
 
 
-SEEK = Output("seek", "1.1", SeekReport, rows="finds")
+SEEK = Output("seek", "1.1", finds.SeekReport, rows="finds")
 
 
 @dataclass(frozen=True)
@@ -238,7 +212,7 @@ class Search:
     into: str
     options: RunOptions
     seed: int
-    allowance: Allowance
+    allowance: finds.Allowance
     progress: Progress
     anyhow: bool = False
     replicate: bool = False
@@ -314,7 +288,7 @@ def _shows(study: Study, campaign: str, mutants: Sequence[str], search: Search) 
         seed=search.seed,
         allowance=search.allowance,
         progress=search.progress,
-        save=saver(folder, study.grid.name),
+        save=finds.saver(folder, study.grid.name),
         unnamed=unnamed,
         anyhow=search.anyhow,
     )
@@ -326,23 +300,23 @@ def _replicated(study: Study, mutants: Sequence[str], search: Search) -> Answer:
     folder = study.folder / "sim"
     found = read_finds(folder)
     wanted = {mutant.id for mutant in parse_mutants(study, mutants)} if mutants else None
-    finds = found.finds if found else ()
-    ask = {find.name: [one for one in find.shows if wanted is None or one in wanted] for find in finds}
+    known = found.finds if found else ()
+    ask = {find.name: [one for one in find.shows if wanted is None or one in wanted] for find in known}
     if found is None or not any(ask.values()):
         which = f" of {', '.join(mutants)}" if mutants else ""
         raise InputError(f"{folder / FILE}: there is no find{which} to replicate; `scaloft-fi seek` finds some")
     if found.grid != study.grid.name:
         raise InputError(f"--grid={study.grid.name!r} must be {found.grid!r}, the grid that was searched")
-    report = replicate(
+    report = finds.replicate(
         study,
-        finds,
+        known,
         ask,
         campaign_folder(study, search.into),
         search.options,
         progress=search.progress,
         anyhow=search.anyhow,
     )
-    keep(folder, found.grid, holding(finds, report.replicas))
+    finds.keep(folder, found.grid, finds.holding(known, report.replicas))
     return Answer(SEEK, lambda: report, lambda: (replica_table(report),))
 
 
@@ -356,12 +330,12 @@ def _breaks(study: Study, search: Search) -> Answer:
         seed=search.seed,
         allowance=search.allowance,
         progress=search.progress,
-        save=break_saver(study.folder / "sim", study.grid.name),
+        save=finds.break_saver(study.folder / "sim", study.grid.name),
     )
     return Answer(SEEK, lambda: report, lambda: (breaks_table(report, search.into, claims=bool(claims)),))
 
 
-def _unnamed(study: Study, campaign: str, search: Search) -> Unnamed:
+def _unnamed(study: Study, campaign: str, search: Search) -> finds.Unnamed:
     """What is sought when nobody names mutants: the same as before where that search was interrupted.
 
     Raises:
@@ -369,7 +343,7 @@ def _unnamed(study: Study, campaign: str, search: Search) -> Unnamed:
     """
     folder = campaign_folder(study, search.into)
     defaults = study.roster.defaults.values()
-    before = interrupted(folder, search.seed, campaign)
+    before = finds.interrupted(folder, search.seed, campaign)
     if before is not None and set(before.mutants) <= set(defaults):
         return before
     with snapshot(replace(study, grid_name=None), campaign) as now:
@@ -385,7 +359,7 @@ def _unnamed(study: Study, campaign: str, search: Search) -> Unnamed:
         search.progress.line(
             f"not sought: {shown}, because situations in sim/{FILE} show them; a mutant that is named is sought again"
         )
-    return anew(folder, search.seed, campaign, mutants)
+    return finds.anew(folder, search.seed, campaign, mutants)
 
 
 SoughtMutants = Annotated[
@@ -470,20 +444,20 @@ Anyhow = Annotated[
 def seek_command(
     *,
     mutants: SoughtMutants = (),
-    study_folder: StudyFolder,
-    campaign: Campaign,
+    study_folder: options.StudyFolder,
+    campaign: options.Campaign,
     grid: SearchedGrid,
     into: Into,
     budget: SearchBudget,
     seed: SearchSeed,
     replicate: Replicate,
     anyhow: Anyhow,
-    jobs: Jobs,
-    same_platform: SamePlatform,
-    style: TableFormat,
-    tables_folder: TablesFolder,
-    warnings: Warnings,
-    quiet: Quiet,
+    jobs: options.Jobs,
+    same_platform: options.SamePlatform,
+    style: options.TableFormat,
+    tables_folder: options.TablesFolder,
+    warnings: options.Warnings,
+    quiet: options.Quiet,
 ) -> None:
     """Find situations that show mutants: the mutant violates a safety requirement, the unmutated drone does not.
 
@@ -505,8 +479,8 @@ def seek_command(
     for name in ("budget", "seed"):
         if replicate and context.get_parameter_source(name) is not ParameterSource.DEFAULT:
             raise InputError(f"--{name}={context.params[name]} must not stand with --replicate, which searches nothing")
-    options = RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed())
+    run_options = RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed())
     progress = Silence() if quiet else Progress()
-    search = Search(into or grid, options, seed, Allowance.parse(budget), progress, anyhow, replicate)
+    search = Search(into or grid, run_options, seed, finds.Allowance.parse(budget), progress, anyhow, replicate)
     study = study_to_search(study_folder, grid, search.into)
     answer(seek(study, campaign, mutants, search, named=study_folder), style, tables_folder)

@@ -35,19 +35,10 @@ from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import default_of
 from scaloft_fi.output import write_named
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
+from scaloft_fi.verbs import options
 from scaloft_fi.verbs.export.dossier import unzipped, zipped
 from scaloft_fi.verbs.margin import UNKNOWN, CellMargin, ToldCell, cell_margins
-from scaloft_fi.verbs.options import (
-    FORMATS,
-    Campaign,
-    Option,
-    StudyFolder,
-    answer,
-    check_writable,
-    tell_warnings,
-    verb,
-    write,
-)
+from scaloft_fi.verbs.options import Option, answer, check_writable, tell_warnings, verb, write
 from scaloft_fi.verbs.snapshot import Stale, snapshot
 from scaloft_fi.verbs.verdict import NO_POOL, acceptance, effect, flies, next_find, words, would_decide
 from scaloft_fi.views.output import Answer, Output
@@ -637,7 +628,7 @@ class Worksheet(Answer):
         return file
 
 
-def worksheet(study: Study, campaign: Campaign) -> Worksheet:
+def worksheet(study: Study, campaign: options.Campaign) -> Worksheet:
     """Every deviation of the matrix beside what its default mutant did in the campaign.
 
     Raises:
@@ -659,15 +650,15 @@ def worksheet(study: Study, campaign: Campaign) -> Worksheet:
 )
 def worksheet_command(
     *,
-    study_folder: StudyFolder,
-    campaign: Campaign,
+    study_folder: options.StudyFolder,
+    campaign: options.Campaign,
     style: Annotated[
         str,
         Option(
             "How the sheet is written; csv, xlsx and json have every column.  A text that a spreadsheet would take for "
             "a formula begins with ' in csv, and is a plain text in xlsx.",
             "--format",
-            type=click.Choice((*FORMATS, "xlsx")),
+            type=click.Choice((*options.FORMATS, "xlsx")),
             default="table",
         ),
     ],
