@@ -5,6 +5,7 @@ The grid of a campaign, and its folder: a name, or a path that the system accept
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
 import re
@@ -75,6 +76,14 @@ def written(files: dict[str, bytes], folder: Path) -> Path:
     return folder
 
 
+def without_documents(files: dict[str, bytes]) -> dict[str, bytes]:
+    """The archive without its study."""
+    said = json.loads(files[MANIFEST])
+    said["files"] = {name: digest for name, digest in said["files"].items() if "/" not in name}
+    bare = {name: content for name, content in files.items() if "/" not in name}
+    return bare | {MANIFEST: json.dumps(said).encode()}
+
+
 def refused(place: Path) -> str:
     with pytest.raises(InputError) as error:
         list(opened(Study.open(STUDY), place)[1].rows())
@@ -113,11 +122,7 @@ def test_an_archive_is_read_with_its_own_study(folder: Path, files: dict[str, by
     study, store = opened(Study.open(STUDY), folder)
     assert isinstance(store, Archive)
     assert study.folder == folder
-    bare = {name: content for name, content in files.items() if "/" not in name}
-    said = json.loads(bare[MANIFEST])
-    said["files"] = {name: digest for name, digest in said["files"].items() if "/" not in name}
-    bare[MANIFEST] = json.dumps(said).encode()
-    study, _ = opened(Study.open(STUDY), written(bare, tmp_path / "bare"))
+    study, _ = opened(Study.open(STUDY), written(without_documents(files), tmp_path / "bare"))
     assert study.folder == STUDY
 
 
@@ -220,11 +225,6 @@ def test_a_file_that_is_no_zip_file_is_refused(tmp_path: Path, content: bytes) -
 
 
 def test_a_flight_that_occurs_twice_is_refused(folder: Path) -> None:
-    import hashlib
-
-    import pyarrow
-    import pyarrow.parquet
-
     table = pyarrow.parquet.read_table(folder / "outcomes.parquet")
     pyarrow.parquet.write_table(pyarrow.concat_tables([table, table]), folder / "outcomes.parquet")
     said = json.loads((folder / MANIFEST).read_text())
@@ -237,10 +237,7 @@ def test_a_flight_that_the_study_no_longer_has_is_stale(folder: Path, files: dic
     study = tmp_path / "study"
     for name in ("hazop", "mutants", "sim"):
         shutil.copytree(STUDY / name, study / name)
-    bare = {name: content for name, content in files.items() if "/" not in name}
-    said = json.loads(bare[MANIFEST])
-    said["files"] = {name: digest for name, digest in said["files"].items() if "/" not in name}
-    place = written(bare | {MANIFEST: json.dumps(said).encode()}, tmp_path / "bare")
+    place = written(without_documents(files), tmp_path / "bare")
     axes = study / "sim" / "situations.yaml"
     axes.write_text(re.sub(r"\bT(?=[:01])", "U", axes.read_text()))
     now, store = opened(Study.open(study), place)
@@ -399,8 +396,15 @@ def planned(folder: Path, grid: str | None) -> str:
     return str(folder)
 
 
-def test_a_campaign_opens_the_study_with_the_grid_over_which_it_was_flown(tmp_path: Path) -> None:
-    wide, paper = planned(tmp_path / "wide", "wide"), planned(tmp_path / "paper", None)
+@pytest.fixture(scope="module")
+def over_grids(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
+    """Campaigns over the wide grid and over that of the paper, which are only read."""
+    folder = tmp_path_factory.mktemp("grids")
+    return planned(folder / "wide", "wide"), planned(folder / "paper", None)
+
+
+def test_a_campaign_opens_the_study_with_the_grid_over_which_it_was_flown(over_grids: tuple[str, str]) -> None:
+    wide, paper = over_grids
     assert study_of(STUDY, wide).grid_name == "wide"
     assert study_of(STUDY, wide, "wide").grid_name == "wide"
     assert study_of(STUDY, paper).grid_name is None
@@ -415,17 +419,16 @@ def test_a_campaign_that_does_not_exist_has_the_grid_that_the_user_names(tmp_pat
     assert study_of(STUDY, str(tmp_path / "empty"), "wide").grid_name == "wide"
 
 
-def test_a_campaign_takes_no_flights_of_another_grid(tmp_path: Path) -> None:
-    wide, paper = planned(tmp_path / "wide", "wide"), planned(tmp_path / "paper", None)
+def test_a_campaign_takes_no_flights_of_another_grid(over_grids: tuple[str, str]) -> None:
+    wide, paper = over_grids
     with pytest.raises(InputError, match=r"^--grid=paper: campaign .* was flown over grid 'wide'; name another"):
         study_of(STUDY, wide, "paper")
     with pytest.raises(InputError, match=r"^--grid=wide: campaign .* was flown over grid 'paper'; name another"):
         study_of(STUDY, paper, "wide")
 
 
-def test_campaigns_are_joined_and_compared_over_one_grid_only(tmp_path: Path) -> None:
-    wide, paper = planned(tmp_path / "wide", "wide"), planned(tmp_path / "paper", None)
-    new = str(tmp_path / "new")
+def test_campaigns_are_joined_and_compared_over_one_grid_only(over_grids: tuple[str, str], tmp_path: Path) -> None:
+    (wide, paper), new = over_grids, str(tmp_path / "new")
     assert study_of_all(STUDY, [wide, new]).grid_name == "wide"
     assert study_of_all(STUDY, [paper, new]).grid_name is None
     with pytest.raises(InputError, match=r"over grid 'wide', and .* over 'paper'; only campaigns of one grid"):
