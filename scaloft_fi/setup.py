@@ -25,7 +25,7 @@ from scaloft_fi.stack.declaration import Declaration
 
 if TYPE_CHECKING:
     from scaloft_fi.outside.command import FlightCommand
-    from scaloft_fi.outside.records.record_map import RecordMap
+    from scaloft_fi.outside.records import RecordMap
     from scaloft_fi.sim.load import Scenario, SimConfig
 
 
@@ -105,7 +105,7 @@ class Setup:
         path = self.folder / "sim" / "record.yaml"
         if self.command is None or not is_there(path):
             return ours
-        mapping: RecordMap = import_module("scaloft_fi.outside.records.record_map").load_record_map(path)
+        mapping: RecordMap = import_module("scaloft_fi.outside.records").load_record_map(path)
         return tuple(dict.fromkeys((*ours, *mapping.signals)))
 
     @cached_property

@@ -18,7 +18,7 @@ from every_key import every_key_study
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside.command import load_command
-from scaloft_fi.outside.records.record_map import load_record_map
+from scaloft_fi.outside.records import load_record_map
 from scaloft_fi.study import Study
 
 RECORD = Path(__file__).parent / "support" / "refusals.txt"

@@ -27,7 +27,7 @@ from scaloft_fi.judge.stl import FormulaError
 from scaloft_fi.model import value_of
 from scaloft_fi.outside.border import BORDERS
 from scaloft_fi.outside.exchange import OutsideConfig
-from scaloft_fi.outside.records.record_map import load_record_map
+from scaloft_fi.outside.records import load_record_map
 from scaloft_fi.registry import PLUGIN_GROUP, load_plugin
 from scaloft_fi.sim.found import FILE as FOUND
 from scaloft_fi.sim.grid import FILE, FOLDER, WITH_FOUND, Grid, assembled, contradictions, grid_names, is_grid_name

@@ -11,11 +11,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from scaloft_fi.mutants.operator import Hold, Period, Seconds, Tap, TapContext, on
+from scaloft_fi.mutants.sample import within
 from scaloft_fi.outside.border import BORDERS, PORTS, CameraInfo, Goal, Motion
 from scaloft_fi.outside.exchange import Exchange, OutsideConfig
 from scaloft_fi.stack.declaration import TICK_S, ConfigError, Declaration, FastPath, Seam, Stack, Task, Wire
 from scaloft_fi.stack.messages import (
     Array,
+    Bumper,
     DepthCamera,
     DepthFrame,
     Detections,
@@ -119,7 +122,7 @@ OUTSIDE = Declaration(
     beliefs=(),
     make=_make,
     settings=lambda: OutsideConfig,
-    operators=("scaloft_fi.mutants.reference", "scaloft_fi.outside.faults"),
+    operators=("scaloft_fi.mutants.reference", "scaloft_fi.outside.stack"),
     deterministic=False,
     forks=False,
     shape=shaped,
@@ -363,3 +366,19 @@ class GoalStack(_Outside, ReferenceStack):
             if taken.get("land") is not None:
                 self._mission.land()
         super().companion(now_s, frames)
+
+
+_FREE = Bumper(0.0, hull=False, gear=False)
+
+
+@on(
+    Bumper,
+    "false_contact",
+    {"hold_s": 0.05, "period_s": 0.1},
+    (_FREE,) * 4,
+    (_FREE, _FREE, _FREE._replace(hull=True), _FREE),
+)
+def false_contact(context: TapContext, *, hold_s: Hold = 0.5, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
+    """Report contact of the hull without cause for `hold_s` [s] each `period_s` [s]: noise on the touch sensor."""
+    windows = context.windows(period_s, phase_s, max(hold_s, context.period_s))
+    return within(windows, lambda bumper: bumper._replace(hull=True))

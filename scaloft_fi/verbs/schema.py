@@ -10,8 +10,7 @@ from typing import Annotated, Any
 
 import click
 
-import scaloft_fi.mutants.reference
-import scaloft_fi.outside.faults  # noqa: F401 - both declare operators
+import scaloft_fi.mutants.reference  # noqa: F401 - it declares operators
 from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.load import GUIDEWORD, CellModel, Guidewords, Parameters
@@ -24,7 +23,7 @@ from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.outside.border import PORTS
 from scaloft_fi.outside.command import FlightCommand
 from scaloft_fi.outside.exchange import BELOW, OutsideConfig
-from scaloft_fi.outside.records.record_map import RecordMap
+from scaloft_fi.outside.records import RecordMap
 from scaloft_fi.outside.stack import GoalConfig, VelocityConfig
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.sim.found import Finds

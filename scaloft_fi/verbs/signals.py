@@ -12,8 +12,7 @@ from scaloft_fi.document import is_there
 from scaloft_fi.judge.bounds import ANY, SIGHT_M, TRUTH, Cap, cap_of
 from scaloft_fi.marks import Choices
 from scaloft_fi.model import read
-from scaloft_fi.outside.records.record_map import MappedSignal, load_record_map
-from scaloft_fi.outside.records.recorded import DERIVED
+from scaloft_fi.outside.records import DERIVED, MappedSignal, load_record_map
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, Signal, belief_signals, clearance_name, truth_signals
 from scaloft_fi.stack.declaration import UNITS, Belief

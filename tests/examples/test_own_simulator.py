@@ -18,7 +18,7 @@ from scaloft_fi.campaign.flights.physics import Commanded
 from scaloft_fi.campaign.store.held import flight_named
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.outside.command import load_command
-from scaloft_fi.outside.records.record_map import load_record_map
+from scaloft_fi.outside.records import load_record_map
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[2]

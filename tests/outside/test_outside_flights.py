@@ -10,6 +10,7 @@ from runpy import run_path
 import pytest
 from processes import marked
 
+import scaloft_fi.outside.stack  # noqa: F401 - it declares an operator
 from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker, fly_log, judged
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.errors import InputError
@@ -95,8 +96,6 @@ def test_another_program_in_the_study_means_other_flights(folder: Path) -> None:
 
 
 def test_a_false_contact_comes_with_each_period_and_leaves_a_true_one() -> None:
-    from scaloft_fi.outside import faults  # noqa: F401 - it declares the operator
-
     operator = OPERATORS["false_contact"]
     example = operator.example
     context = example.context()

@@ -9,8 +9,7 @@ import pytest
 import records
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.outside.records.record_map import kind_of, load_record_map
-from scaloft_fi.outside.records.recorded import Known, flight_log
+from scaloft_fi.outside.records import Known, flight_log, kind_of, load_record_map
 from scaloft_fi.sim.log import Ending, FlightLog
 
 KNOWN = Known(("wall",), (0.0, 0.0))
@@ -216,7 +215,7 @@ def test_altered_samples_are_counted_from_the_record(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_record_with_too_many_messages_is_refused(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("scaloft_fi.outside.records.readers.MOST_MESSAGES", 20)
+    monkeypatch.setattr("scaloft_fi.outside.readers.MOST_MESSAGES", 20)
     write, words = KINDS[kind]
     with pytest.raises(InputError, match=r"must have at most .* messages or rows"):
         _log(write(tmp_path), records.mapping(tmp_path, *words))

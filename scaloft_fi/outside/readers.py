@@ -19,7 +19,7 @@ import numpy as np
 
 from scaloft_fi.document import is_folder, opened, read_text
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.outside.records.record_map import (
+from scaloft_fi.outside.records import (
     MOST_MESSAGES,
     MappedSignal,
     RecordKind,
