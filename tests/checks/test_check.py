@@ -48,6 +48,12 @@ def _edit(path: Path, old: str, new: str) -> None:
     path.write_text(text.replace(old, new))
 
 
+def _without_grids(study: Path) -> None:
+    """Take away the further grids and finds of the reference study."""
+    shutil.rmtree(study / "sim" / "grids")
+    (study / "sim" / "found.yaml").unlink()
+
+
 def test_the_reference_study_has_no_error_and_one_seam_that_no_cell_uses(reference: Check) -> None:
     assert errors(reference) == []
     assert notes(reference) == ["no cell of the matrix has a fault at 1 of the stack's 21 seams: fix"]
@@ -101,9 +107,7 @@ def test_a_command_that_cannot_fly_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str, old: str, new: str, place: str, what: str
 ) -> None:
     _made("own_simulator", monkeypatch, "copy_study", tmp_path / "own", ROOT)
-    for name in ("grids", "found.yaml"):
-        path = tmp_path / "own" / "sim" / name
-        shutil.rmtree(path) if path.is_dir() else path.unlink()
+    _without_grids(tmp_path / "own")
     _edit(tmp_path / "own" / "sim" / file, old, new)
     told = errors(check_study(tmp_path / "own"))
     assert any(place in error and what in error for error in told), told
@@ -122,9 +126,7 @@ def test_the_examples_of_plugins_have_no_error_and_no_physics_is_imported(
     for example in ("own_stack", "own_planner"):
         install_project(tmp_path / "site", EXAMPLES / example)
     _made("own_planner", monkeypatch, "copy_study", tmp_path / "straight", ROOT)
-    for name in ("grids", "found.yaml"):  # those of the reference study
-        path = tmp_path / "straight" / "sim" / name
-        shutil.rmtree(path) if path.is_dir() else path.unlink()
+    _without_grids(tmp_path / "straight")
     done = call(tmp_path / "site", "-c", PROGRAM, EXAMPLES / "own_stack" / "study", tmp_path / "straight", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert [line for line in done.stdout.splitlines() if ": error: " in line] == []

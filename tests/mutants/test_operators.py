@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -177,9 +177,10 @@ def test_a_wrong_use_is_one_sentence_that_says_what_is_allowed(
     assert "\n" not in str(caught.value)
 
 
-def test_an_unknown_operator_is_answered_with_the_nearest_name() -> None:
+@pytest.mark.parametrize("asked", [OPERATORS.__getitem__, check_operator])
+def test_an_unknown_operator_is_answered_with_the_nearest_name(asked: Callable[[str], object]) -> None:
     with pytest.raises(InputError, match=r"no operator 'dealy'; did you mean 'delay'\?"):
-        OPERATORS["dealy"]
+        asked("dealy")
 
 
 def test_whole_numbers_arrive_as_such_however_they_were_written() -> None:
@@ -253,11 +254,6 @@ def test_what_does_not_hold_is_a_sentence(what: str, monkeypatch: pytest.MonkeyP
     check = check_operator("delay")
     assert any(said in failure for failure in check.failures)
     assert said in str(check)
-
-
-def test_an_unknown_operator_names_the_nearest_one() -> None:
-    with pytest.raises(InputError, match="did you mean 'delay'"):
-        check_operator("dealy")
 
 
 def test_the_operators_of_a_package_are_those_of_its_modules() -> None:

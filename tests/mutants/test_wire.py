@@ -64,10 +64,7 @@ def test_a_sample_made_from_nothing_was_carried_and_is_altered(matrix: Matrix) -
 
 
 def test_a_failing_tap_is_a_matter_of_the_harness() -> None:
-    def broken(_t_s: float, _sample: Any) -> Any:
-        raise ZeroDivisionError("tap")
-
-    wire = TappedWire([(REFERENCE.by_name["target"], broken)])
+    wire = tapped({"target": _broken})
     with pytest.raises(TapError, match=r"tap on target at 0\.050 s: ZeroDivisionError: tap"):
         wire.cross("target", 0.05, Target(0, (0.0, 0.0, 0.0)))
 
