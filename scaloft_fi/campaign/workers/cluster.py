@@ -227,11 +227,16 @@ def fly_batch(name: str, grid: str | None, flyer: Flyer, batch: Batch) -> list[O
     return flown
 
 
-def _unwanted() -> bool:
-    """Whether the run no longer wants the task that this thread of a worker flies."""
+def _worker() -> DaskWorker:
+    """The worker that runs this."""
     from distributed import get_worker
 
-    worker: DaskWorker = get_worker()
+    return get_worker()
+
+
+def _unwanted() -> bool:
+    """Whether the run no longer wants the task that this thread of a worker flies."""
+    worker = _worker()
     state = worker.state.tasks.get(worker.get_current_task())
     return state is None or state.state == "cancelled"
 
@@ -246,9 +251,7 @@ def _expire(idle: list[_Kept], entry: _Kept) -> None:
 
 def _folder(name: str) -> Path:
     """Where this worker keeps a study."""
-    from distributed import get_worker
-
-    return Path(get_worker().local_directory) / f"study-{name}"
+    return Path(_worker().local_directory) / f"study-{name}"
 
 
 @lru_cache
