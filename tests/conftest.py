@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browsing import NAMES
-from effort import EFFORT, usually
 from hypothesis import settings
+from options import EFFORT, usually
 
 import scaloft_fi.mutants.reference  # noqa: F401 - a study that names the reference stack declares its operators so
 from scaloft_fi.campaign.processes import HANGUP
@@ -28,6 +27,7 @@ for number in HANGUP:
 
 FIRST = {"test_share.py": 0, "test_house_rules.py": 1}
 """A file that compiles the kernels, and one that takes about as long without them."""
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 MEMORY, ROOM = Path("/dev/shm"), 4 << 30
 """Where files are in memory on Linux, and how much room there has to be [bytes]."""
 
@@ -49,9 +49,9 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
     """A Chromium for the whole process: Playwright starts once in it."""
-    found = next((path for path in map(shutil.which, NAMES) if path), None)
+    found = next((path for path in map(shutil.which, BROWSERS) if path), None)
     if found is None:
-        reason = f"no browser: none of {', '.join(NAMES)} on the path"
+        reason = f"no browser: none of {', '.join(BROWSERS)} on the path"
         if os.environ.get("SCALOFT_FI_BROWSER") == "required":
             pytest.fail(reason)
         pytest.skip(reason)

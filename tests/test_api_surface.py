@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from said import as_recorded
+from options import as_recorded
 
 import scaloft_fi
 from scaloft_fi import api

@@ -16,7 +16,7 @@ from termios import TIOCSWINSZ
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from obeyed import obeyed
+from printed import obeyed
 
 from scaloft_fi import console
 from scaloft_fi.console import (

@@ -7,11 +7,10 @@ import time
 from pathlib import Path
 
 import pytest
-from copies import copied
-from effort import usually
-from fuzzing import MOST_S, probe, told, wrong_sentence
-from harmful import CORPUS, WORLD
-from plugins import ROOT, call, install_project
+from fuzzing import CORPUS, MOST_S, WORLD, probe, told, wrong_sentence
+from options import usually
+from processes import ROOT, call, install_project
+from studies import copied
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.grid import load_grid

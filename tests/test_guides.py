@@ -7,9 +7,9 @@ import shlex
 from pathlib import Path
 
 import pytest
-from copies import copied
-from plugins import ROOT, call, install_project
+from processes import ROOT, call, install_project
 from shown_commands import GUIDES, update
+from studies import copied
 
 BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 EXAMPLES = """

@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from scaloft_fi.campaign.workers.local import Interrupted
+from scaloft_fi.errors import ExitCode, GateError, InputError, ScaloftError
+
 ROOT = Path(__file__).resolve().parents[1]
 
 SCRIPTS = [
@@ -84,3 +87,22 @@ def test_every_module_says_what_it_is() -> None:
     modules = (ROOT / "scaloft_fi").rglob("*.py")
     silent = [str(path) for path in modules if not path.read_text().startswith(('"""', 'r"""'))]
     assert silent == []
+
+
+def test_each_error_ends_with_a_code_that_has_a_meaning() -> None:
+    assert [error.exit_code for error in (ScaloftError, InputError, GateError, Interrupted)] == [
+        *(ExitCode.INTERNAL, ExitCode.BAD_INPUT, ExitCode.GATE, ExitCode.INTERRUPTED)
+    ]
+    assert all(code.meaning.endswith(".") for code in ExitCode)
+
+
+def test_no_error_of_the_package_ends_with_another_code() -> None:
+    codes = {
+        node.value.value
+        for path in (ROOT / "scaloft_fi").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Assign)
+        and isinstance(node.value, ast.Constant)
+        and any(isinstance(target, ast.Name) and target.id == "exit_code" for target in node.targets)
+    }
+    assert codes == {70, 2, 4, 130}

@@ -14,6 +14,7 @@ import time
 from pathlib import Path
 
 import pytest
+from processes import marked
 
 from scaloft_fi import output
 from scaloft_fi.campaign.processes import HANGUP
@@ -177,12 +178,13 @@ def test_what_nohup_ignores_stays_ignored(tmp_path: Path) -> None:
 def _interrupted(words: list[str], after: bytes, wait_s: float) -> tuple[int, str, list[int]]:
     """Run the command in a terminal, press Ctrl-C `wait_s` after it printed `after`.
 
-    Returns exit code, what the terminal shows, and the processes of the terminal's session that are left.
+    Returns exit code, what the terminal shows, and the processes that are left.
     """
+    mark = f"terminal of {os.getpid()} at {time.monotonic_ns()}"
     pid, terminal = pty.fork()
     if pid == 0:
         os.chdir(ROOT)
-        os.execv(sys.executable, [sys.executable, "-m", "scaloft_fi", *words])
+        os.execve(sys.executable, [sys.executable, "-m", "scaloft_fi", *words], {**os.environ, "MARK": mark})
     shown, pressed = b"", False
     while True:
         try:
@@ -195,20 +197,7 @@ def _interrupted(words: list[str], after: bytes, wait_s: float) -> tuple[int, st
             pressed = True
     _, status = os.waitpid(pid, 0)
     os.close(terminal)
-    return os.waitstatus_to_exitcode(status), shown.decode(errors="replace"), _session(pid)
-
-
-def _session(number: int) -> list[int]:
-    """The processes of a session that live."""
-    found = []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            state, _, _, session, *_ = path.read_text().rpartition(")")[2].split()
-        except OSError:
-            continue
-        if int(session) == number and state != "Z":
-            found.append(int(path.parent.name))
-    return found
+    return os.waitstatus_to_exitcode(status), shown.decode(errors="replace"), marked(mark)
 
 
 @pytest.mark.flight

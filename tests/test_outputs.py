@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import outputs
-from effort import usually
+from options import usually
 
 from scaloft_fi.console import PIPED
 

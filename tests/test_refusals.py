@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from effort import usually
-from every_key import every_key_study
+from options import usually
+from studies import every_key_study
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside.command import load_command

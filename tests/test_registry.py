@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from plugins import install
+from processes import install
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.registry import Registry, load_plugins, plugin_behind

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 from builders import GRID
-from copies import ROOT, copied
-from harmful import edit_in
+from fuzzing import edit_in
+from studies import ROOT, copied
 
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.errors import InputError

@@ -3,10 +3,9 @@ from __future__ import annotations
 from itertools import product
 
 import pytest
-from builders import GRID
+from builders import GRID, RANGED, drawn
 from hypothesis import given
 from hypothesis import strategies as st
-from ranges import RANGED, drawn
 
 from scaloft_fi.analysis.condition import admits, condition, cover
 from scaloft_fi.analysis.suite import order

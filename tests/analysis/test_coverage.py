@@ -6,12 +6,10 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from builders import GRID, outcome
-from effort import usually
-from grids import FIVE, keys_of, space_of, spaces
+from builders import FIVE, GRID, RANGED, drawn, keys_of, outcome, space_of, spaces
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from ranges import RANGED, drawn
+from options import usually
 
 from scaloft_fi.analysis.coverage import coverage, covering_array, forbidden, levels_of, t_way, table
 from scaloft_fi.analysis.roster import Ratio

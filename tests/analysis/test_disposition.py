@@ -5,9 +5,9 @@ from __future__ import annotations
 from datetime import date, timedelta
 
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded
-from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from options import usually
 
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.score import score

@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
-from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from options import usually
 
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.margin import Margin, Scale, When, lowest, margin_of, margins, whens

@@ -12,8 +12,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from builders import GRID, ROSTER, outcome, pool, seeded
-from grids import FIVE, keys_of, space_of, spaces
+from builders import FIVE, GRID, ROSTER, keys_of, outcome, pool, seeded, space_of, spaces
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from published_flights import PUBLISHED, ROOT, outcomes

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 from builders import outcome
-from copies import copied
 from finding import found
+from studies import copied
 
 from experiments import PUBLISHED
 from experiments import found as experiment

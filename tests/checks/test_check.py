@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 import scaloft_ros1.border  # noqa: F401 - the study of the testbed names it
-from copies import ROOT, copied
-from plugins import call, install, install_project
+from processes import call, install, install_project
+from studies import ROOT, copied
 
 from scaloft_fi.checks.check import Check, check_study
 from scaloft_fi.checks.finding import Severity

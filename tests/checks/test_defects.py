@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from copies import copied
+from studies import copied
 
 from scaloft_fi.checks.check import check_study
 from scaloft_fi.checks.finding import Finding, Severity

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-import shutil
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
 from click.exceptions import Exit
-from plugins import ROOT, call
+from processes import ROOT, call
 from shown_commands import GUIDES, Shown, named_commands, shown_commands, stray_commands, update
+from studies import copied
 
 from scaloft_fi.cli import VERBS, command_of
 
@@ -40,9 +40,9 @@ ELSEWHERE = {
 NOT_RUN = {
     "pip install 'scaloft-fi'": "packages are installed by tests/packaging",
     "scaloft-fi run --budget 20m --quiet": LONG,
-    "scaloft-fi export --format junit --output faults.xml": "tests/verbs/export writes it",
-    "scaloft-fi export --format sarif --output faults.sarif": "tests/verbs/export writes it",
-    'scaloft-fi export --format markdown >> "$GITHUB_STEP_SUMMARY"': "tests/verbs/export writes it",
+    "scaloft-fi export --format junit --output faults.xml": "tests/verbs/test_export.py writes it",
+    "scaloft-fi export --format sarif --output faults.sarif": "tests/verbs/test_export.py writes it",
+    'scaloft-fi export --format markdown >> "$GITHUB_STEP_SUMMARY"': "tests/verbs/test_export.py writes it",
     "scaloft-fi score --ratchet --fail-under-firm 0.25": "tests/verbs tries both",
 }
 """Commands of the other pages that are not run, and why."""
@@ -83,8 +83,7 @@ def _of(page: str) -> Mapping[str, str]:
 @pytest.mark.flight
 @pytest.mark.parametrize("page", PAGES)
 def test_its_commands_print_what_it_shows(page: str, tmp_path: Path) -> None:
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("grids", "found.yaml"))
+    copied(tmp_path, "grids", "found.yaml")
     for how, name, text in BLOCK.findall((ROOT / "docs" / page).read_text()):
         if how == "file":
             (tmp_path / name).write_text(text)

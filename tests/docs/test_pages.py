@@ -1,10 +1,11 @@
-"""README and the page of the Python API say what happens; the hooks that make pages do what their examples say."""
+"""Pages of the site that hold what is measured or declared: API, requirements, README's example."""
 
 from __future__ import annotations
 
 import doctest
 import re
 import sys
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 
@@ -15,7 +16,10 @@ import scaloft_fi
 from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.score import score
 from scaloft_fi.errors import ScaloftError
+from scaloft_fi.judge.bounds import within_caps
 from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.requirement import Compliance, Requirement, judge_signals, load_requirements
+from scaloft_fi.judge.stl import Formula
 from scaloft_fi.study import NO_FINDS, Study
 from scaloft_fi.verbs.first_screen import first_screen, screen_text
 
@@ -87,3 +91,96 @@ def test_its_examples_hold(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(HOOKS))
     assert doctest.testmod(import_module(name)).failed == 0
     assert Path(str(sys.modules[name].__file__)).parent == HOOKS
+
+
+REQUIREMENTS = ROOT / "docs" / "requirements.md"
+SAMPLES = 160
+"""Eight seconds."""
+Track = Callable[[float], float]
+Told = Mapping[str, float | Track]
+BENIGN: Told = {
+    "elapsed_s": lambda t_s: t_s,
+    "remaining_s": lambda t_s: 8.0 - t_s,
+    "z_m": 1.65,
+    "speed_mps": 0.4,
+    "light": 1.0,
+    **dict.fromkeys(("clearance_m", "clearance_wall_m", "clearance_person_m"), 1.0),
+    **dict.fromkeys(("person_sight_m", "person_range_m", "waypoint_wall_m"), 100.0),
+}
+
+
+def _until(end_s: float, before: float, after: float) -> Track:
+    return lambda t_s: before if t_s < end_s else after
+
+
+FLIGHTS: Mapping[str, tuple[Told, Told]] = {
+    "CLEAR": ({"clearance_m": 0.05}, {"clearance_m": 0.2}),
+    "PERSON": ({"clearance_person_m": 0.4}, {"clearance_person_m": 0.6}),
+    "SPEED": ({"speed_mps": 1.3}, {"speed_mps": 1.1}),
+    "SLOW": ({"person_sight_m": 2.0}, {"person_sight_m": 2.0, "speed_mps": 0.2}),
+    "SLOW_SOON": ({"person_sight_m": 2.0}, {"person_sight_m": 2.0, "speed_mps": _until(1.5, 0.5, 0.2)}),
+    "REACTS": (
+        {"person_sight_m": _until(3.5, 2.0, 100.0)},
+        {"person_sight_m": 2.0, "speed_mps": lambda t_s: 0.2 if 1.0 < t_s % 2.5 < 1.2 else 0.5},
+    ),
+    "LATCH": (
+        {"person_sight_m": _until(1.0, 1.5, 100.0), "speed_mps": 0.7},
+        {"person_sight_m": _until(1.0, 1.5, 100.0), "speed_mps": 0.5},
+    ),
+    "HIGH_ENOUGH": ({"home_m": 5.0, "z_m": 0.8}, {"home_m": _until(2.0, 0.5, 5.0), "z_m": _until(1.9, 0.2, 1.65)}),
+    "NO_LINGER": ({"clearance_wall_m": 0.1}, {"clearance_wall_m": lambda t_s: 0.1 if t_s % 2.0 < 1.5 else 0.5}),
+    "HONEST": ({"est_x_m": 0.8}, {"est_x_m": 0.3}),
+    "DONE": ({"waypoints_left": 1.0}, {"waypoints_left": _until(6.0, 1.0, 0.0)}),
+    "DARK": ({"light": 0.003, "speed_mps": 0.7}, {"light": 0.003, "speed_mps": 0.5}),
+}
+"""For each pattern a flight that violates it and one that holds it, by what differs from a benign flight."""
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return Study.open(ROOT)
+
+
+@pytest.fixture(scope="module")
+def patterns(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Requirement]:
+    blocks = re.findall(r"^```yaml requirement\n(.*?)^```$", REQUIREMENTS.read_text(), re.MULTILINE | re.DOTALL)
+    path = tmp_path_factory.mktemp("cookbook") / "requirements.yaml"
+    path.write_text("requirements:\n" + re.sub(r"^", "  ", "".join(blocks), flags=re.MULTILINE).rstrip(" "))
+    listed = load_requirements(path, study.signals, within_caps(Formula.parse, study.caps))
+    assert len(listed) == len(blocks)
+    return {requirement.name: requirement for requirement in listed}
+
+
+def _signals(study: Study, told: Told) -> dict[str, list[float]]:
+    flown = dict.fromkeys(study.signals, 0.0) | BENIGN | told
+    times = [sample / 20 for sample in range(SAMPLES)]
+    return {name: [one(t) if callable(one) else one for t in times] for name, one in flown.items()}
+
+
+def test_every_pattern_is_tried_here(patterns: Mapping[str, Requirement]) -> None:
+    assert list(patterns) == list(FLIGHTS)
+    assert len(patterns) >= 10
+
+
+@pytest.mark.parametrize("name", FLIGHTS)
+def test_it_is_violated_by_one_flight_and_held_by_another(
+    name: str, study: Study, patterns: Mapping[str, Requirement]
+) -> None:
+    said = [
+        judge_signals(patterns[name], _signals(study, told), cut_short=False).reading.compliance
+        for told in FLIGHTS[name]
+    ]
+    assert said == [Compliance.VIOLATED, Compliance.HELD]
+
+
+def test_an_interval_at_the_start_of_a_flight_looks_at_what_there_is(study: Study) -> None:
+    near = Formula.parse("historically[0:2](person_sight_m / 3 <= 1)", study.signals)
+    assert near.robustness(_signals(study, {"person_sight_m": 1.5}))[0] == pytest.approx(0.5)
+
+
+def test_the_block_at_the_top_is_a_requirement(study: Study, tmp_path: Path) -> None:
+    block = re.search(r"^```yaml\n(.*?)^```$", REQUIREMENTS.read_text(), re.MULTILINE | re.DOTALL)
+    assert block
+    (tmp_path / "requirements.yaml").write_text(block[1])
+    (only,) = load_requirements(tmp_path / "requirements.yaml", study.signals)
+    assert only.name == "SR9"

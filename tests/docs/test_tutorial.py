@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from processes import wheel_of
 from tutorial import BLOCK, PAGE, PICTURES, Follower
-from wheels import wheel_of
 
 REMEDY = "what changed on purpose comes into the page with `python tests/support/tutorial.py`"
 

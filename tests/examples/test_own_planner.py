@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from plugins import ROOT, call, install_project
+from processes import ROOT, call, install_project
 
 EXAMPLE = ROOT / "examples" / "own_planner"
 WATCH = """

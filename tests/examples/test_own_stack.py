@@ -11,8 +11,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from effort import usually
-from plugins import ROOT, call, called, install, install_project
+from options import usually
+from processes import ROOT, call, called, install, install_project
 
 EXAMPLE = ROOT / "examples" / "own_stack"
 FOREIGN = ("scaloft_fi.stack.reference", "scaloft_fi.mutants.reference")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from said import as_recorded
+from options import as_recorded
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop import load

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from effort import usually
 from hypothesis import assume, event, example, given, settings
 from hypothesis import strategies as st
+from options import usually
 
 from scaloft_fi.judge.stl import (
     BINDING,

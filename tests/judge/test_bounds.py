@@ -4,9 +4,9 @@ import math
 from pathlib import Path
 
 import pytest
-from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from options import usually
 
 from scaloft_fi.judge.bounds import (
     ANY,

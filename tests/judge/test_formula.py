@@ -8,9 +8,9 @@ import time
 
 import numpy as np
 import pytest
-from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from options import usually
 
 from scaloft_fi.judge.stl import (
     LARGEST,

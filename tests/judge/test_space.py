@@ -4,9 +4,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from builders import GRID, SIGNALS
-from grids import space_of
-from ranges import with_range
+from builders import GRID, SIGNALS, space_of, with_range
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.space import Realisation, Space

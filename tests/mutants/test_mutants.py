@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from said import as_recorded
+from options import as_recorded
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import (

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ros2_wheels import python_with_ros2
+from processes import python_with_ros2
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside.border import Motion, Topic

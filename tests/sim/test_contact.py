@@ -9,9 +9,9 @@ from itertools import product
 import numpy as np
 import pybullet
 import pytest
-from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from options import usually
 
 from scaloft_fi.sim.build import build, physics_server
 from scaloft_fi.sim.contact import Clearances, Feeler, Reach, contacts, moved_m

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from items import item_of
+from studies import item_of
 from tiny_stack import SOUND, Hop, hop
 
 from scaloft_fi.document import load

@@ -6,8 +6,8 @@ import itertools
 import shutil
 
 import pytest
+from builders import CRUISE, with_range
 from finding import SMALL, small_study
-from ranges import CRUISE, with_range
 
 from scaloft_fi.campaign.runs.request import choose_situations
 from scaloft_fi.errors import InputError

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pybullet
 import pytest
-from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from options import usually
 from tiny_stack import SOUND
 
 from scaloft_fi.document import load

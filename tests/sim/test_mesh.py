@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from items import build
+from studies import build
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim import mesh

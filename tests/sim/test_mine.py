@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from items import item_of
+from studies import item_of
 
 from scaloft_fi.sim.mine import inside, read_mine
 

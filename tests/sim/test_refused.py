@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 import yaml
+from builders import with_range
 from finding import BAR
-from ranges import with_range
 
 from scaloft_fi.campaign.seeking.finds import text
 from scaloft_fi.errors import InputError

@@ -7,8 +7,8 @@ import re
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from items import item_of
 from scipy import stats
+from studies import item_of
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.stl import Formula

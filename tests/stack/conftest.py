@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from items import build
+from studies import build
 
 from scaloft_fi.stack.messages import DepthCamera, DepthFrame
 from scaloft_fi.stack.reference.messages import PoseEstimate

@@ -1,22 +1,25 @@
-"""Outcomes made by hand and by hypothesis, for the tests of what follows from them."""
+"""Spaces, ranges and outcomes made by hand and by hypothesis, for the tests of what follows from them."""
 
 from __future__ import annotations
 
 import random
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 from hypothesis import strategies as st
 from paper_flyer import made
 
 from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.document import Item
 from scaloft_fi.hazop.matrix import SeverityClass, cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Subject
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.space import Point, Space
 from scaloft_fi.sim.log import signal_names
+from scaloft_fi.sim.situation import Range, Shape
 from scaloft_fi.stack.reference.messages import BELIEFS
 
 KINDS = {"SR1": Kind.SAFETY, "SR2": Kind.SAFETY, "SR2-literal": Kind.REPORTED, "OP1": Kind.OPERABILITY}
@@ -182,3 +185,75 @@ def thrice(
     """Three seeds of a mutant in each situation: enough to detect it in one, beside a pool that holds all."""
     told = {"violated": violated, "altered": altered, "carried": carried, "digest": digest}
     return [outcome(mutant, key, seed, **told) for key in situations for seed in range(3)]
+
+
+def space_of(sizes: list[int], allowed: Callable[[Point], bool] = lambda _: True) -> Space:
+    """Axes with so many values each, without the points that are not allowed."""
+    axes = tuple(f"A{chr(97 + number)}" for number in range(len(sizes)))
+    values = tuple(tuple(map(str, range(size))) for size in sizes)
+    points = [point for point in product(*values) if allowed(point)]
+    keyed = tuple(("".join(a + v for a, v in zip(axes, point, strict=True)), point) for point in points)
+    return Space(axes, values, values, keyed)
+
+
+def keys_of(space: Space) -> list[str]:
+    return [key for key, _ in space.points]
+
+
+FIVE = space_of([2] * 5)
+
+
+@st.composite
+def spaces(draw: st.DrawFn, most: int = 40) -> Space:
+    """Small grids, some with points taken out."""
+    sizes = draw(st.lists(st.integers(2, 3), min_size=2, max_size=4).filter(lambda s: len(s) < 4 or sum(s) < 11))
+    whole = space_of(sizes)
+    left = draw(st.lists(st.sampled_from(whole.points), min_size=2, max_size=most, unique=True))
+    if draw(st.booleans()):
+        return whole
+    chosen = {point for _, point in left}
+    return space_of(sizes, lambda point: point in chosen)
+
+
+CRUISE = """
+  C:
+    title: cruise speed
+    category: operational domain, speed
+    range:
+      set: mission.cruise_mps
+      from: 0.4
+      to: 1.2
+      unit: m/s
+      distribution: uniform
+      bins: 4
+      benign: 0.5
+    realised: eventually(speed_mps >= 0.8 * number)
+"""
+
+
+def with_range(folder: Path, axis: str = CRUISE, *, first: bool = False) -> Path:
+    """Add an axis to the situations of a study, or of a `sim` folder, as the last or the first; returns the folder."""
+    path = next(path for path in (folder / "situations.yaml", folder / "sim" / "situations.yaml") if path.exists())
+    text = path.read_text(encoding="utf-8")
+    old, new = ("axes:\n", f"axes:{axis}") if first else ("\naliases:", f"{axis}\naliases:")
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    return folder
+
+
+UNIT = Range(
+    path="world.light",
+    low=0.0,
+    high=1.0,
+    unit="lx",
+    benign=0.25,
+    shape=Shape.UNIFORM,
+    bins=2,
+    item=Item(Path("situations.yaml"), 1, "set", "light"),
+)
+RANGED = replace(GRID, ranges=(("H", UNIT),))
+"""The paper's grid with an axis H that draws numbers from 0 to 0.5 (0) and 0.5 to 1 (1)."""
+
+
+def drawn(key: str, share: float) -> str:
+    """A situation of `RANGED` with a number drawn from its bin of H."""
+    return f"{key}={UNIT.draw(int(key[-1]), share):g}"

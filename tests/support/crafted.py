@@ -10,7 +10,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from effort import usually
+from options import usually
 from paper_flyer import made
 
 from scaloft_fi.campaign.runs.run import remember_seeds

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from copies import copied
 from paper_flyer import Whole
+from studies import copied
 
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.judge.outcome import Outcome, Violation

@@ -16,7 +16,7 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from wheels import ROOT, fresh, install, lend_kernels, wheel_of
+from processes import ROOT, fresh, lend_kernels, pip_install, wheel_of
 
 PAGE = ROOT / "docs" / "tutorial.md"
 PICTURES = PAGE.with_suffix("")
@@ -84,7 +84,7 @@ class Follower:
 
     def _install(self, words: list[str]) -> None:
         what = [self._wheel if word == "scaloft-fi" else word for word in words if word != "--quiet"]
-        install(self._python, *what, cwd=self.here)
+        pip_install(self._python, *what, cwd=self.here)
         if self._wheel in what:
             lend_kernels(self._python)
 

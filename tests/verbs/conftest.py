@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
 from paper_flyer import Paper, Whole
 from papers import flight
+from printed import STUDY, Call
+from studies import copied
 
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.cli import main
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
-STUDY = Path(__file__).parents[2]
 NO_CAMPAIGN = ("mutants", "diff", "doctor", "signals", "seams", "operators", "axes", "map", "schema", "check", "judge")
 
 
@@ -28,7 +27,7 @@ def paper(monkeypatch: pytest.MonkeyPatch) -> Paper:
 
 
 @pytest.fixture
-def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, paper: Paper) -> Callable[..., Result]:
+def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, paper: Paper) -> Call:
     """Call the command in an empty folder, on the reference study, with a campaign of its own."""
     monkeypatch.chdir(tmp_path)
 
@@ -42,8 +41,7 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, paper: Paper) -> Calla
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
     """A study of one's own: a copy of the reference study."""
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(STUDY / name, tmp_path / "study" / name, ignore=shutil.ignore_patterns("found.yaml"))
+    copied(tmp_path / "study", "found.yaml")
     return tmp_path / "study"
 
 
@@ -70,7 +68,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def told(folder: Path) -> Callable[..., Result]:
+def told(folder: Path) -> Call:
     """Call a verb on that campaign."""
 
     def telling(verb: str, *words: str) -> Result:

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
-from refusal import sentence
+from printed import Call, sentence
 
 import scaloft_fi
 from scaloft_fi.campaign.store.archive import MANIFEST
 from scaloft_fi.cli import main
 
-Call = Callable[..., Result]
 READS = (("score", "--all"), ("worksheet", "--format", "csv"), ("export",), ("export", "--format", "sace"))
 
 

@@ -1,23 +1,32 @@
-"""The command line: verbs, errors, exit codes, and which study a verb uses and never writes into."""
+"""The command line: verbs and what they declare, errors, which study a verb uses, what the environment refuses."""
 
 from __future__ import annotations
 
 import json
-import shutil
+import os
+import re
+import shlex
+import signal
+import sqlite3
+import subprocess
 import sys
+import time
 from pathlib import Path
+from typing import Annotated
 
 import click
 import pytest
 from click.testing import CliRunner
-from refusal import run
+from printed import STUDY, run
+from studies import copied
 
-from scaloft_fi.cli import GROUPS, Pipeline, main
+from scaloft_fi.cli import GROUPS, VERBS, Pipeline, command_of, main
 from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import GateError, InputError, ScaloftError
-from scaloft_fi.verbs.options import typed
-
-ROOT = Path(__file__).parents[2]
+from scaloft_fi.mutants.catalogue import select
+from scaloft_fi.reference import command_reference
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.options import REST, HelpPage, Option, Page, Verb, typed, verb
 
 
 def _call(*words: str) -> tuple[int, str, str]:
@@ -78,7 +87,6 @@ def test_debugging_shows_where(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "Traceback" in err
 
 
-STUDY = Path(__file__).parents[2]
 SAYS = f"study: {STUDY}, the reference study of this installation; there is none here: make a study of your own with"
 
 
@@ -143,8 +151,7 @@ def test_a_study_that_the_user_neither_named_nor_stands_in_is_not_written(
 def test_the_study_inside_the_package_is_not_written_even_by_name(
     verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(STUDY / name, tmp_path / "_study" / name)
+    copied(tmp_path / "_study")
     monkeypatch.setattr("scaloft_fi.study.PACKAGE", tmp_path)
     options, path = WRITING[verb]
     assert run(verb, *options, "--study", tmp_path / "_study") == 2
@@ -163,3 +170,220 @@ def test_what_was_typed_is_told_as_a_shell_takes_it(
 ) -> None:
     monkeypatch.setattr(sys, "argv", argv)
     assert typed() == said
+
+
+MANY = 10
+"""A verb with more options than this groups them."""
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return Study.open(STUDY)
+
+
+def _command(name: str) -> Verb:
+    command = command_of(name)
+    assert isinstance(command, Verb), f"{name} is not declared by @verb (scaloft_fi/verbs/options.py)"
+    return command
+
+
+def _page(name: str) -> Page:
+    return Page(_command(name), info_name=name, help_option_names=["-h", "--help"])
+
+
+def _parsed(command: Verb, words: list[str]) -> click.Context:
+    context = main.make_context("scaloft-fi", [])
+    return command.make_context(str(command.name), words, parent=context)
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_each_verb_has_three_examples_or_four_and_each_is_a_command_that_it_takes(name: str) -> None:
+    command = _command(name)
+    assert len(command.examples) in (3, 4)
+    for example in command.examples:
+        program, called, *words = shlex.split(example.command)
+        assert (program, called) == ("scaloft-fi", name)
+        _parsed(command, words)
+        assert not example.does.endswith((".", ":"))
+
+
+def test_an_example_with_an_unknown_option_is_refused() -> None:
+    with pytest.raises(click.UsageError, match="--mutants"):
+        _parsed(_command("run"), ["--mutants", "LATE-human"])
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_mutants_and_situations_of_examples_are_in_the_reference_study(name: str, study: Study) -> None:
+    for example in _command(name).examples:
+        values = _parsed(_command(name), shlex.split(example.command)[2:]).params
+        situations = values.get("situations") or values.get("situation") or ()
+        study.grid.select([situations] if isinstance(situations, str) else situations)
+        for text in values.get("mutants", ()):
+            assert text == "baseline" or select([text], study.matrix, study.catalogue)
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_a_verb_of_many_options_has_each_in_a_section(name: str) -> None:
+    sections = dict(_command(name).sections(_page(name)))
+    if sum(names.startswith("-") for rows in sections.values() for names, _ in rows) > MANY:
+        assert len(sections) > 1
+        assert REST not in sections
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_help_fits_the_terminal_and_breaks_no_option(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    command = _command(name)
+    for columns in (160, 80, 40):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        text = command.get_help(_page(name))
+        for line in text.splitlines():
+            lone = len(line.split()) == 1 or line.strip() in {example.command for example in command.examples}
+            assert len(line) <= min(columns, 100) or lone or re.match(r" *-", line), line
+    for heading, rows in command.sections(_page(name)):
+        assert f"{heading}:" in text
+        for names, _ in rows:
+            assert names in text
+
+
+def test_headings_and_commands_of_help_are_marked_only_where_colours_are_wanted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    @verb("fly", examples=(("Fly", "scaloft-fi fly"),) * 3)
+    def fly() -> None:
+        """Fly."""
+
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    plain = fly.get_help(Page(fly, info_name="fly"))
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    marked = fly.get_help(Page(fly, info_name="fly"))
+    assert "\x1b" not in plain
+    assert click.unstyle(marked) == plain
+    assert "\x1b[1mExamples:\x1b[0m" in marked
+
+
+def test_an_option_that_no_section_names_comes_last() -> None:
+    @verb("fly", examples=(), sections={"Where": "--study"})
+    def fly(
+        *, fast: Annotated[bool, Option("Fast.")], study_folder: Annotated[str, Option("Here.", "--study")]
+    ) -> None:
+        """Fly."""
+
+    sections = fly.sections(Page(fly, info_name="fly"))
+    assert [(heading, [names for names, _ in rows]) for heading, rows in sections] == [
+        ("Where", ["--study TEXT"]),
+        (REST, ["--fast", "--help"]),
+    ]
+    assert isinstance(Page(fly, info_name="fly").make_formatter(), HelpPage)
+
+
+@pytest.fixture(scope="module")
+def reference() -> str:
+    return command_reference()
+
+
+def test_every_group_and_verb_has_a_heading_in_their_order(reference: str) -> None:
+    headings = [line for line in reference.splitlines() if line.startswith("#")]
+    wanted = [
+        title for group, verbs in GROUPS.items() for title in (group, *(f"`scaloft-fi {verb}`" for verb in verbs))
+    ]
+    assert [heading.lstrip("# ") for heading in headings] == wanted
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_every_option_and_example_of_a_verb_stands_in_its_part(name: str, reference: str) -> None:
+    command = command_of(name)
+    assert isinstance(command, Verb)
+    part = reference.split(f"### `scaloft-fi {name}`\n")[1].split("\n#")[0]
+    for heading, rows in command.sections(Page(command, info_name=name, help_option_names=["-h", "--help"])):
+        assert f"**{heading}**" in part
+        for names, _ in rows:
+            assert f"- `{names}`: " in part
+    for example in command.examples:
+        assert f"\n{example.command}\n" in part
+
+
+def test_marks_of_markdown_in_a_help_are_literal(reference: str) -> None:
+    assert r"a pattern with \*, ? or \[ over names and ids" in reference
+
+
+COMMAND = f"{sys.executable} -P -m scaloft_fi"
+FLY = "run --mutant REVERSE-velcmd --situation T0O0W0D0H0 --baseline-seeds 1 --jobs 1"
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(STUDY)}
+
+NO_STUDY = "must be a folder with hazop/, mutants/ and sim/; it lacks hazop/, mutants/, sim/"
+ROWS = {
+    "$S matrix --study $STUDY >&-": (2, "error: standard output cannot be written: it is closed\n"),
+    "$S matrix --study $STUDY >/dev/full": (2, "error: standard output cannot be written: No space left on device\n"),
+    "$S matrix --study $STUDY --format json | true; exit ${PIPESTATUS[0]}": (0, ""),
+    "$S matrix --study $STUDY 2>&-": (0, ""),
+    "$S matrix --cell nothing 2>/dev/full": (2, ""),
+    "$S matrix <&- >&- 2>&-": (2, ""),
+    "mkdir gone; cd gone; rmdir ../gone; $S matrix": (
+        2,
+        "error: the current folder cannot be read: No such file or directory; go to another or name --study\n",
+    ),
+    "ulimit -v 200000; $S score": (
+        2,
+        "error: score: not enough memory: the limit is 204 MB of at least 320; raise it (`ulimit -v 320000`)\n",
+    ),
+    "$S score --study $STUDY --campaign '~nosuchuser/x'": (
+        2,
+        "error: --campaign: name='~nosuchuser/x' must be the path of a folder: Could not determine home directory.\n",
+    ),
+    "LC_ALL=C PYTHONUTF8=0 PYTHONCOERCECLOCALE=0 PYTHONIOENCODING=ascii $S matrix --study $'\\xff \\n\\e[1m'": (
+        2,
+        f"error: --study='\\udcff \\n\\x1b[1m' {NO_STUDY}\n",
+    ),
+}
+
+
+def _shell(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    variables = ENVIRONMENT | {"S": COMMAND, "STUDY": str(STUDY), "LC_ALL": "C.UTF-8"}
+    return subprocess.run(
+        ["bash", "-c", line], cwd=folder, env=variables, capture_output=True, text=True, check=False, timeout=300
+    )
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs bash, /dev/full and limits of Linux")
+@pytest.mark.parametrize("line", ROWS)
+def test_the_code_is_right_and_there_is_at_most_one_sentence(line: str, tmp_path: Path) -> None:
+    done = _shell(line, tmp_path)
+    assert (done.returncode, done.stderr) == ROWS[line]
+
+
+def _saved(store: Path) -> int:
+    """Number of outcomes in a store; 0 before it is there."""
+    try:
+        with sqlite3.connect(f"{store.absolute().as_uri()}?mode=ro", uri=True) as connection:
+            return int(connection.execute("SELECT count(*) FROM outcomes").fetchone()[0])
+    except sqlite3.OperationalError:
+        return 0
+
+
+@pytest.mark.flight
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs bash")
+def test_a_run_without_streams_in_a_campaign_of_an_odd_name_loses_no_flight(tmp_path: Path) -> None:
+    campaign = tmp_path / os.fsdecode(b"-c \n\x1b[1m\xff")
+    run = f"$S {FLY} --study $STUDY --campaign ./$'-c \\n\\e[1m\\xff'"
+    assert _shell(f"{run} <&- >&- 2>&-", tmp_path).returncode == 2  # its tables could not be printed
+    assert _saved(campaign / "outcomes.sqlite") == 3
+    left = _shell(f"{run} 2>&1 | true; exit ${{PIPESTATUS[0]}}", tmp_path)
+    assert (left.returncode, left.stderr) == (0, "")
+
+
+@pytest.mark.flight
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks into /proc")
+def test_a_terminal_that_closes_interrupts_a_run_which_saves_everything_and_leaves_no_process(tmp_path: Path) -> None:
+    words = [*COMMAND.split(), *FLY.split(), "--seeds", "40", "--study", str(STUDY), "--campaign", f"{tmp_path}/c"]
+    run = subprocess.Popen(words, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    store, until_s = tmp_path / "c" / "outcomes.sqlite", time.monotonic() + 300  # kernels may have to be compiled
+    while not _saved(store) and time.monotonic() < until_s:
+        time.sleep(0.05)
+    os.killpg(run.pid, signal.SIGHUP)
+    _, told = run.communicate(timeout=300)
+    saved = _saved(store)
+    assert run.returncode == 130
+    assert 0 < saved < 80
+    assert f"error: interrupted: {saved} flights are saved in {tmp_path}/c; the same command resumes: " in told
+    with pytest.raises(ProcessLookupError):
+        os.killpg(run.pid, 0)

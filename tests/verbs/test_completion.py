@@ -13,8 +13,9 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
-from plugins import install
-from said import as_recorded
+from options import as_recorded
+from printed import STUDY
+from processes import install
 
 from scaloft_fi.cli import main
 from scaloft_fi.study import Study
@@ -24,7 +25,6 @@ from scaloft_fi.verbs.names import OPERATOR, declared
 from scaloft_fi.verbs.signals import signal_list
 from scaloft_fi.verbs.situations import axis_list
 
-STUDY = Path(__file__).parents[2]
 BREAKS = " \t\n\"'@><=;|&(:"
 """What bash breaks words at, unless somebody changes it."""
 LISTS: dict[str, Callable[[Study], Listing[Any]]] = {

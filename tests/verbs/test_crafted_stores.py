@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
 from functools import cache
 from itertools import count
 from pathlib import Path
@@ -11,13 +10,12 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 from crafted import ONE, Crafted, campaign, crafted, sql
-from refusal import sentence
+from printed import STUDY, Call, sentence
 
 from scaloft_fi.campaign.store.record import MOST_FLIGHTS
 from scaloft_fi.cli import main
 from scaloft_fi.study import Study
 
-STUDY = Path(__file__).parents[2]
 NAME = "outcomes.sqlite"
 FIXED = (("status",), ("report", "--output", "OUT"))
 """These read every table."""
@@ -48,7 +46,7 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def read(good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+def read(good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Call:
     """Call a verb on the campaign in the folder `crafted`; the study is read once."""
     study = _study()
     monkeypatch.setattr(Study, "open", lambda _folder=None: study)
@@ -85,7 +83,7 @@ def _ends_well(result: Result, path: Path) -> bool:
 
 @pytest.mark.parametrize("store", [*crafted()], ids=lambda store: store.name)
 def test_a_crafted_store_is_read_or_refused_with_a_sentence_and_left_alone(
-    read: Callable[..., Result], tmp_path: Path, store: Crafted
+    read: Call, tmp_path: Path, store: Crafted
 ) -> None:
     path = tmp_path / "crafted" / NAME
     store.make(path)
@@ -102,7 +100,7 @@ def test_a_crafted_store_is_read_or_refused_with_a_sentence_and_left_alone(
 
 @pytest.mark.parametrize("words", [*FIXED, *OTHERS], ids=" ".join)
 def test_a_verb_that_reads_changes_nothing_and_creates_nothing(
-    read: Callable[..., Result], tmp_path: Path, words: tuple[str, ...]
+    read: Call, tmp_path: Path, words: tuple[str, ...]
 ) -> None:
     folder = tmp_path / "crafted"
     before = _content(folder)
@@ -118,7 +116,7 @@ def test_a_verb_that_reads_changes_nothing_and_creates_nothing(
 
 
 def test_a_table_with_too_many_rows_is_refused_and_the_limit_can_be_raised(
-    read: Callable[..., Result], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    read: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(MOST_FLIGHTS, "30")
     twelve = "WITH RECURSIVE r (n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM r LIMIT 12)"

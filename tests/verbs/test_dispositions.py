@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import CliRunner
 from paper_flyer import Paper
+from printed import STUDY, Call
 
 from scaloft_fi.analysis.survivor import Disposition, Judged, Standing
 from scaloft_fi.campaign.flights.fly import Flight
@@ -20,8 +20,6 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.dispositions import complaint
 
-Call = Callable[..., Result]
-STUDY = Path(__file__).parents[2]
 FLOWN = ("--situation", "T0O0W0D0H*", "--seeds", "3", "--jobs", "1", "--quiet")
 
 

@@ -6,7 +6,7 @@ from click import unstyle
 from finding import found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from said import as_recorded
+from options import as_recorded
 
 from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.roster import Roster

@@ -1,24 +1,23 @@
-"""What verbs print for programs has the form that they declare, on a campaign with kills, survivors and a control."""
+"""Answers, screens and refusals of all verbs: forms, widths, sentences; `RECORD=1` writes the sentences anew."""
 
 from __future__ import annotations
 
 import json
+import os
+import re
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
-from forms import READERS, of_form, one_table
+from click.testing import CliRunner
 from jsonschema import Draft202012Validator, ValidationError
-from printed import no_terms
+from printed import READERS, STUDY, Call, no_terms, of_form, one_table, sentence
 
 import scaloft_fi
 from scaloft_fi.analysis.score import By
 from scaloft_fi.cli import main
 from scaloft_fi.reference import output_of
-
-STUDY = Path(__file__).parents[2]
-Call = Callable[..., Result]
 
 
 @pytest.mark.parametrize("words", READERS, ids=" ".join)
@@ -156,3 +155,82 @@ def test_every_table_of_the_score_is_a_file_with_the_numbers_of_the_json(told: C
     assert (summary["ratios_mutation_score_part"], summary["pooled"]) == ("1", "true")
     assert tables["looks"] == []
     assert files["looks"].startswith("seeds,mutants,flights,detected,")
+
+
+MARK = re.compile(r"\x1b\[[0-9;]*m")
+AVAILABLE = re.compile(r"[\d.]+ GiB available")
+"""Free memory, which `doctor` prints, is another one in each call."""
+HELDS = re.compile(r"`[^`]*`")
+"""A command, within which no line may end."""
+SCREENS = (
+    *(words for words in READERS if words != ("mutants", "--check")),
+    ("seams", "person"),
+    ("axes", "H"),
+    ("map",),
+    ("score", "--all"),
+    ("kills", "LATE-human"),
+)
+"""`check` prints lines for editors, of any length."""
+
+
+def _too_wide(text: str, width: int) -> list[str]:
+    """The lines that are wider, without those of a single word or command, which is never broken."""
+    lines = [line for line in text.splitlines() if len(line) > width and not line.startswith("    scaloft-fi ")]
+    return [line for line in lines if " " in HELDS.sub("-", line.strip())]
+
+
+@pytest.mark.parametrize("words", SCREENS, ids=" ".join)
+def test_a_screen_fits_the_terminal_and_says_the_same_without_colours(
+    told: Call, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+) -> None:
+    def shown(width: int, colours: str) -> str:
+        with monkeypatch.context() as patch:
+            patch.setenv("COLUMNS", str(width))
+            patch.setenv(colours, "1")
+            done = told(*words)
+        assert done.exit_code == 0, done.output
+        return AVAILABLE.sub("9.9 GiB available", done.stdout)
+
+    plain = {width: shown(width, "NO_COLOR") for width in (60, 80, 160)}
+    assert {width: _too_wide(text, width) for width, text in plain.items()} == {60: [], 80: [], 160: []}
+    assert not any(map(MARK.search, plain.values()))
+    assert MARK.sub("", shown(80, "FORCE_COLOR")) == plain[80]
+
+
+RECORD = Path(__file__).with_suffix(".txt")
+"""A line with the words, and a line with what is said of them."""
+ALONE = ("new", "completion", "matrx")
+"""Verbs that take no study."""
+HELD = ("run", "margin", "replay", "score", "kills", "worksheet", "dispositions", "report", "export", "seek")
+"""Verbs that take a campaign."""
+
+
+def _lines() -> list[str]:
+    return RECORD.read_text(encoding="utf-8").splitlines()
+
+
+def said_of(line: str, places: dict[str, str]) -> str:
+    """The sentence about the words of a line, in which names stand for places."""
+    verb, *words = [places.get(word, word) for word in shlex.split(line)]
+    study = [] if verb in ALONE or "--study" in words else ["--study", str(STUDY)]
+    campaign = ["--campaign", "./none"] if verb in HELD and "--campaign" not in words else []
+    campaign += ["--into", "./none"] if verb == "seek" else []
+    said = sentence(CliRunner().invoke(main, [verb, *study, *campaign, *words], catch_exceptions=False))
+    for name, place in places.items():
+        said = said.replace(place, name)
+    return said
+
+
+def test_bad_words_are_one_sentence_and_nothing_is_written(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: pytest.fail("it flew"))
+    Path("file").write_text("mine")
+    lines = _lines()
+    places = {"CAMPAIGN": str(folder), "HERE": str(tmp_path), "STUDY": str(STUDY)}
+    said = {line: said_of(line, places) for line in lines[::2]}
+    if os.environ.get("RECORD"):
+        RECORD.write_text("".join(f"{line}\n{told}\n" for line, told in said.items()), encoding="utf-8")
+    assert [path.read_text() for path in tmp_path.rglob("*")] == ["mine"]
+    assert said == dict(zip(lines[::2], _lines()[1::2], strict=True)), "if it is right: RECORD=1"

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from builders import GRID, ROSTER, outcome, pool, seeded, thrice
 from click.testing import CliRunner, Result
-from forms import one_table
 from hypothesis import given, settings
 from paper_flyer import Paper
-from refusal import sentence
+from printed import STUDY, Call, one_table, sentence
 
 from scaloft_fi.analysis.kill_matrix import KillMatrix, kill_matrix
 from scaloft_fi.analysis.score import score
@@ -41,7 +39,6 @@ from scaloft_fi.verbs.kills import (
 )
 from scaloft_fi.views.table import Format, Table, render
 
-STUDY = Path(__file__).parents[2]
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T0O0W0D1H0"
 
@@ -126,9 +123,6 @@ def test_every_table_of_every_campaign_fits_a_terminal_and_every_node_is_listed_
     graph = subsumption(matrix_of(outcomes).kills)
     listed = [str(row[0]).replace("> ", "") for row in subsumption_table(graph).rows]
     assert sorted(listed) == sorted(", ".join(node.mutants) for node in graph.nodes)
-
-
-Call = Callable[..., Result]
 
 
 @pytest.fixture(scope="module")

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import json
-import shutil
 import sys
 from importlib import util
 from pathlib import Path
 from typing import Any
 
 import pytest
-from plugins import ROOT, called, install_project
-from refusal import run
+from printed import STUDY, run
+from processes import ROOT, called, install_project
+from studies import copied
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.bounds import bounds_of, check_caps, ranges_of, verdict
@@ -22,8 +22,6 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.listing import Listing, acted_on, operator_list, sample_text, seam_list
 from scaloft_fi.verbs.signals import BOTH, EXAMPLES, REALISED, TO_ASK, signal_list
 from scaloft_fi.verbs.situations import Change, Companion, axis_list
-
-STUDY = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
@@ -169,8 +167,7 @@ def test_a_study_that_a_command_flies_tells_where_the_record_has_each_signal(
 def test_an_optional_signal_that_the_world_lists_is_a_signal_like_any_other(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, tmp_path / name)
+    copied(tmp_path)
     assert listed(capsys, "signals", "--study", tmp_path)["takeoff_charge"]["used_in"] == "neither yet"
     world = tmp_path / "sim" / "world.yaml"
     world.write_text(world.read_text() + "signals: [takeoff_charge]\n")

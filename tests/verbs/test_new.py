@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from forms import of_form
 from jsonschema import Draft202012Validator
-from plugins import call, install_project
-from refusal import run
+from printed import of_form, run
+from processes import call, install_project
 
 from scaloft_fi.document import load
 from scaloft_fi.hazop.matrix import CellStatus

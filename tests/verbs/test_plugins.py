@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
-from plugins import ROOT, called, install
+from processes import ROOT, called, install
 
 STACK = """
 from dataclasses import replace
@@ -48,14 +47,6 @@ def broken(dossier):
 STACK_OF_BAD_OPERATORS = STACK.replace("make=make", "operators=('no_such_module',)")
 
 
-@pytest.fixture
-def study(tmp_path: Path) -> Path:
-    folder = tmp_path / "study"
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, folder / name)
-    return folder
-
-
 def _told(tmp_path: Path, study: Path, source: str, *verbs: tuple[str, ...]) -> list[tuple[int, str]]:
     """Exit code and last line of each verb, with one module as the plugin 'odd' of package 'odd-ware'."""
     site = tmp_path / "site"
@@ -75,38 +66,38 @@ ODD = "error: plugin 'odd' of package 'odd-ware'"
         ("import sys; sys.exit('no')", "SystemExit: no"),
     ],
 )
-def test_a_plugin_that_cannot_be_imported_is_named(source: str, why: str, tmp_path: Path, study: Path) -> None:
+def test_a_plugin_that_cannot_be_imported_is_named(source: str, why: str, tmp_path: Path, copy: Path) -> None:
     sentence = f"{ODD} cannot be loaded: {why}; mend or uninstall it"
-    assert _told(tmp_path, study, source, ("mutants", "--check")) == [(2, sentence)]
+    assert _told(tmp_path, copy, source, ("mutants", "--check")) == [(2, sentence)]
 
 
 @pytest.mark.flight
 @pytest.mark.parametrize(("source", "why"), [(STACK, "no licence"), (SENSOR, "no light")])
-def test_a_stack_or_a_sensor_that_raises_is_named(source: str, why: str, tmp_path: Path, study: Path) -> None:
+def test_a_stack_or_a_sensor_that_raises_is_named(source: str, why: str, tmp_path: Path, copy: Path) -> None:
     if source == STACK:
-        settings = study / "sim" / "stack.yaml"
+        settings = copy / "sim" / "stack.yaml"
         settings.write_text(settings.read_text().replace("name: reference", "name: dear"))
-    told = _told(tmp_path, study, source, ("replay", "baseline/T0O0W0D0H0/0"))
+    told = _told(tmp_path, copy, source, ("replay", "baseline/T0O0W0D0H0/0"))
     assert told == [(70, f"{ODD}: LookupError: {why} (SCALOFT_DEBUG=1 shows where)")]
 
 
-def test_the_operators_of_a_stack_that_cannot_be_imported_are_named(tmp_path: Path, study: Path) -> None:
-    settings = study / "sim" / "stack.yaml"
+def test_the_operators_of_a_stack_that_cannot_be_imported_are_named(tmp_path: Path, copy: Path) -> None:
+    settings = copy / "sim" / "stack.yaml"
     settings.write_text(settings.read_text().replace("name: reference", "name: dear"))
-    ((code, line),) = _told(tmp_path, study, STACK_OF_BAD_OPERATORS, ("mutants", "--check"))
+    ((code, line),) = _told(tmp_path, copy, STACK_OF_BAD_OPERATORS, ("mutants", "--check"))
     assert code == 2
     assert "stack 'dear': its operators in 'no_such_module' cannot be loaded: ModuleNotFoundError" in line
 
 
 @pytest.mark.flight
-def test_an_operator_that_raises_is_named(tmp_path: Path, study: Path) -> None:
-    cells = study / "hazop" / "matrix" / "clock.yaml"
+def test_an_operator_that_raises_is_named(tmp_path: Path, copy: Path) -> None:
+    cells = copy / "hazop" / "matrix" / "clock.yaml"
     cells.write_text(
         cells.read_text().replace("operator: scale\n      arguments: {field: all, factor: 0}", "operator: break")
     )
     here = ("--situation", "T0O0W0D0H0", "--baseline-seeds", "1", "--jobs", "1")
     verbs = (("mutants", "--write"), ("replay", "NO-clock/T0O0W0D0H0/0"), ("run", "--mutant", "NO-clock", *here))
-    written, replayed, run = _told(tmp_path, study, OPERATOR, *verbs)
+    written, replayed, run = _told(tmp_path, copy, OPERATOR, *verbs)
     tapped = "tap on stamps at 0.000 s: AttributeError: 'Stamps' object has no attribute 'nothing'"
     assert written[0] == 0
     assert replayed == (70, f"{ODD}: {tapped}")

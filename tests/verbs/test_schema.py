@@ -9,17 +9,14 @@ from pathlib import Path, PurePath
 from typing import Any
 
 import pytest
-from every_key import every_key_study
 from jsonschema import Draft202012Validator
-from plugins import call, install_project
-from refusal import run
-from schemas import keys_of
+from printed import run
+from processes import ROOT, call, install_project
+from studies import every_key_study, keys_of
 
 from scaloft_fi.document import Item, load
 from scaloft_fi.model import Schema
 from scaloft_fi.verbs.schema import DOCUMENTS, PUBLISHED, declared_names
-
-ROOT = Path(__file__).parents[2]
 
 
 def document_of(file: str) -> str:

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from builders import CLASSED, GRID, ROSTER, campaigns, outcome, pool, seeded
-from click.testing import Result
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from papers import STUDY, flight
-from refusal import sentence
+from printed import Call, sentence
 
 from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.detection import Spending
@@ -174,9 +172,6 @@ def test_each_requirement_is_tallied_over_the_baseline_flights() -> None:
 def test_the_verdicts_on_a_requirement_sum_to_the_baseline_flights(outcomes: list[Outcome]) -> None:
     baselines = sum(o.mutant == BASELINE and not o.invalid for o in outcomes)
     assert all(sum(count for _, count in tally.compliances) == baselines for tally in tallies(outcomes))
-
-
-Call = Callable[..., Result]
 
 
 def test_score_prints_what_the_run_printed_again(call: Call) -> None:

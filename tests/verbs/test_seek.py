@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 from click.testing import Result
 from finding import SMALL, Ruled, fast, flies, found
-from forms import of_form
-from printed import no_terms
-from reading import embedded
-from refusal import sentence
+from pages import embedded
+from printed import Call, no_terms, of_form, sentence
 
 import scaloft_fi
 from scaloft_fi.analysis.seeking import Breach, Effort, Signature
@@ -27,7 +25,6 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.seek import seek_tables, why_not
 from scaloft_fi.views.table import Format, render
 
-Call = Callable[..., Result]
 LATE, MORE = "LATE-human@3s", "MORE-goal@0.6m"
 
 

@@ -6,19 +6,15 @@ import json
 import shlex
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import Result
-from harmful import edit_in
-from refusal import sentence
+from fuzzing import edit_in
+from printed import STUDY, Call, sentence
 
 from scaloft_fi.campaign.store.store import Store
 
-Call = Callable[..., Result]
-STUDY = Path(__file__).parents[2]
 LATE = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
 READ = (
     *(("score",), ("coverage",), ("kills",), ("worksheet",), ("dispositions",), ("matrix", "--margins")),

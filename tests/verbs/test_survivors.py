@@ -11,7 +11,7 @@ from builders import CLASSED, GRID, ROSTER, campaigns, outcome, pool, seeded, th
 from finding import found, known
 from hypothesis import given
 from hypothesis import strategies as st
-from said import as_recorded
+from options import as_recorded
 
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.kill_matrix import kill_matrix

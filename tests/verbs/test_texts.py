@@ -6,7 +6,6 @@ import csv
 import io
 import json
 import re
-import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -16,9 +15,10 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 from click.testing import CliRunner, Result
-from obeyed import obeyed
 from paper_flyer import Whole
-from papers import STUDY, flight
+from papers import flight
+from printed import Call, obeyed
+from studies import copied
 
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.cli import main
@@ -52,7 +52,6 @@ VERBS: tuple[tuple[str, ...], ...] = (
     ("diff",),
 )
 EXPORTS = ("json", "csv", "gsn", "junit", "markdown", "mutation-testing", "sace", "sace-json", "sarif")
-Told = Callable[..., Result]
 
 
 class Evil(Whole):
@@ -82,11 +81,10 @@ def _evil(value: Any) -> Any:
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory: pytest.TempPathFactory) -> Told:
+def told(tmp_path_factory: pytest.TempPathFactory) -> Call:
     """Call a verb on a hostile study with a hostile campaign of a hostile name."""
     folder = tmp_path_factory.mktemp("texts") / "=study \x1b[1m\u202e"
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(STUDY / name, folder / name)
+    copied(folder)
     sim = [folder / "sim" / f"{name}.yaml" for name in ("situations", "requirements")]
     for path in (*folder.glob("hazop/**/*.yaml"), *sim):
         text = path.read_text(encoding="utf-8")
@@ -121,7 +119,7 @@ def _is_formula(cell: str) -> bool:
 
 
 @pytest.mark.parametrize("style", FORMATS)
-def test_no_table_of_any_verb_is_obeyed(told: Told, style: str) -> None:
+def test_no_table_of_any_verb_is_obeyed(told: Call, style: str) -> None:
     for verb in VERBS:
         done = told(*verb, "--format", style)
         assert done.exit_code == 0, (verb, done.output)
@@ -138,7 +136,7 @@ def test_no_table_of_any_verb_is_obeyed(told: Told, style: str) -> None:
             assert "\\input" not in done.stdout, verb
 
 
-def test_what_is_hostile_is_shown(told: Told) -> None:
+def test_what_is_hostile_is_shown(told: Call) -> None:
     assert "=1+1|<b>x</b>\\x1b[31m\\x9b\\x7f\\u202e\\u200b\\x07" in told("worksheet", "--format", "csv").stdout
     assert json.loads(told("worksheet", "--format", "json").stdout)["rows"][0]["deviation"].startswith(EVIL)
     assert "Campaign " in told("status").stdout
@@ -146,7 +144,7 @@ def test_what_is_hostile_is_shown(told: Told) -> None:
 
 
 @pytest.mark.parametrize("style", EXPORTS)
-def test_no_export_is_obeyed(told: Told, tmp_path: Path, style: str) -> None:
+def test_no_export_is_obeyed(told: Call, tmp_path: Path, style: str) -> None:
     path = tmp_path / "out"
     assert told("export", "--format", style, "--output", str(path)).exit_code == 0
     text = path.read_text(encoding="utf-8")
@@ -160,7 +158,7 @@ def test_no_export_is_obeyed(told: Told, tmp_path: Path, style: str) -> None:
         yaml.safe_load(text)
 
 
-def test_rows_of_csv_are_read_back(told: Told) -> None:
+def test_rows_of_csv_are_read_back(told: Call) -> None:
     text = told("export", "--format", "csv").stdout
     assert [cell for cell in _cells(text) if _is_formula(cell)] == []
     rows = list(csv.DictReader(io.StringIO(text, newline="")))
@@ -170,7 +168,7 @@ def test_rows_of_csv_are_read_back(told: Told) -> None:
     assert back == [printable(row["struck"]) for row in whole]
 
 
-def test_pages_and_pictures_are_not_obeyed(told: Told, tmp_path: Path) -> None:
+def test_pages_and_pictures_are_not_obeyed(told: Call, tmp_path: Path) -> None:
     for verb, name in (("report", "page.html"), ("kills", "graph.svg"), ("kills", "graph.dot")):
         done = told(verb, "--output", str(tmp_path / name))
         assert done.exit_code == 0, done.output
@@ -179,7 +177,7 @@ def test_pages_and_pictures_are_not_obeyed(told: Told, tmp_path: Path) -> None:
         assert "<b>" not in text, name
 
 
-def test_no_error_sentence_is_obeyed(told: Told) -> None:
+def test_no_error_sentence_is_obeyed(told: Call) -> None:
     wrong = (("kills", "\x1b[2J\u202e"), ("matrix", "--cell", "\x1b"), ("export", "--format", "\x9b\n"), ("\x1b[2J",))
     for words in wrong:
         done = told(*words)

@@ -10,7 +10,7 @@ from finding import flies as command
 from finding import found, known
 from hypothesis import given
 from hypothesis import strategies as st
-from said import as_recorded
+from options import as_recorded
 
 from scaloft_fi.analysis.detection import Spending, Verdict
 from scaloft_fi.analysis.kill_matrix import kill_matrix

@@ -9,20 +9,18 @@ import re
 import shutil
 import subprocess
 import zipfile
-from collections.abc import Callable
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
 import pytest
 from builders import GRID, campaigns, outcome, pool, seeded
-from click.testing import Result
-from effort import usually
 from finding import flies, found, known
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from openpyxl import load_workbook
-from said import as_recorded
+from options import as_recorded, usually
+from printed import Call
 
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import score
@@ -326,9 +324,6 @@ def test_the_reference_studys_worksheet_compiles_and_no_column_runs_into_the_nex
 def test_hostile_texts_compile_as_texts(engine: str, tmp_path: Path) -> None:
     others = OTHERS if engine in ("xelatex", "lualatex") else ()
     compiled([latex_sheet(with_text(text)) for text in (*LATIN, *others)], engine, tmp_path)
-
-
-Call = Callable[..., Result]
 
 
 def test_a_file_has_what_would_be_printed(told: Call, tmp_path: Path) -> None:

@@ -14,8 +14,8 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pytest
-from forms import of_form
 from jsonschema import Draft202012Validator
+from printed import of_form
 
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.cli import VERBS

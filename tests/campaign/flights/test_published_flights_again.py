@@ -9,7 +9,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from effort import usually
+from options import usually
 
 pytest.importorskip("pyarrow.parquet")
 

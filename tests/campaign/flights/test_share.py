@@ -12,9 +12,9 @@ from typing import Any
 
 import pytest
 import yaml
-from effort import usually
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from options import usually
 
 from scaloft_fi.campaign.flights.fly import CAN_FORK, Batch, Flight, Worker, fly_log
 from scaloft_fi.campaign.flights.physics import Physics

@@ -20,8 +20,8 @@ from typing import Any
 
 import published_flights
 import pytest
+from builders import with_range
 from processes import alive, soon
-from ranges import with_range
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.mutants.catalogue import source_of

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from builders import with_range
 from hypothesis import given
 from hypothesis import strategies as st
-from ranges import with_range
 from running import LATE, MORE, Runs, asked, interrupting, red, same
 
 from scaloft_fi.analysis.coverage import t_way

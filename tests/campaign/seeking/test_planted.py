@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from effort import usually
 from finding import small_study
+from options import usually
 from paper_flyer import Whole
 
 from scaloft_fi.campaign.flights.fly import Flight

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from builders import with_range
 from hypothesis import given
 from hypothesis import strategies as st
-from ranges import with_range
 from running import CONTROL, LATE, MORE, Runs, asked
 
 from scaloft_fi import sources

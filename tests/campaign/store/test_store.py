@@ -21,9 +21,9 @@ from typing import Any
 
 import pytest
 from builders import campaigns, outcome, seeded
-from effort import usually
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from options import usually
 
 from scaloft_fi.campaign.store import store
 from scaloft_fi.campaign.store.record import COLUMNS, Origin, Planned, Reader, Record, to_row

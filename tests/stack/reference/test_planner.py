@@ -5,9 +5,9 @@ import math
 
 import numpy as np
 import pytest
-from effort import usually
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from options import usually
 
 from scaloft_fi.stack.reference import planner as compiled
 from scaloft_fi.stack.reference.messages import ObstacleMap, SpeedLimit

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
-from browsing import Opened, Visit
+from pages import Opened, Visit, embedded
 from papers import HOSTILE, STUDY, campaign, evidence_of
-from reading import embedded
+from studies import copied
 
 from scaloft_fi.document import load
 from scaloft_fi.study import NO_FINDS, Study
@@ -44,8 +43,7 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
     import yaml
 
     folder = tmp_path_factory.mktemp("hostile") / "st\"u'dy <b onclick=alert(1)>&amp;"
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(STUDY / name, folder / name, ignore=shutil.ignore_patterns("found.yaml"))
+    copied(folder, "found.yaml")
 
     def change(path: Path, edit: Callable[[dict[str, Any]], None]) -> None:
         document = load(path).plain()

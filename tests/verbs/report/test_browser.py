@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browsing import Opened
+from pages import Opened, embedded, unpacked
 from papers import BAR, HOSTILE, SHAKY
-from reading import embedded, unpacked
 
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.console import printable

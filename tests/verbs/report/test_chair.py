@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from browsing import Opened
+from pages import Opened
 
 FLIGHT = "#flight=LATE-human%403s/T0O0W0D0H1/1"
 SHEETS = ("#cell=LATE-human", "#mutant=LATE-human%403s", "#situation=T0O0W0D0H1", FLIGHT)

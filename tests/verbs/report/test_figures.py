@@ -8,10 +8,9 @@ from itertools import combinations, pairwise
 from typing import Any
 
 import pytest
-from counting import SAFETY, Count, counts_of, exported, states_of
+from options import as_recorded
+from pages import SAFETY, Count, counts_of, embedded, exported, states_of, unpacked
 from papers import BAR, MUTANTS, SHAKY, campaign, evidence_of, track
-from reading import embedded, unpacked
-from said import as_recorded
 
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.roster import Ratio

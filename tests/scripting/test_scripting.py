@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 from paper_flyer import Paper
+from printed import STUDY
 
 import scaloft_fi
+from scaloft_fi.campaign.plan import parse_seeds
 from scaloft_fi.cli import main
-
-STUDY = Path(__file__).parents[2]
+from scaloft_fi.errors import GateError, InputError
+from scaloft_fi.scripting.flight import in_python, number, python_words
+from scaloft_fi.scripting.study import OpenCampaign
+from scaloft_fi.verbs.options import several
 
 
 @pytest.fixture
@@ -141,3 +148,114 @@ def test_a_gate_that_fails_is_an_error_of_its_own(
     monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: Paper(tame=True))
     with pytest.raises(scaloft_fi.GateError, match="a control shows nothing"):
         campaign.run("LATE-human", "T0O0W0D0H1", jobs=1)
+
+
+@pytest.fixture(scope="module")
+def study() -> scaloft_fi.OpenStudy:
+    return scaloft_fi.open(STUDY)
+
+
+def test_the_parts_of_a_study_are_columns(study: scaloft_fi.OpenStudy) -> None:
+    assert study.requirements["requirement"].tolist() == ["SR1", "SR2", "SR2-literal", "OP1"]
+    assert study.situations.rows == 32
+    assert list(study.situations) == ["situation", "aliases", "T", "O", "W", "D", "H"]
+    defaults = study.mutants["mutant"][study.mutants["counted"]]
+    assert sorted(defaults) == sorted(study.definition.roster.defaults.values())
+    assert study.folder == STUDY
+    units = dict(zip(study.signals["signal"], study.signals["unit"], strict=True))
+    assert (units["x_m"], units["qw"]) == ("m", "")
+
+
+def test_a_notebook_shows_what_a_study_has(study: scaloft_fi.OpenStudy) -> None:
+    assert "paper, 32 situations" in study._repr_html_()
+
+
+def test_what_check_and_map_show_is_there_as_columns_and_as_a_figure(
+    study: scaloft_fi.OpenStudy, tmp_path: Path
+) -> None:
+    findings = study.check()
+    assert list(findings) == ["severity", "file", "line", "what", "situation", "remedy"]
+    assert "error" not in findings["severity"].tolist()
+    figure = study.map("T1O0W0D0H1")
+    assert figure._repr_svg_().startswith("<svg")
+    assert figure.save(tmp_path / "plan.PNG").read_bytes().startswith(b"\x89PNG")
+    assert figure.save(f"{tmp_path}/plan.svg").read_text() == figure.svg
+    with pytest.raises(scaloft_fi.InputError, match=r"must end in .svg or .png"):
+        figure.save("plan.pdf")
+
+
+def test_another_grid_has_its_own_situations_and_names_its_campaign() -> None:
+    wide = scaloft_fi.open(STUDY, grid="wide")
+    assert wide.situations.rows != 32
+    assert wide.campaign().name == "wide"
+    assert scaloft_fi.open(STUDY).campaign().name == "default"
+    assert wide.campaign("mine").folder == STUDY / "results" / "campaigns" / "mine"
+
+
+@pytest.mark.parametrize(
+    ("study", "grid", "said"),
+    [("/nowhere", None, "^study='/nowhere' must be a folder"), (STUDY, "wise", "^grid='wise' must be")],
+)
+def test_what_is_no_study_is_one_sentence(study: Path | str, grid: str | None, said: str) -> None:
+    with pytest.raises(scaloft_fi.InputError, match=said):
+        scaloft_fi.open(study, grid)
+
+
+def test_a_flight_of_nobody_is_refused_before_anything_is_prepared(
+    study: scaloft_fi.OpenStudy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: pytest.fail("it was prepared"))
+    with pytest.raises(scaloft_fi.InputError, match="LATE-humna"):
+        study.fly("LATE-humna", "T0O0W0D0H1")
+    with pytest.raises(scaloft_fi.InputError, match="no situation 'T9'"):
+        study.fly("LATE-human", "T9")
+
+
+def test_the_package_itself_imports_nothing_heavy() -> None:
+    heavy = "{'numpy', 'click', 'yaml', 'pandas', 'scaloft_fi.api', 'scaloft_fi.study'}"
+    program = f"import sys, scaloft_fi; print(sorted({heavy} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+def test_a_name_that_the_package_lacks_is_an_ordinary_error() -> None:
+    assert set(scaloft_fi.__all__) <= set(dir(scaloft_fi))
+    with pytest.raises(AttributeError, match="'scaloft_fi' has no attribute 'opne'"):
+        _ = scaloft_fi.opne  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("bad", [0, -1, 100_001, True, 2.5, (), [1, 1], [-1], ["1"], [True], "x", "3-1", {1}])
+def test_seeds_that_are_none_are_one_sentence_with_the_name_of_the_argument(bad: object) -> None:
+    with pytest.raises(InputError, match="baseline_seeds="):
+        parse_seeds(bad, "baseline_seeds")  # type: ignore[arg-type]
+
+
+def test_one_text_is_one_name() -> None:
+    assert several("LATE-human", "mutants") == ("LATE-human",)
+    assert several(["a", "b"], "mutants") == ("a", "b")
+    with pytest.raises(InputError, match="mutants=3 must be a text"):
+        several(["a", 3], "mutants")  # type: ignore[list-item]
+    with pytest.raises(InputError, match="mutants=3 must be a text"):
+        several(3, "mutants")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("bad", [-0.1, 1.1, float("nan"), "1", True])
+def test_a_number_outside_its_range_is_refused(bad: object) -> None:
+    with pytest.raises(InputError, match="max_invalid="):
+        number(bad, "max_invalid", 0.0, 1.0)  # type: ignore[arg-type]
+
+
+def test_an_error_keeps_its_kind_and_names_arguments() -> None:
+    with pytest.raises(GateError, match=r"^name another campaign, or `run --campaign NAME`$"), in_python():
+        raise GateError("name another --campaign, or `run --campaign NAME`")
+
+
+def test_a_dash_that_is_no_option_stays() -> None:
+    assert python_words("a -- b, LATE-human, x--y, --mutant='a'") == "a -- b, LATE-human, x--y, mutants='a'"
+
+
+def test_a_method_has_the_texts_and_plain_types_of_the_options_of_its_verb() -> None:
+    about, signature = OpenCampaign.kills.__doc__ or "", str(inspect.signature(OpenCampaign.kills))
+    assert "    by_requirement: Subsumption tells kills by different requirements of a situation apart.\n" in about
+    assert signature.startswith("(self, mutants: 'str | Sequence[str]' = (), situations:")
+    assert "those of choose." in (OpenCampaign.run.__doc__ or "")

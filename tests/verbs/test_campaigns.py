@@ -1,20 +1,26 @@
-"""`run --shard`, `merge` and `diff`, without physics."""
+"""Verbs over whole campaigns: `status`, shards, `merge` and `diff`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
+import sqlite3
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
 from builders import GRID, ROSTER, campaigns, outcome
-from click.testing import Result
 from hypothesis import given
+from printed import STUDY, Call
 
+from scaloft_fi.campaign.store.archive import STORE_NAME
+from scaloft_fi.campaign.store.platforms import claim
+from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import Facts
+from scaloft_fi.study import Study
 from scaloft_fi.verbs.campaigns import Comparison, Difference, compare, comparison_table
+from scaloft_fi.verbs.snapshot import snapshot
 
-Call = Callable[..., Result]
 WORDS = ("--mutant", "LATE-human", "--situation", "T0O0W0D?H?", "--quiet")
 
 
@@ -84,3 +90,35 @@ def test_the_table_names_both_campaigns() -> None:
 def test_a_campaign_does_not_differ_from_itself(outcomes: list[Outcome]) -> None:
     once = list({outcome.name: outcome for outcome in outcomes}.values())
     assert _compare(once, once[::-1]) == Comparison("old", "new", len(once), 0, ())
+
+
+def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_invalid(call: Call, tmp_path: Path) -> None:
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    with closing(sqlite3.connect(tmp_path / "campaign" / STORE_NAME)) as connection:
+        connection.execute("DELETE FROM outcomes WHERE mutant = 'baseline' AND situation = 'T0O0W0D0H1'")
+        connection.commit()
+    statuses = json.loads(call("status", "--format", "json").stdout)["statuses"]
+    counted = {row["status"]: row["flights"] for row in statuses if row["subject"] == "mutants"}
+    rows = json.loads(call("export").stdout)
+    assert counted["waiting"] == sum(row["situation"] == "T0O0W0D0H1" for row in rows) >= 2
+    assert "invalid" not in counted
+    assert "waiting for their baseline" in call("status").stdout
+
+
+def test_every_verb_that_shows_a_campaign_of_two_platforms_says_so(call: Call, tmp_path: Path) -> None:
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    with Store(tmp_path / "campaign" / STORE_NAME) as store:
+        assert "platform" not in call("status").stdout
+        flights = [flight.key for flight in store.flights() if (flight.situation, flight.seed) == ("T0O0W0D0H1", 0)]
+        rows = list(store.rows(flights))
+        claim(store, [("T0O0W0D0H1", 0)], {**store.meta(), "machine": "PDP-11"})
+        store.put_all(rows)
+        whole = len(list(store.flights())) - len(flights)  # without those that were set apart
+    mixture = f"{whole - len(rows)} flights of one platform and {len(rows)} of another (machine PDP-11, not "
+    said = " ".join(call("status").stdout.split())
+    assert mixture in said
+    assert f"stale, not counted {len(rows)} " in said
+    assert mixture in " ".join(call("score").stderr.split())
+    assert mixture in " ".join(call("export", "--format", "sace").stdout.split())
+    with snapshot(Study.open(STUDY), f"{tmp_path}/campaign") as now:
+        assert now.platform["other platforms"].startswith(mixture)

@@ -1,10 +1,29 @@
-"""Sentences and screens as they are recorded in a file beside a test: `RECORD=1 pytest TEST` writes it anew."""
+"""How the tests are asked to run: with `--release` they do more, with `RECORD=1` they write what is recorded anew."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+@dataclass
+class Effort:
+    """Set once, before any test is read."""
+
+    release: bool = False
+
+
+EFFORT = Effort()
+
+
+def usually(some: T, *, release: T) -> T:
+    """`some` in every run, `release` before a release."""
+    return release if EFFORT.release else some
 
 
 def as_recorded(test: str, texts: Mapping[str, str]) -> None:
