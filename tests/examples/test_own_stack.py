@@ -14,6 +14,8 @@ import pytest
 from options import usually
 from processes import ROOT, call, called, install, install_project
 
+from scaloft_fi.stack.reference.declaration import SEAMS
+
 EXAMPLE = ROOT / "examples" / "own_stack"
 FOREIGN = ("scaloft_fi.stack.reference", "scaloft_fi.mutants.reference")
 GUARD = f"""
@@ -68,7 +70,6 @@ def test_the_six_cells_are_read_and_their_catalogue_is_current(site: Path, study
 def test_its_seams_are_its_own(site: Path, study: Path) -> None:
     code = "from scaloft_fi.api import Study; print(*Study.open('.').stack.by_name)"
     seams = set(call(site, "-c", code, cwd=study).stdout.split())
-    from scaloft_fi.stack.reference.declaration import SEAMS
 
     assert seams == {"gyro", "place", "height", "sight", "range", "drive", "rotors"}
     assert not seams & {seam.name for seam in SEAMS}

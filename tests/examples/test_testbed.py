@@ -8,11 +8,13 @@ from runpy import run_path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 from processes import marked
 from scaloft_ros1.border import unimportable
 
 from scaloft_fi.campaign.flights.fly import judged, wire_of
 from scaloft_fi.campaign.store.held import flight_named
+from scaloft_fi.cli import main
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.flight import fly
@@ -135,9 +137,5 @@ def test_a_script_that_is_not_there_is_named(make_study: Callable[..., None], tm
 
 def test_the_catalogue_of_the_study_is_current(make_study: Callable[..., None], tmp_path: Path) -> None:
     make_study(tmp_path / "study", [EXAMPLE / "own_mission.py"], ROOT)
-    from click.testing import CliRunner
-
-    from scaloft_fi.cli import main
-
     result = CliRunner().invoke(main, ["mutants", "--check", "--study", str(tmp_path / "study")])
     assert result.exit_code == 0, result.output

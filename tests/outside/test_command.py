@@ -12,12 +12,13 @@ from processes import alive, soon
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import Mutant
-from scaloft_fi.mutants.operator import Facts
+from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.mutants.wire import TappedWire, contexts, wire_for
 from scaloft_fi.outside.border import BorderError, Motion
 from scaloft_fi.outside.command import (
     ClockTopic,
     CommandError,
+    FlightCommand,
     Relay,
     Relays,
     Text,
@@ -32,7 +33,7 @@ from scaloft_fi.stack.reference.declaration import REFERENCE
 GOOD = {"flyer": "command", "run": '[fly, "{situation}", 5]', "record": "flight.csv", "limit_s": "60"}
 
 
-def _load(tmp_path: Path, **keys: str):  # type: ignore[no-untyped-def]
+def _load(tmp_path: Path, **keys: str) -> FlightCommand:
     path = tmp_path / "flyer.yaml"
     path.write_text("".join(f"{key}: {text}\n" for key, text in (GOOD | keys).items() if text))
     return load_command(path)
@@ -174,24 +175,15 @@ print(json.dumps({"altered": int(sum(came))}))
 
 @pytest.fixture
 def stack(tmp_path: Path) -> Declaration:
-    path = tmp_path / "flyer.yaml"
-    seams = "{drive: {relay: {from: /cmd_raw, to: /cmd, border: lines}, message: velocity}}"
-    path.write_text(f"flyer: command\nrun: [x]\nrecord: x.csv\nlimit_s: 9\nseams: {seams}\n")
-    command = load_command(path)
+    command = _load(tmp_path, seams="{drive: {relay: {from: /cmd_raw, to: /cmd, border: lines}, message: velocity}}")
     assert command.relays == RELAY
     assert not command.injects("drive")
     return command.declared(REFERENCE)
 
 
-def _facts() -> Facts:
-    from scaloft_fi.mutants.operators import OPERATORS
-
-    return OPERATORS["delay"].example.context().facts
-
-
 def _wire(stack: Declaration, operator: str, **arguments: float | str) -> Wire:
     mutant = Mutant(f"X-{operator}", "X", operator, "", 0.0, "drive", operator, arguments)
-    return wire_for(mutant, stack, contexts(mutant.id, "T0", 0, _facts()))
+    return wire_for(mutant, stack, contexts(mutant.id, "T0", 0, OPERATORS["delay"].example.context().facts))
 
 
 def _relayed(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -121,14 +122,20 @@ TOPICS = (Topic("touch", "/touch", Bumper, outward=True), Topic("drive", "/cmd_v
 STILL = {"velocity": [0.0, 0.0, 0.0], "turn_radps": 0.0}
 
 
+@contextmanager
+def opened(folder: Path, *more: Topic) -> Iterator[LinesBorder]:
+    """A border over the topics and `more`, which processes find."""
+    border = LinesBorder((*TOPICS, *more), folder)
+    with closing(border), pytest.MonkeyPatch.context() as patch:
+        border.open()
+        patch.setenv(VARIABLE, border.environment[VARIABLE])
+        yield border
+
+
 @pytest.fixture
-def border(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[LinesBorder]:
-    opened = LinesBorder(TOPICS, tmp_path)
-    opened.open()
-    for name, value in opened.environment.items():
-        monkeypatch.setenv(name, value)
-    yield opened
-    opened.close()
+def border(tmp_path: Path) -> Iterator[LinesBorder]:
+    with opened(tmp_path) as border:
+        yield border
 
 
 @pytest.fixture
@@ -158,14 +165,11 @@ def test_the_border_lacks_a_process_until_one_has_named_each_topic(border: Lines
     talking.close()
 
 
-def test_the_border_lacks_no_topic_that_is_not_awaited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    border = LinesBorder((*TOPICS, Topic("land", "/land", Land, outward=False, awaited=False)), tmp_path)
-    border.open()
-    monkeypatch.setenv(VARIABLE, border.environment[VARIABLE])
-    connection = connect(publishes=["/cmd_vel"])
-    assert [border.lacking() for _ in range(2)][-1] == ""
-    connection.close()
-    border.close()
+def test_the_border_lacks_no_topic_that_is_not_awaited(tmp_path: Path) -> None:
+    with opened(tmp_path, Topic("land", "/land", Land, outward=False, awaited=False)) as border:
+        connection = connect(publishes=["/cmd_vel"])
+        assert [border.lacking() for _ in range(2)][-1] == ""
+        connection.close()
 
 
 def test_samples_go_out_in_order_and_the_clock_is_last(border: LinesBorder, other: Connection) -> None:
@@ -265,20 +269,14 @@ def test_a_process_that_ends_is_forgotten(border: LinesBorder, other: Connection
     assert border.lacking().startswith("no process has connected")
 
 
-def test_two_borders_do_not_hear_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    borders = []
-    for name in ("one", "two"):
-        (tmp_path / name).mkdir()
-        borders.append(LinesBorder(TOPICS, tmp_path / name))
-        borders[-1].open()
-    monkeypatch.setenv(VARIABLE, borders[0].environment[VARIABLE])
-    connection = connect(publishes=["/cmd_vel"])
-    connection.send("/cmd_vel", STILL)
-    assert borders[0].wait("drive", 0.2)
-    assert not borders[1].wait("drive", 0.02)
-    connection.close()
-    for border in borders:
-        border.close()
+def test_two_borders_do_not_hear_each_other(border: LinesBorder, tmp_path: Path) -> None:
+    (tmp_path / "second").mkdir()
+    with opened(tmp_path / "second") as second:
+        connection = connect(publishes=["/cmd_vel"])
+        connection.send("/cmd_vel", STILL)
+        assert second.wait("drive", 0.2)
+        assert not border.wait("drive", 0.02)
+        connection.close()
 
 
 def test_a_socket_that_cannot_be_opened_is_named(tmp_path: Path) -> None:
