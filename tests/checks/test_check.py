@@ -1,8 +1,8 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from pathlib import Path
+from runpy import run_path
 
 import pytest
 import scaloft_ros1.border  # noqa: F401 - the study of the testbed names it
@@ -70,20 +70,18 @@ def test_a_green_check_says_what_was_looked_at(reference: Check) -> None:
     assert grids.keys() == {"paper", "search", "wide", "paper+found"}
 
 
-def _made(example: str, monkeypatch: pytest.MonkeyPatch, script: str, *words: object) -> None:
-    monkeypatch.syspath_prepend(EXAMPLES / example)
-    sys.modules.pop(script, None)
-    module = __import__(script)
-    getattr(module, script)(*words)
+def _made(example: str, script: str, *words: object) -> None:
+    """Make the study of an example by its script."""
+    run_path(str(EXAMPLES / example / f"{script}.py"))[script](*words)
 
 
-def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path) -> None:
     script = tmp_path / "mission.py"
     script.write_text("")
-    _made("outside_planner", monkeypatch, "make_study", tmp_path / "planner", "lines", ROOT)
-    _made("testbed", monkeypatch, "make_study", tmp_path / "testbed", [script], ROOT)
+    _made("outside_planner", "make_study", tmp_path / "planner", "lines", ROOT)
+    _made("testbed", "make_study", tmp_path / "testbed", [script], ROOT)
     for kind in ("study", "study_bag"):
-        _made("own_simulator", monkeypatch, "copy_study", tmp_path / kind, ROOT, kind)
+        _made("own_simulator", "copy_study", tmp_path / kind, ROOT, kind)
     for name in ("planner", "testbed", "study", "study_bag"):
         assert errors(check_study(tmp_path / name)) == [], name
 
@@ -104,28 +102,26 @@ def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path, mon
     ],
 )
 def test_a_command_that_cannot_fly_is_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str, old: str, new: str, place: str, what: str
+    tmp_path: Path, file: str, old: str, new: str, place: str, what: str
 ) -> None:
-    _made("own_simulator", monkeypatch, "copy_study", tmp_path / "own", ROOT)
+    _made("own_simulator", "copy_study", tmp_path / "own", ROOT)
     _without_grids(tmp_path / "own")
     _edit(tmp_path / "own" / "sim" / file, old, new)
     told = errors(check_study(tmp_path / "own"))
     assert any(place in error and what in error for error in told), told
 
 
-def test_a_program_of_a_stage_outside_that_is_missing_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    _made("outside_planner", monkeypatch, "make_study", tmp_path / "planner", "lines", ROOT)
+def test_a_program_of_a_stage_outside_that_is_missing_is_told(tmp_path: Path) -> None:
+    _made("outside_planner", "make_study", tmp_path / "planner", "lines", ROOT)
     (tmp_path / "planner" / "sim" / "over_lines.py").unlink()
     (error,) = errors(check_study(tmp_path / "planner"))
     assert "stack.yaml:6: error: the study has no file 'sim/over_lines.py'; add it" in error
 
 
-def test_the_examples_of_plugins_have_no_error_and_no_physics_is_imported(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_examples_of_plugins_have_no_error_and_no_physics_is_imported(tmp_path: Path) -> None:
     for example in ("own_stack", "own_planner"):
         install_project(tmp_path / "site", EXAMPLES / example)
-    _made("own_planner", monkeypatch, "copy_study", tmp_path / "straight", ROOT)
+    _made("own_planner", "copy_study", tmp_path / "straight", ROOT)
     _without_grids(tmp_path / "straight")
     done = call(tmp_path / "site", "-c", PROGRAM, EXAMPLES / "own_stack" / "study", tmp_path / "straight", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

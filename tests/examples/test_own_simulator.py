@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 import shlex
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
+from runpy import run_path
 
 import pytest
 from options import usually
@@ -45,13 +45,8 @@ FEW_SEEDS = ["--baseline-seeds", "1"]
 @pytest.fixture(scope="module", params=FLOWN)
 def study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Study:
     """The study that records a table, and the one that records a rosbag2."""
-    sys.path.insert(0, str(EXAMPLE))
-    try:
-        from copy_study import copy_study
-    finally:
-        sys.path.remove(str(EXAMPLE))
     folder = tmp_path_factory.mktemp("own") / request.param
-    copy_study(folder, ROOT, request.param)
+    run_path(str(EXAMPLE / "copy_study.py"))["copy_study"](folder, ROOT, request.param)
     return Study.open(folder)
 
 
