@@ -11,10 +11,11 @@ from builders import with_range
 from fuzzing import edit_in
 from options import usually
 from paper_flyer import Paper
-from printed import Call, sentence
+from printed import STUDY, Call, sentence
 
 from scaloft_fi.campaign.runs.request import remembered
 from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.sim.load import Scenario, SimConfig
 from scaloft_fi.study import Study
 
@@ -47,10 +48,7 @@ def test_quiet_says_nothing_but_the_tables(call: Call) -> None:
 def test_without_mutant_every_cells_default_and_every_control_flies(call: Call) -> None:
     assert call("run", "--situation", "T0O0W0D0H1", "--quiet").exit_code == 0
     flown = {row["mutant"] for row in json.loads(call("export").stdout)}
-    from scaloft_fi.hazop.matrix import CellStatus
-    from scaloft_fi.study import Study
-
-    matrix = Study.open(Path(__file__).parents[2]).matrix
+    matrix = Study.open(STUDY).matrix
     assert len(flown) == 2 + sum(cell.status is not CellStatus.NOT_MEANINGFUL for cell in matrix)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from pages import Opened, Visit, embedded
 from papers import HOSTILE, STUDY, campaign, evidence_of
 from studies import copied
@@ -40,8 +41,6 @@ def evidence(study: Study) -> Evidence:
 @pytest.fixture(scope="session")
 def hostile(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
     """A study whose titles, reasons and names try to be markup, in a folder with such a name."""
-    import yaml
-
     folder = tmp_path_factory.mktemp("hostile") / "st\"u'dy <b onclick=alert(1)>&amp;"
     copied(folder, "found.yaml")
 
