@@ -1,9 +1,8 @@
 """Forty deliberate breaks of the package, drawn by seed from its syntax trees, and the tests that catch them.
 
 `python tests/support/breaks.py draw` writes `breaks.json`: file, function, line and the text before and after of each.
-`python tests/support/breaks.py catch CONTEXTS` breaks a copy of the checkout once for each that was not asked about,
-runs the tests that run the broken line (CONTEXTS: a coverage file made with `pytest --cov=scaloft_fi
---cov-context=test`), and notes which fail then and pass where nothing is broken.
+`python tests/support/breaks.py again` breaks a copy of the checkout once for each that was caught, and notes which
+tests fail then and pass where nothing is broken.
 A break is found again by its function and text, wherever that stands by then.
 """
 
@@ -25,10 +24,10 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "scaloft_fi"
 RECORD = Path(__file__).with_name("breaks.json")
 SEED, NUMBER = 34, 40
-MOST_TESTS, MOST_S = 300, 500
-"""Tests asked of a break at most, and how long they may take [s, wall]."""
-USAGE, NEVER_ENDS = 4, "it never ends"
-"""How pytest ends where it does not know a test, and what stands for tests that take too long."""
+MOST_S = 500
+"""How long the tests of a break may take [s, wall]."""
+USAGE, NO_TESTS, NEVER_ENDS = 4, 5, "it never ends"
+"""How pytest ends where it does not know a test or finds none, and what stands for tests that take too long."""
 SWAPS = {
     ast.Lt: "<=",
     ast.LtE: "<",
@@ -150,12 +149,12 @@ def _copied(scratch: str) -> Path:
     return copy
 
 
-def failing(copy: Path, tests: Sequence[str]) -> tuple[str, ...]:
-    """The tests that fail in a copy of the checkout; `NEVER_ENDS` where they take too long.
+def failing(copy: Path, tests: Sequence[str], *options: str) -> tuple[str, ...]:
+    """The tests that fail in a copy of the checkout, with options of pytest; `NEVER_ENDS` where they take too long.
 
     A name that pytest does not know, such as that of a test which is no more, is left out.
     """
-    call = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--tb=no", "-rfE"]
+    call = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--tb=no", "-rfE", *options]
     environment = {**os.environ, "PYTHONPATH": str(copy)}
     asked = list(tests)
     while asked:
@@ -172,22 +171,40 @@ def failing(copy: Path, tests: Sequence[str]) -> tuple[str, ...]:
         asked = [test for test in asked if test not in unknown]
     else:
         return ()
-    if not rows and done.returncode:
+    if not rows and done.returncode not in (0, NO_TESTS):
         return (f"pytest ends with {done.returncode}",)
     return tuple(row.split(" - ")[0].split(" ", 1)[1] for row in rows)
 
 
-def caught(one: Break, tests_of: dict[str, dict[int, list[str]]]) -> tuple[str, ...]:
-    """The tests that fail with a break, of those that run its line."""
+def caught(one: Break, known: dict[str, list[str]]) -> tuple[str, ...]:
+    """Up to three tests that fail with a break.
+
+    Asked are of the recorded ones those that still are, wherever they stand; then those that mirror its folder, and
+    those of the verbs; then the same with `--release`, which stands before the tests that only a release runs.
+    """
+    names = {test.split("::")[-1].split("[")[0] for test in one.caught or ()}
     with tempfile.TemporaryDirectory() as scratch:
         copy = _copied(scratch)
-        path, line = apply(one, copy / "scaloft_fi")
-        asked = tests_of.get(str(path.relative_to(copy)), {}).get(line, [])
-        folders = [f"tests/{folder}/" for folder in Path(one.file).parents]
-        near = next(folder for folder in folders if (copy / folder).is_dir())
-        shuffled = random.Random(SEED).sample(asked, len(asked))
-        # Of a kernel, and of a line that only other processes run, there are no contexts: the folder's tests are asked.
-        return failing(copy, sorted(shuffled, key=lambda test: not test.startswith(near))[:MOST_TESTS] or [near])
+        path, _ = apply(one, copy / "scaloft_fi")
+        near = Path("tests") / path.relative_to(copy / "scaloft_fi").parent
+        tests = [place for name in sorted(names) for place in known.get(name, ())]
+        every = [tests, [str(near)], ["tests/verbs", "tests/test_outputs.py"]]
+        for options in ((), ("--release", "-m", "release")):
+            for asked in every:
+                found = failing(copy, asked, "--maxfail=3", *options) if asked else ()
+                if found:
+                    return (*options[:1], *found)
+    return ()
+
+
+def tests_by_name() -> dict[str, list[str]]:
+    """Where the test of each name stands now."""
+    told: dict[str, list[str]] = {}
+    for path in sorted((ROOT / "tests").rglob("test_*.py")):
+        for node in ast.parse(path.read_text("utf-8")).body:
+            if isinstance(node, ast.FunctionDef) and node.name.startswith("test_"):
+                told.setdefault(node.name, []).append(f"{path.relative_to(ROOT)}::{node.name}")
+    return told
 
 
 def without_those_that_fail_anyway(every: Sequence[Break]) -> list[Break]:
@@ -196,22 +213,6 @@ def without_those_that_fail_anyway(every: Sequence[Break]) -> list[Break]:
     with tempfile.TemporaryDirectory() as scratch:
         anyway = failing(_copied(scratch), named)
     return [replace(one, caught=tuple(test for test in one.caught or () if test not in anyway)) for one in every]
-
-
-def contexts(path: Path) -> dict[str, dict[int, list[str]]]:
-    """The tests that run each line of each file of the package."""
-    import coverage
-
-    data = coverage.CoverageData(basename=str(path))
-    data.read()
-    told: dict[str, dict[int, list[str]]] = {}
-    for file in data.measured_files():
-        place = file[file.index("scaloft_fi/") :] if "scaloft_fi/" in file else file
-        told[place] = {
-            line: sorted({name.split("|")[0] for name in names if name})
-            for line, names in data.contexts_by_lineno(file).items()
-        }
-    return told
 
 
 def recorded() -> list[Break]:
@@ -230,10 +231,9 @@ if __name__ == "__main__":
     if sys.argv[1] == "draw":
         _write(draw())
     else:
-        tests = contexts(Path(sys.argv[2]))
         every = recorded()
         for number, one in enumerate(every):
-            if one.caught is None:
-                every[number] = replace(one, caught=caught(one, tests))
+            if one.caught:
+                every[number] = replace(one, caught=caught(one, tests_by_name()))
                 _write(every)
         _write(without_those_that_fail_anyway(every))
