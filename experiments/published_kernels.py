@@ -1,6 +1,7 @@
 """Select OpenBLAS's kernels of the published flights, if the processor can run them.  Import this before numpy."""
 
 import os
+import sys
 from pathlib import Path
 
 KERNELS = "SkylakeX"
@@ -23,4 +24,5 @@ def choose(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
     return True
 
 
-CHOSEN = choose()
+CHOSEN = "numpy" not in sys.modules and choose()
+"""Where numpy is loaded, the variable would reach only the processes that this one starts: they would fly other bits."""
