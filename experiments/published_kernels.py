@@ -25,4 +25,4 @@ def choose(cpuinfo: Path = Path("/proc/cpuinfo")) -> bool:
 
 
 CHOSEN = "numpy" not in sys.modules and choose()
-"""Where numpy is loaded, the variable would reach only the processes that this one starts: they would fly other bits."""
+"""Where numpy is loaded, the variable would reach only the processes that this one starts, and they fly other bits."""
