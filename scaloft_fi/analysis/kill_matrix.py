@@ -13,6 +13,8 @@ from functools import cached_property
 from itertools import product
 from typing import Annotated, Literal, NamedTuple
 
+import numpy as np
+
 from scaloft_fi.analysis.detection import Firmness, Verdict
 from scaloft_fi.analysis.roster import OfSubject, Ratio, Roster
 from scaloft_fi.analysis.score import MutantScore, Result, Score
@@ -159,8 +161,6 @@ def off_path_m(flight: JudgedFlight) -> float | None:
     path = unpack_track(flight.baseline.track) if flight.baseline else []
     if not flown or not path:
         return None
-    import numpy as np
-
     # a published track may be thinner than a stored one
     apart_s = flown[1][_T] - flown[0][_T] if len(flown) > 1 else 0.0
     each = max(1, round(1 / apart_s)) if apart_s > 0 else 1

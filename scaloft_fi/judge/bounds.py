@@ -31,10 +31,10 @@ from scaloft_fi.judge.stl import (
     written,
 )
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, truth_signals
+from scaloft_fi.sim.world import ROLES, World
 from scaloft_fi.stack.declaration import TICK_S
 
 if TYPE_CHECKING:
-    from scaloft_fi.sim.world import World
     from scaloft_fi.stack.declaration import Belief
 
 
@@ -207,8 +207,6 @@ def ranges_of(world: World, beliefs: Iterable[Belief], names: Iterable[str]) -> 
 
 def without(world: World) -> Ranges:
     """What signals read in a study that has nobody, and no obstacle, that they could measure."""
-    from scaloft_fi.sim.world import ROLES
-
     roles = [ROLES[body.role] for body in world.bodies.values()]
     empty: dict[str, tuple[Span, ...]] = {}
     if not any(role.is_person for role in roles):

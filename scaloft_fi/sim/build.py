@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,24 +129,34 @@ class BodyIds:
         return {number: name for name, number in self.by_name.items()}
 
 
+@cache
+def bullet() -> Any:
+    """PyBullet, imported where physics begins: its C code then writes to standard error, which is dropped."""
+    saved, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    try:
+        import pybullet
+    finally:
+        os.dup2(saved, 2)
+        os.close(saved)
+        os.close(nowhere)
+    return pybullet
+
+
 @contextmanager
 def physics_server() -> Iterator[int]:
     """Start a physics server in this process, without a window, and close it at the end of the context."""
-    import pybullet
-
-    client = int(pybullet.connect(pybullet.DIRECT))
+    client = int(bullet().connect(bullet().DIRECT))
     try:
         yield client
     finally:
-        pybullet.disconnect(physicsClientId=client)
+        bullet().disconnect(physicsClientId=client)
 
 
 def set_up(client: int) -> None:
     """Set gravity, time step and a fixed order of contact pairs in an empty physics server."""
-    import pybullet
-
-    pybullet.setGravity(0.0, 0.0, -GRAVITY_MPS2, physicsClientId=client)
-    pybullet.setPhysicsEngineParameter(fixedTimeStep=STEP_S, deterministicOverlappingPairs=1, physicsClientId=client)
+    bullet().setGravity(0.0, 0.0, -GRAVITY_MPS2, physicsClientId=client)
+    bullet().setPhysicsEngineParameter(fixedTimeStep=STEP_S, deterministicOverlappingPairs=1, physicsClientId=client)
 
 
 def build(client: int, world: World) -> BodyIds:
@@ -154,45 +166,37 @@ def build(client: int, world: World) -> BodyIds:
     are 1 mm too short.  Bodies are convex hulls; with Bullet's margin they have the surface that the camera sees.
     A level floor is a solid box under the same triangles.
     """
-    import pybullet
-
     set_up(client)
     floor = _slab if world.mine.ground_is_slab else _triangles
     shapes = {WALL: _triangles(client, world.mine.wall), GROUND: floor(client, world.mine.ground)}
     for body in world.present:
         vertices = body.core.vertices.tolist()
-        shapes[body.name] = pybullet.createCollisionShape(pybullet.GEOM_MESH, vertices=vertices, physicsClientId=client)
+        shapes[body.name] = bullet().createCollisionShape(bullet().GEOM_MESH, vertices=vertices, physicsClientId=client)
     ids = {}
     for name, shape in shapes.items():
-        ids[name] = number = pybullet.createMultiBody(0.0, shape, physicsClientId=client)
-        pybullet.setCollisionFilterGroupMask(number, -1, WORLD_GROUP, VEHICLE_GROUP | RAY_GROUP, physicsClientId=client)
+        ids[name] = number = bullet().createMultiBody(0.0, shape, physicsClientId=client)
+        bullet().setCollisionFilterGroupMask(number, -1, WORLD_GROUP, VEHICLE_GROUP | RAY_GROUP, physicsClientId=client)
     return BodyIds(ids)
 
 
 def place(client: int, ids: BodyIds, shifts: Mapping[str, Sequence[float]]) -> None:
     """Put bodies at their positions plus `shifts` (3,) [m, world]."""
-    import pybullet
-
     for name, by_m in shifts.items():
-        pybullet.resetBasePositionAndOrientation(ids.by_name[name], by_m, (0.0, 0.0, 0.0, 1.0), physicsClientId=client)
+        bullet().resetBasePositionAndOrientation(ids.by_name[name], by_m, (0.0, 0.0, 0.0, 1.0), physicsClientId=client)
 
 
 def _triangles(client: int, mesh: Mesh) -> int:
-    import pybullet
-
     corners, indices = mesh.vertices.tolist(), mesh.faces.ravel().tolist()
-    flags = pybullet.GEOM_FORCE_CONCAVE_TRIMESH
-    return pybullet.createCollisionShape(  # type: ignore[no-any-return]
-        pybullet.GEOM_MESH, vertices=corners, indices=indices, flags=flags, physicsClientId=client
+    flags = bullet().GEOM_FORCE_CONCAVE_TRIMESH
+    return bullet().createCollisionShape(  # type: ignore[no-any-return]
+        bullet().GEOM_MESH, vertices=corners, indices=indices, flags=flags, physicsClientId=client
     )
 
 
 def _slab(client: int, plate: Mesh) -> int:
-    import pybullet
-
     low, high = plate.vertices.min(axis=0), plate.vertices.max(axis=0)
     (x, y, _), half = (0.5 * (low + high)).tolist(), 0.5 * (high - low)
     edges, middle = [float(half[0]), float(half[1]), 0.5 * SLAB_M], [x, y, float(high[2]) - 0.5 * SLAB_M]
-    return pybullet.createCollisionShape(  # type: ignore[no-any-return]
-        pybullet.GEOM_BOX, halfExtents=edges, collisionFramePosition=middle, physicsClientId=client
+    return bullet().createCollisionShape(  # type: ignore[no-any-return]
+        bullet().GEOM_BOX, halfExtents=edges, collisionFramePosition=middle, physicsClientId=client
     )

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scaloft_fi.sim.build import GRAVITY_MPS2, BodyIds, outside
+from scaloft_fi.sim.build import GRAVITY_MPS2, BodyIds, bullet, outside
 from scaloft_fi.sim.log import CLEARANCE_CAP_M
 from scaloft_fi.sim.vehicle import RATE, VELOCITY, Array, Vehicle
 from scaloft_fi.sim.world import GROUND, WALL, World
@@ -85,9 +85,7 @@ def contacts(
         state: (13,) state of the vehicle.
         half_height_m: half the height of the hull [m].
     """
-    import pybullet
-
-    points = pybullet.getContactPoints(bodyA=vehicle, physicsClientId=client)
+    points = bullet().getContactPoints(bodyA=vehicle, physicsClientId=client)
     if not points:
         return ()
     x, y, z, w = state[3], state[4], state[5], state[6]
@@ -173,9 +171,7 @@ class Clearances:
     """
 
     def __init__(self, client: int, ids: BodyIds, body: int, vehicle: Vehicle, world: World) -> None:
-        import pybullet
-
-        self._client, self._ids, self._body, self._closest = client, ids.by_name, body, pybullet.getClosestPoints
+        self._client, self._ids, self._body, self._closest = client, ids.by_name, body, bullet().getClosestPoints
         self._radius_m = 0.5 * math.hypot(*vehicle.hull_m)
         meshes = {WALL: world.mine.wall, GROUND: world.mine.ground, **{body.name: body.mesh for body in world.present}}
         corners = [mesh.vertices for mesh in meshes.values()]

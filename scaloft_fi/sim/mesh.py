@@ -493,8 +493,7 @@ class _Surface:
     @classmethod
     def of(cls, triangles: Array) -> _Surface:
         """The surface of (F, 3, 3) triangles."""
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
+        from scipy.sparse import coo_array, csgraph
 
         count = len(triangles)
         corners = np.unique(np.round(triangles.reshape(-1, 3), WELD_DIGITS), axis=0, return_inverse=True)[1]
@@ -512,7 +511,7 @@ class _Surface:
         rows = np.concatenate([one, one + count])
         columns = np.concatenate([np.where(alike, other, other + count), np.where(alike, other + count, other)])
         graph: Any = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(2 * count, 2 * count))
-        label = connected_components(graph, directed=False)[1]
+        label = csgraph.connected_components(graph, directed=False)[1]
         as_is, around = label[:count], label[count:]
         piece = np.unique(np.minimum(as_is, around), return_inverse=True)[1].reshape(-1)
         pieces = int(piece.max()) + 1

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError
 from scaloft_fi.marks import Bounds, Examples
-from scaloft_fi.sim.build import GRAVITY_MPS2, VEHICLE_GROUP, WORLD_GROUP
+from scaloft_fi.sim.build import GRAVITY_MPS2, VEHICLE_GROUP, WORLD_GROUP, bullet
 from scaloft_fi.sim.world import Point
 from scaloft_fi.stack.declaration import STEP_S
 from scaloft_fi.stack.kernel import jit
@@ -328,8 +328,7 @@ class Airframe:
     """
 
     def __init__(self, client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> None:
-        import pybullet
-
+        pybullet = bullet()
         # A flight makes these calls 240 times a second, so they are bound once and take positional arguments.
         self._simulate = pybullet.stepSimulation
         self._pose, self._motion = pybullet.getBasePositionAndOrientation, pybullet.getBaseVelocity
@@ -426,8 +425,7 @@ def inverse_at(yaw_rad: float) -> Array:
 
 def spawn(client: int, vehicle: Vehicle, position: Point, yaw_rad: float) -> int:
     """Put the vehicle at rest into the physics server; returns its body number."""
-    import pybullet
-
+    pybullet = bullet()
     half_m = [0.5 * edge for edge in vehicle.hull_m]
     shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half_m, physicsClientId=client)
     attitude = [0.0, 0.0, math.sin(0.5 * yaw_rad), math.cos(0.5 * yaw_rad)]

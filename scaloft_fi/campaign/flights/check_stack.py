@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from scaloft_fi.campaign.flights.physics import stderr_silenced
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.sim.stacks import claims_of
@@ -186,9 +185,7 @@ def polls_of(setup: Setup, situation: Situation) -> SeenPolls:
 
 
 def guarded(declared: Declaration) -> Declaration:
-    """The declaration of a stack whose orders to the rotors are looked at, once the server of the physics is there."""
-    with stderr_silenced():
-        import pybullet  # noqa: F401 - its first import writes to standard error
+    """The declaration of a stack whose orders to the rotors are looked at."""
     return replace(declared, make=lambda task, wire: _Guarded(declared.make(task, wire)))
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from threading import Timer
@@ -37,16 +36,13 @@ class Physics:
         Raises:
             InputError: the settings of the stack do not fit.
         """
-        with stderr_silenced():
-            import pybullet  # noqa: F401 - its first import writes to standard error
-        from scaloft_fi.sim import flight
-        from scaloft_fi.sim.build import physics_server
+        from scaloft_fi.sim import build, flight
 
         notice = Timer(NOTICE_S, say, ["compiling kernels (first run only)"])
         notice.start()
         try:
             first = study.grid.situations[0]
-            with physics_server() as client:
+            with build.physics_server() as client:
                 rehearsed = study.stack.rehearsed
                 trial = flight.FlightLoop(client, study.sim, study.scenario(first), 0, PlainWire(), rehearsed)
                 trial.step()
@@ -79,19 +75,6 @@ def _fly_all(study: Study, batch: Batch, report: Callable[[Outcome], None]) -> N
         report(judged(study, flight, fly_log(study, flight)))
 
 
-@contextmanager
-def stderr_silenced() -> Iterator[None]:
-    """Drop what C code writes to standard error."""
-    saved, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 2)
-    try:
-        yield
-    finally:
-        os.dup2(saved, 2)
-        os.close(saved)
-        os.close(nowhere)
-
-
 DISTANCE_M, TURN_DEG, TILT_DEG = 3.0, 15.0, -60.0
 """Position of the window's camera relative to the vehicle: steeply above and slightly behind (the roof is invisible
 from outside)."""
@@ -105,10 +88,10 @@ def fly_in_window(study: Study, flight: Flight) -> FlightLog:
     """
     if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise InputError("--gui needs a display, and there is none (DISPLAY is not set); without it a map is drawn")
-    import pybullet
-
+    from scaloft_fi.sim import build
     from scaloft_fi.sim import flight as flying
 
+    pybullet = build.bullet()
     client = pybullet.connect(pybullet.GUI)
     if client < 0:
         raise InputError("--gui: PyBullet could not open a window on this display")

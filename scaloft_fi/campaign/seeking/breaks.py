@@ -89,15 +89,15 @@ def recalled(study: Study, flight: Flight, violations: Sequence[Violation]) -> T
     Raises:
         ScaloftError: the flight cannot be flown, or a claim of the stack fails.
     """
-    from scaloft_fi.sim.build import physics_server
-    from scaloft_fi.sim.flight import FlightLoop
+    from scaloft_fi.sim import build
+    from scaloft_fi.sim import flight as flying
 
     claims = claims_of(study.stack, study.signals)
     wire = ListeningWire(claim.seam for claim in claims if claim.seam)
     scenario = study.scenario(flight.situation)
     ticks = round(TICK_HZ * max(violation.t_s for violation in violations))
-    with physics_server() as client:
-        loop = FlightLoop(client, study.sim, scenario, flight.seed, wire)
+    with build.physics_server() as client:
+        loop = flying.FlightLoop(client, study.sim, scenario, flight.seed, wire)
         while loop.ticks <= ticks and loop.tick():
             loop.advance()
         return breaches(loop.log(), violations, study.requirements, scenario.world, claims, wire.kept)
