@@ -33,8 +33,7 @@ from scaloft_fi.sim.contact import Feeler
 from scaloft_fi.sim.flight import CompiledStepper, FlightLoop, fly
 from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.sensors import suite
-from scaloft_fi.sim.sensors.camera import DepthSensor
-from scaloft_fi.sim.sensors.detector import Detector
+from scaloft_fi.sim.sensors.camera import DepthSensor, Detector
 from scaloft_fi.sim.vehicle import Airframe, spawn
 from scaloft_fi.stack.declaration import PlainWire
 from scaloft_fi.stack.reference import stack as reference_stack

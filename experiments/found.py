@@ -36,8 +36,8 @@ from experiments.search_arms import survivors
 from scaloft_fi.analysis.seeking import Effort, Replica, replicas
 from scaloft_fi.campaign.seeking.finds import Sought
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.sim.found import Evidence as Shown
-from scaloft_fi.sim.found import Find, Finds, read_finds
+from scaloft_fi.sim.grid import Evidence as Shown
+from scaloft_fi.sim.grid import Find, Finds, read_finds
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.seek import why_not
 

@@ -29,8 +29,7 @@ from scaloft_fi.campaign.seeking.proposals import MakeProposer, Parameters, Poss
 from scaloft_fi.campaign.seeking.seek import seek
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import realise
-from scaloft_fi.sim.found import Evidence
-from scaloft_fi.sim.grid import Grid
+from scaloft_fi.sim.grid import Evidence, Grid
 from scaloft_fi.sim.situation import DEVIATES, Situation
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study

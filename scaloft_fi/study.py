@@ -28,8 +28,18 @@ from scaloft_fi.output import write_whole
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.setup import Setup
 from scaloft_fi.sim.events import events_in
-from scaloft_fi.sim.found import FILE, Break, Find, read_finds
-from scaloft_fi.sim.grid import FOLDER, WITH_FOUND, Grid, grid_names, own_name, searched_grid
+from scaloft_fi.sim.grid import (
+    FOLDER,
+    FOUND_FILE,
+    WITH_FOUND,
+    Break,
+    Find,
+    Grid,
+    grid_names,
+    own_name,
+    read_finds,
+    searched_grid,
+)
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import SIGNALS
 from scaloft_fi.sim.situation import Situation
@@ -62,7 +72,7 @@ class KnownFinds:
         for name, why in self.misfits.items():
             names.setdefault(why, []).append(name)
         return tuple(
-            f"sim/{FILE}: left out, because the study has changed since: {', '.join(some)}: {why}"
+            f"sim/{FOUND_FILE}: left out, because the study has changed since: {', '.join(some)}: {why}"
             for why, some in names.items()
         )
 

@@ -177,7 +177,7 @@ def test_the_code_that_enters_keys_flies_and_judges_and_shows_nothing(study: Stu
 
 def test_the_code_that_enters_keys_leaves_out_how_flights_are_planned_stored_and_handed_out(study: Study) -> None:
     names = {name.removeprefix("scaloft_fi.") for name in closure(study.flying_modules)}
-    assert {"setup", "document", "registry", "sim.flight", "judge.outcome", "mutants.watch"} <= names
+    assert {"setup", "document", "registry", "sim.flight", "judge.outcome", "mutants.wire"} <= names
     assert not {"study", "campaign.plan", "campaign.pool", "mutants.catalogue", "hazop.load"} & names
     assert not {name for name in names if name.startswith(("mutants.operators", "mutants.reference"))}
 

@@ -16,7 +16,7 @@ and the value of each axis must come true in nine of ten, unless the search was 
 
 A search picks its finds because of their flights, so those flights tell too good a tale of them.  A replication flies
 each pair of find and mutant on seeds of its own, and asks of each the one requirement that the find names: does the
-mutant violate it more often than the unmutated drone, by the exact test of the score (`stratified.py`)?
+mutant violate it more often than the unmutated drone, by the exact test of the score (`detection.p_value`)?
 Holm's adjustment over all pairs that are replicated together (Scand. J. Statist. 6, 1979) bounds by alpha the chance
 that any pair without an effect holds.
 
@@ -42,7 +42,7 @@ from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Requirement, measured_rho
 from scaloft_fi.judge.stl import tokenize
-from scaloft_fi.sim.found import Again, Evidence, Find
+from scaloft_fi.sim.grid import Again, Evidence, Find
 from scaloft_fi.sim.log import SAMPLE_HZ
 from scaloft_fi.sim.situation import Situation, cut
 from scaloft_fi.stack.declaration import Claim, Instant

@@ -29,14 +29,22 @@ from scaloft_fi.outside.border import BORDERS
 from scaloft_fi.outside.exchange import OutsideConfig
 from scaloft_fi.outside.records import load_record_map
 from scaloft_fi.registry import PLUGIN_GROUP, load_plugin
-from scaloft_fi.sim.found import FILE as FOUND
-from scaloft_fi.sim.grid import FILE, FOLDER, WITH_FOUND, Grid, assembled, contradictions, grid_names, is_grid_name
+from scaloft_fi.sim.grid import (
+    FILE,
+    FOLDER,
+    FOUND_FILE,
+    WITH_FOUND,
+    Grid,
+    assembled,
+    contradictions,
+    grid_names,
+    is_grid_name,
+)
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.load import DOCUMENTS
 from scaloft_fi.sim.load import load as load_sim
 from scaloft_fi.sim.log import SIGNALS, clearance_name, signal_names
-from scaloft_fi.sim.patch import PARTS, leaves
-from scaloft_fi.sim.situation import Axis, AxisModel, AxisValue
+from scaloft_fi.sim.situation import PARTS, Axis, AxisModel, AxisValue, leaves
 from scaloft_fi.sim.stacks import StackChoice
 from scaloft_fi.sim.world import GROUND, WALL, World
 from scaloft_fi.stack.declaration import Declaration
@@ -288,7 +296,10 @@ def check_command_of(study: Study, findings: Findings) -> None:
 
 
 NEEDED = {"hazop": ("guidewords", "parameters"), "sim": (*DOCUMENTS, "requirements")}
-OPTIONAL = {"hazop": ("score", "severities", "dispositions"), "sim": ("sources", Path(FOUND).stem, "flyer", "record")}
+OPTIONAL = {
+    "hazop": ("score", "severities", "dispositions"),
+    "sim": ("sources", Path(FOUND_FILE).stem, "flyer", "record"),
+}
 
 
 def check_documents(folder: Path, findings: Findings) -> int:
@@ -352,7 +363,7 @@ def check_seams(study: Study, findings: Findings) -> tuple[int | None, str]:
 
 def check_found(study: Study, findings: Findings) -> int:
     """The finds and breaks of the study; returns how many there are.  Those that no longer fit are notes."""
-    path = study.folder / "sim" / FOUND
+    path = study.folder / "sim" / FOUND_FILE
     if not is_there(path):
         return 0
     count = 0

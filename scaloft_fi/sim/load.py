@@ -23,10 +23,9 @@ from scaloft_fi.marks import Called, Choices
 from scaloft_fi.model import read
 from scaloft_fi.sim.grid import FILE, Grid, read_grid, remedy
 from scaloft_fi.sim.mine import WallPoint
-from scaloft_fi.sim.patch import PARTS, leaves, patched
 from scaloft_fi.sim.sensors import SensorsConfig, read_sensors
 from scaloft_fi.sim.sensors.camera import look
-from scaloft_fi.sim.situation import AxisValue, Situation
+from scaloft_fi.sim.situation import PARTS, AxisValue, Situation, leaves, patched
 from scaloft_fi.sim.stacks import StackChoice
 from scaloft_fi.sim.vehicle import Vehicle
 from scaloft_fi.sim.world import ROLES, Point, World

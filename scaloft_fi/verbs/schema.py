@@ -26,15 +26,14 @@ from scaloft_fi.outside.exchange import BELOW, OutsideConfig
 from scaloft_fi.outside.records import RecordMap
 from scaloft_fi.outside.stack import GoalConfig, VelocityConfig
 from scaloft_fi.registry import load_plugins
-from scaloft_fi.sim.found import Finds
-from scaloft_fi.sim.grid import FurtherGridModel, GridModel
+from scaloft_fi.sim.grid import Finds, FurtherGridModel, GridModel
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.load import DOCUMENTS as PREFIXES
 from scaloft_fi.sim.load import NumberSource
 from scaloft_fi.sim.log import SIGNALS
-from scaloft_fi.sim.patch import PARTS
 from scaloft_fi.sim.sensors.sensor import SENSORS
 from scaloft_fi.sim.sensors.suite import sensors_model
+from scaloft_fi.sim.situation import PARTS
 from scaloft_fi.sim.stacks import STACKS
 from scaloft_fi.sim.vehicle import Vehicle
 from scaloft_fi.sim.world import ROLES, World

@@ -25,8 +25,7 @@ from scaloft_fi.hazop.load import find_study
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.sim.found import FILE, Break, read_finds
-from scaloft_fi.sim.grid import grid_names, own_name
+from scaloft_fi.sim.grid import FOUND_FILE, Break, grid_names, own_name, read_finds
 from scaloft_fi.sim.stacks import claims_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import options
@@ -147,7 +146,7 @@ def replica_table(report: finds.SeekReport) -> Table:
     )
     held, first = sum(one.holds for one in report.replicas), report.first or 0
     notes = (
-        *(f"{one.find}: {one.mutant} left sim/{FILE}: {one.why}." for one in report.replicas if not one.holds),
+        *(f"{one.find}: {one.mutant} left sim/{FOUND_FILE}: {one.why}." for one in report.replicas if not one.holds),
         f"Flown on the seeds {first}, {first + 1}, ..., which nothing before used.",
         f"p: by the exact test, adjusted by Holm over all pairs here; a pair holds at alpha={report.alpha:g} or less.",
         "baseline: flights that hold the requirement by more than their spread; mission: flights that do the mission.",
@@ -263,7 +262,7 @@ def seek(study: Study, campaign: str, mutants: Sequence[str], search: Search, na
         raise InputError(f"--replicate must not stand with {BASELINE!r}: it flies situations that show mutants again")
     if not search.replicate:
         require_optuna()
-    check_own(study, named, study.folder / "sim" / FILE)
+    check_own(study, named, study.folder / "sim" / FOUND_FILE)
     study.check()
     if search.replicate:
         return _replicated(study, mutants, search)
@@ -304,7 +303,7 @@ def _replicated(study: Study, mutants: Sequence[str], search: Search) -> Answer:
     ask = {find.name: [one for one in find.shows if wanted is None or one in wanted] for find in known}
     if found is None or not any(ask.values()):
         which = f" of {', '.join(mutants)}" if mutants else ""
-        raise InputError(f"{folder / FILE}: there is no find{which} to replicate; `scaloft-fi seek` finds some")
+        raise InputError(f"{folder / FOUND_FILE}: there is no find{which} to replicate; `scaloft-fi seek` finds some")
     if found.grid != study.grid.name:
         raise InputError(f"--grid={study.grid.name!r} must be {found.grid!r}, the grid that was searched")
     report = finds.replicate(
@@ -352,12 +351,13 @@ def _unnamed(study: Study, campaign: str, search: Search) -> finds.Unnamed:
         search.progress.line(f"warning: {sentence}")
     mutants = [id_ for id_ in defaults if id_ in survivors and not study.finds.of(id_)]
     if not mutants:
-        least = f"every default is detected or shown by a situation in sim/{FILE}"
+        least = f"every default is detected or shown by a situation in sim/{FOUND_FILE}"
         raise InputError(f"--campaign={campaign!r}: {least}; name the mutants to seek")
     if len(mutants) < len(survivors):
         shown = f"{len(survivors) - len(mutants)} of {len(survivors)} defaults that are not detected"
         search.progress.line(
-            f"not sought: {shown}, because situations in sim/{FILE} show them; a mutant that is named is sought again"
+            f"not sought: {shown}, because situations in sim/{FOUND_FILE} show them; a mutant that is named is sought "
+            "again"
         )
     return finds.anew(folder, search.seed, campaign, mutants)
 

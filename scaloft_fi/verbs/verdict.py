@@ -18,7 +18,7 @@ from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.judge.status import Status
-from scaloft_fi.sim.found import Evidence, Find
+from scaloft_fi.sim.grid import Evidence, Find
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.views.table import counted

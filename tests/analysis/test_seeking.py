@@ -11,7 +11,7 @@ from finding import found
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.detection import Sample, Spending, detect
+from scaloft_fi.analysis.detection import Sample, Spending, Stratum, detect, p_value
 from scaloft_fi.analysis.pool import Pool
 from scaloft_fi.analysis.seeking import (
     BEYOND,
@@ -37,7 +37,6 @@ from scaloft_fi.analysis.seeking import (
     shown_by,
     shrunk,
 )
-from scaloft_fi.analysis.stratified import Stratum, p_value
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.sim.grid import load_grid

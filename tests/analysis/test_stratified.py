@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import fisher_exact
 
-from scaloft_fi.analysis.stratified import Stratum, p_value
+from scaloft_fi.analysis.detection import Stratum, p_value
 
 
 @st.composite

@@ -14,7 +14,7 @@ from experiments.found import Evidence, page
 from scaloft_fi.analysis.seeking import POOL, SEEDS, Effort
 from scaloft_fi.campaign.seeking.finds import Sought
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.sim.found import Finds
+from scaloft_fi.sim.grid import Finds
 from scaloft_fi.study import Study
 from scaloft_fi.views.output import plain
 

@@ -13,8 +13,7 @@ from experiments.flights import flown as flown_beside
 from experiments.more_goal import ARMS, AS_IT_IS, FLIGHTS, MUTANTS, NOT_TURNING, STRICT, Arm, flown, names_of
 from experiments.operating_point import PLAIN
 from experiments.pages import registered
-from scaloft_fi.analysis.detection import ALPHA
-from scaloft_fi.analysis.stratified import Stratum, p_value
+from scaloft_fi.analysis.detection import ALPHA, Stratum, p_value
 from scaloft_fi.campaign.flights.fly import Flight, fly_log
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.catalogue import realise

@@ -37,7 +37,7 @@ from scaloft_fi.campaign.seeking.proposals import OPENING
 from scaloft_fi.campaign.seeking.seek import CHUNK, GENERATION
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
-from scaloft_fi.sim.found import Evidence as Shown
+from scaloft_fi.sim.grid import Evidence as Shown
 from scaloft_fi.streams import generator
 from scaloft_fi.study import Study
 

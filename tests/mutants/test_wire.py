@@ -17,8 +17,7 @@ from scaloft_fi.mutants.catalogue import defaults, realise, source_of
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.mutants.operator import Facts, Occurrences, Tap, TapContext, Windows
 from scaloft_fi.mutants.sample import within
-from scaloft_fi.mutants.watch import WatchingWire
-from scaloft_fi.mutants.wire import SeamCount, TapError, TappedWire, contexts, wire_for
+from scaloft_fi.mutants.wire import SeamCount, TapError, TappedWire, WatchingWire, contexts, wire_for
 from scaloft_fi.stack.declaration import PlainWire
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import Target

@@ -9,8 +9,7 @@ from finding import BAR, found
 
 from scaloft_fi.campaign.seeking.finds import break_saver, saver, text
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.found import Evidence, Find, Finds, read_finds
-from scaloft_fi.sim.grid import grid_names, load_grid
+from scaloft_fi.sim.grid import Evidence, Find, Finds, grid_names, load_grid, read_finds
 from scaloft_fi.study import NO_FINDS, Study, known_finds
 
 SHOWN = Evidence("SR2", 1, 0.00025, 0.005, 6, 6, "person", 10, 10, 0.071, 0.02, 10)

@@ -12,7 +12,7 @@ from scaloft_fi import document
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.sim.load import KINDS, load
-from scaloft_fi.sim.patch import added, leaves, patched, qualified
+from scaloft_fi.sim.situation import added, leaves, patched, qualified
 from scaloft_fi.sim.stacks import CLAIMS, claims_of, declare_claims
 from scaloft_fi.sources import closure
 from scaloft_fi.stack.declaration import Claim

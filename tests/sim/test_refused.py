@@ -12,8 +12,7 @@ from finding import BAR
 
 from scaloft_fi.campaign.seeking.finds import text
 from scaloft_fi.errors import InputError
-from scaloft_fi.sim.found import Finds
-from scaloft_fi.sim.grid import load_grid
+from scaloft_fi.sim.grid import Finds, load_grid
 from scaloft_fi.sim.load import load
 from tests.sim.test_found import FIND
 

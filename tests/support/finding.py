@@ -13,7 +13,7 @@ from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.sim.found import Break, Evidence, Find
+from scaloft_fi.sim.grid import Break, Evidence, Find
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import KnownFinds, Study

@@ -20,7 +20,7 @@ from scaloft_fi.campaign.seeking.finds import SeekReport, Sought, anew, interrup
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Violation
-from scaloft_fi.sim.found import read_finds
+from scaloft_fi.sim.grid import read_finds
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.seek import seek_tables, why_not
 from scaloft_fi.views.table import Format, render

@@ -19,7 +19,7 @@ from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import Background, backgrounds
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, pack_track
-from scaloft_fi.sim.found import Find
+from scaloft_fi.sim.grid import Find
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.kills import survivor_table
 from scaloft_fi.verbs.verdict import Stage, Survivor, survivors

@@ -17,7 +17,7 @@ from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.score import MutantScore, Score, score
 from scaloft_fi.analysis.survivor import Background
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.sim.found import Again
+from scaloft_fi.sim.grid import Again
 from scaloft_fi.verbs.first_screen import short_step
 from scaloft_fi.verbs.verdict import (
     Next,

@@ -37,7 +37,7 @@ from scaloft_fi.outside.command import (
 )
 from scaloft_fi.outside.records import RECORDS, Known, RecordMap, flight_log, kind_of, lacking, load_record_map, own_map
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, FlightLog
-from scaloft_fi.sim.patch import leaves
+from scaloft_fi.sim.situation import leaves
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:

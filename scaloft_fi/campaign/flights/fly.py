@@ -21,8 +21,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome, Subject, outcome_of
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.mutants.operator import Facts
-from scaloft_fi.mutants.watch import WatchingWire
-from scaloft_fi.mutants.wire import SeamCount, TappedWire, contexts, wire_for
+from scaloft_fi.mutants.wire import SeamCount, TappedWire, WatchingWire, contexts, wire_for
 from scaloft_fi.registry import in_one_line, plugin_behind
 
 if TYPE_CHECKING:

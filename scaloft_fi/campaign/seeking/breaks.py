@@ -38,7 +38,7 @@ from scaloft_fi.campaign.seeking.seek import GENERATION
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.sim.found import Break
+from scaloft_fi.sim.grid import Break
 from scaloft_fi.sim.stacks import claims_of
 from scaloft_fi.stack.declaration import TICK_HZ, PlainWire
 from scaloft_fi.study import Study

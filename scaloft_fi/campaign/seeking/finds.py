@@ -47,7 +47,7 @@ from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.output import write_whole
-from scaloft_fi.sim.found import FILE, Break, Find, Finds, read_finds
+from scaloft_fi.sim.grid import FOUND_FILE, Break, Find, Finds, read_finds
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
@@ -479,13 +479,13 @@ def holding(finds: Sequence[Find], replicas: Sequence[Replica]) -> tuple[Find, .
 def _earlier(folder: Path, grid: str) -> Finds:
     earlier = read_finds(folder) or Finds(grid, ())
     if earlier.grid != grid:
-        sentence = f"{folder / FILE}: grid={earlier.grid!r} must be {grid!r}, the grid that is searched"
+        sentence = f"{folder / FOUND_FILE}: grid={earlier.grid!r} must be {grid!r}, the grid that is searched"
         raise InputError(f"{sentence}; move the file away to begin another one")
     return earlier
 
 
 def _write(folder: Path, finds: Finds) -> None:
-    path = folder / FILE
+    path = folder / FOUND_FILE
     try:
         write_whole(path, text(finds).encode())
     except OSError as error:

@@ -45,7 +45,7 @@ from scaloft_fi.campaign.seeking.finds import (
 )
 from scaloft_fi.campaign.seeking.proposals import MakeProposer, Opening, Proposal, Proposals, Proposer, flyable, opening
 from scaloft_fi.mutants.mutant import Mutant
-from scaloft_fi.sim.found import Evidence, Find
+from scaloft_fi.sim.grid import Evidence, Find
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:

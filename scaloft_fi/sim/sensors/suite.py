@@ -17,8 +17,7 @@ from scaloft_fi.sim.happenings import Surroundings
 from scaloft_fi.sim.mesh import View
 from scaloft_fi.sim.sensors import body  # noqa: F401 - they declare their sensors
 from scaloft_fi.sim.sensors.body import BatteryConfig, ImuConfig, ImuSensor, PositioningConfig
-from scaloft_fi.sim.sensors.camera import DepthConfig, look
-from scaloft_fi.sim.sensors.detector import DetectorConfig, MeteringConfig
+from scaloft_fi.sim.sensors.camera import DepthConfig, DetectorConfig, MeteringConfig, look
 from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, Sensor, SensorKind
 from scaloft_fi.stack.declaration import TICK_HZ, TICK_S
 from scaloft_fi.stack.messages import Entry, Exposure, Imu, SensorFrames, Stamps

@@ -28,7 +28,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK, TRACK_COLUMNS, TRACK_EVERY, Outcome, unpack_track
 from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.status import baseline_status, flight_of
-from scaloft_fi.sim.found import Break, Find
+from scaloft_fi.sim.grid import Break, Find
 from scaloft_fi.sim.log import FAR_M, SAMPLE_HZ
 from scaloft_fi.study import KnownFinds, Study
 from scaloft_fi.verbs.seek import belief, place

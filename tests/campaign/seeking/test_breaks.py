@@ -22,7 +22,7 @@ from scaloft_fi.campaign.seeking.proposals import OPENING, Proposal, Proposals
 from scaloft_fi.campaign.seeking.seek import GENERATION
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import Outcome, Violation
-from scaloft_fi.sim.found import Break
+from scaloft_fi.sim.grid import Break
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 

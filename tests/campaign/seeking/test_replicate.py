@@ -12,7 +12,7 @@ from scaloft_fi.analysis.seeking import POOL, SEEDS
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.seeking.finds import BLOCK, FRESH, SeekReport, break_saver, holding, keep, replicate, saver
 from scaloft_fi.campaign.workers.local import Interrupted
-from scaloft_fi.sim.found import Find, read_finds
+from scaloft_fi.sim.grid import Find, read_finds
 from scaloft_fi.study import Study
 
 LATE, MORE = "LATE-human@3s", "MORE-goal@1m"

@@ -24,8 +24,7 @@ from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.sim.found import Find
-from scaloft_fi.sim.grid import load_grid
+from scaloft_fi.sim.grid import Find, load_grid
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.sim.mesh import View
-from scaloft_fi.sim.sensors.detector import Detector
+from scaloft_fi.sim.sensors.camera import Detector
 from scaloft_fi.sim.sensors.sensor import FlightSetting
 from scaloft_fi.stack.messages import Exposure
 

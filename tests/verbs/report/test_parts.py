@@ -28,8 +28,7 @@ from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, Subject
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
-from scaloft_fi.sim.found import Find
-from scaloft_fi.sim.grid import load_grid
+from scaloft_fi.sim.grid import Find, load_grid
 from scaloft_fi.study import KnownFinds, Study
 from scaloft_fi.verbs.report.analyses import (
     Evidence,
