@@ -210,7 +210,7 @@ from scaloft_fi.setup import Setup
 from pathlib import Path
 setup = Setup(Path(sys.argv[1]))
 from scaloft_fi.sim import flight
-from scaloft_fi.mutants import watch
+
 subject = {"None": None, "PLACEBO": PLACEBO}[sys.argv[2]]
 planned = Planned(subject, setup.grid.situations[0], 0)
 with flight.physics_server() as client:
