@@ -16,6 +16,7 @@ import experiments.published_kernels  # noqa: F401 - it must be imported before 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from statistics import mean
 
@@ -25,14 +26,14 @@ from experiments import ROOT
 from experiments.flights import GRIDS, Row, counted, outcomes, own_s, published, rows_of
 from experiments.pages import blocks, parser, registered, table
 from experiments.reference import call
-from scaloft_fi.analysis.detection import Spending
+from scaloft_fi.analysis.detection import Sample, Spending, adjusted, firmness, reaches
 from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.pool import Pool, State
-from scaloft_fi.analysis.score import MutantScore, Redraw, Score, mutant_score, redraw, score
+from scaloft_fi.analysis.score import MutantScore, Redraw, Score, mutant_score, redraw, sample, score
 from scaloft_fi.analysis.survivor import backgrounds
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.status import Rulings, rulings_of
+from scaloft_fi.judge.status import INVALID, Rulings, rulings_of
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.verdict import short_units, survivors
@@ -281,9 +282,40 @@ class Grid:
             if subject.id in counted
         }
 
+    @cached_property
+    def samples(self) -> Mapping[str, Sequence[Sample]]:
+        """The flights of each default mutant that count, by id: they are the same beside every pool."""
+        counted, rank = set(self.study.roster.defaults.values()), self.study.space.rank
+        valid = {
+            subject.id: {key: [one for one in flights[key] if one.ruling is not INVALID] for key in flights}
+            for subject, flights in self.rulings.mutants.items()
+            if subject.id in counted
+        }
+        return {
+            id_: [sample(key, flown[key]) for key in sorted(flown, key=rank) if flown[key]]
+            for id_, flown in valid.items()
+        }
+
     def detected(self, seeds: Collection[int]) -> frozenset[str]:
         """The mutants that are detected beside these seeds of the baseline."""
-        return frozenset(id_ for id_, score in self.scores(seeds).items() if score.detected)
+        pool = self.pool(seeds)
+        return frozenset(id_ for id_ in self.samples if self._detects(id_, pool))
+
+    def firm(self, seeds: Collection[int]) -> Mapping[str, bool]:
+        """Of each mutant that is detected beside these seeds of the baseline, whether it is firm."""
+        pool, spending = self.pool(seeds), Spending(self.study.alpha)
+        return {
+            id_: firmness(id_, samples, pool, spending, Kind.SAFETY).firm
+            for id_, samples in self.samples.items()
+            if self._detects(id_, pool)
+        }
+
+    def _detects(self, mutant: str, pool: Pool) -> bool:
+        """The verdict of `detect` alone, without what an undecided mutant would need, which no draw asks for."""
+        samples, names = self.samples[mutant], pool.requirements(Kind.SAFETY)
+        if not any(one.infected and pool.steady(one.situation, Kind.SAFETY) for one in samples):
+            return False
+        return reaches(min(adjusted(samples, pool, names).values()), self.study.alpha)
 
 
 def section(paper: Grid, wide: Grid, judging: Collection[str]) -> str:
@@ -335,13 +367,12 @@ def _splits(wide: Grid) -> Iterator[str]:
     for _ in range(SPLITS):
         order = draw.permutation(len(ALL)).tolist()
         other = wide.detected(order[10:])
-        for id_, one in wide.scores(order[:10], firm=True).items():
-            if one.detected:
-                again[one.firm][0] += id_ in other
-                again[one.firm][1] += 1
-    firm, rest = (f"{100 * part / whole:.1f} % of {whole}" for part, whole in (again[True], again[False]))
+        for id_, firm in wide.firm(order[:10]).items():
+            again[firm][0] += id_ in other
+            again[firm][1] += 1
+    steadfast, rest = (f"{100 * part / whole:.1f} % of {whole}" for part, whole in (again[True], again[False]))
     yield f"Over {SPLITS} random splits of the twenty seeds into tens, of the mutants that are firm beside one ten"
-    yield f"{firm} are detected beside the other, of those detected and not firm {rest}."
+    yield f"{steadfast} are detected beside the other, of those detected and not firm {rest}."
 
 
 def _named(wide: Grid) -> Iterator[str]:

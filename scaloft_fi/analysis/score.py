@@ -295,7 +295,7 @@ def mutant_score(
     """Score one mutant beside the pool; `firm`: whether a detected one is judged again without each seed."""
     valid = {key: [one for one in situations[key] if one.ruling is not INVALID] for key in situations}
     flown = {key: valid[key] for key in sorted(valid, key=space.rank) if valid[key]}
-    samples = [_sample(key, flights) for key, flights in flown.items()]
+    samples = [sample(key, flights) for key, flights in flown.items()]
     safety = detect(subject.id, samples, pool, spending, Kind.SAFETY)
     operability = detect(subject.id, samples, pool, spending, Kind.OPERABILITY)
     results = tuple(
@@ -321,7 +321,8 @@ def mutant_score(
     )
 
 
-def _sample(situation: str, flights: Sequence[Ruled]) -> Sample:
+def sample(situation: str, flights: Sequence[Ruled]) -> Sample:
+    """The flights of a mutant in a situation, all of which count."""
     infected = any(ruling.status.infected for ruling in {one.ruling for one in flights})
     violated, seeds = tuple([one.ruling.violated for one in flights]), tuple([one.seed for one in flights])
     return Sample(situation, violated, infected, seeds)
