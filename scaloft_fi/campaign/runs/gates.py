@@ -14,34 +14,15 @@ from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.campaign.flights.fly import CAN_FORK, Flyer
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import alone
+from scaloft_fi.campaign.store import platforms
 from scaloft_fi.campaign.store.held import counting_flights, flight_named
-from scaloft_fi.campaign.store.platforms import (
-    BITS,
-    FACTS,
-    Platforms,
-    claim,
-    differences,
-    fingerprint,
-    pair_of,
-    remember,
-)
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.campaign.workers.local import Executor, Workers
 from scaloft_fi.errors import GateError
 from scaloft_fi.hazop.matrix import cell_of
+from scaloft_fi.judge import status
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK_COLUMNS, Outcome, unpack_track
 from scaloft_fi.judge.requirement import Compliance, Kind
-from scaloft_fi.judge.status import (
-    Agreement,
-    Facts,
-    JudgedFlight,
-    Status,
-    agreement,
-    baselines_of,
-    digests,
-    facts_of,
-    flights_of,
-)
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import PACKAGE, Study
 
@@ -123,7 +104,7 @@ def check_gates(
         *_grounded(listed),
     ]
     if not part:
-        failed += [*_nothing_steady(listed), *_silent_controls(flights_of(listed), roster, canary, whole_grid)]
+        failed += [*_nothing_steady(listed), *_silent_controls(status.flights_of(listed), roster, canary, whole_grid)]
     if failed:
         raise GateError("gate failed: " + "; ".join(failed))
 
@@ -136,7 +117,7 @@ def _too_many_invalid(outcomes: Sequence[Outcome], most: float) -> Iterator[str]
 
 
 def _same_bits(outcomes: Sequence[Outcome], repeats: Sequence[Outcome]) -> Iterator[str]:
-    baselines, first = baselines_of(outcomes), {outcome.name: outcome for outcome in outcomes}
+    baselines, first = status.baselines_of(outcomes), {outcome.name: outcome for outcome in outcomes}
     placebos = (outcome for outcome in outcomes if outcome.mutant == PLACEBO_ID)
     for what, pairs in (
         ("PLACEBO differs from the baseline", [(one, baselines.get((one.situation, one.seed))) for one in placebos]),
@@ -145,7 +126,7 @@ def _same_bits(outcomes: Sequence[Outcome], repeats: Sequence[Outcome]) -> Itera
         names = [
             one.name
             for one, other in pairs
-            if other and not (one.invalid or other.invalid) and digests(one) != digests(other)
+            if other and not (one.invalid or other.invalid) and status.digests(one) != status.digests(other)
         ]
         if names:
             yield f"{what}: {_listed(names)}"
@@ -208,11 +189,11 @@ def _grounded(outcomes: Sequence[Outcome]) -> Iterator[str]:
 
 
 def _silent_controls(
-    flights: Iterable[JudgedFlight], roster: Roster, canary: str | None, whole_grid: bool
+    flights: Iterable[status.JudgedFlight], roster: Roster, canary: str | None, whole_grid: bool
 ) -> Iterator[str]:
-    by_control: dict[str, list[JudgedFlight]] = {}
+    by_control: dict[str, list[status.JudgedFlight]] = {}
     for flight in flights:
-        if cell_of(flight.outcome.mutant) in roster.controls and flight.status is not Status.INVALID:
+        if cell_of(flight.outcome.mutant) in roster.controls and flight.status is not status.Status.INVALID:
             by_control.setdefault(flight.outcome.mutant, []).append(flight)
     judged: Collection[str] = by_control if whole_grid else by_control.keys() & {canary}
     shows = {name for name in judged if any(one.revealed or one.operability_revealed for one in by_control[name])}
@@ -242,14 +223,14 @@ class KnownFlight:
 
     name: str
     digest: str
-    facts: Facts
+    facts: status.Facts
     platform: dict[str, str]
 
 
 def published() -> KnownFlight:
     """The known flight, from the data file of the package."""
     entry = json.loads(_PUBLISHED.read_text(encoding="utf-8"))
-    facts = Facts(entry["status"], entry["ending"], tuple(entry["violated"]))
+    facts = status.Facts(entry["status"], entry["ending"], tuple(entry["violated"]))
     return KnownFlight(entry["flight"], entry["digest"], facts, entry["platform"])
 
 
@@ -276,7 +257,10 @@ def fly_again(say: Callable[[str], None], flyer: Flyer | None = None) -> str:
     outcome = flyer(study, flight_named(study, mutant, situation, int(seed)))
     if outcome.digest == known.digest:
         return f"{known.name} has its published digest on this platform"
-    facts, changed = facts_of([outcome])[known.name], ", ".join(differences(fingerprint(), known.platform))
+    facts, changed = (
+        status.facts_of([outcome])[known.name],
+        ", ".join(platforms.differences(platforms.fingerprint(), known.platform)),
+    )
     where = f"it was published on another platform ({changed})" if changed else "it was published on this platform"
     told = f"{known.name} of the study in {study.folder} has the digest {outcome.digest[:12]}, not {known.digest[:12]}"
     if facts != known.facts:
@@ -313,7 +297,7 @@ def prove_platform(
     Raises:
         GateError: no flight of a sample could be flown.
     """
-    ours, known = fingerprint(), Platforms(store)
+    ours, known = platforms.fingerprint(), platforms.Platforms(store)
     if not known.own:
         store.set_meta(ours)
         return
@@ -322,18 +306,18 @@ def prove_platform(
     for theirs, stored in known.by_platform(counting_flights(study, store)):
         if known.equal(theirs, ours):
             continue
-        changed = ", ".join(differences(ours, theirs))
+        changed = ", ".join(platforms.differences(ours, theirs))
         if not study.stack.deterministic:
-            remember(store, BITS, theirs, ours)
+            platforms.remember(store, platforms.BITS, theirs, ours)
             say(
                 f"the platform has changed ({changed}); the stack is not deterministic, so no flight is flown again to "
                 f"compare: the {len(stored)} stored flights count"
             )
             continue
-        pairs = [pair_of(flight) for flight in stored]
-        if known.shown(FACTS, theirs, ours):
+        pairs = [platforms.pair_of(flight) for flight in stored]
+        if known.shown(platforms.FACTS, theirs, ours):
             if same_platform:
-                claim(store, pairs, ours)
+                platforms.claim(store, pairs, ours)
                 say(f"{len(stored)} flights of another platform ({changed}) have other digests: they do not count")
             continue
         sample = sample_of(stored, str(sorted(ours.items())))
@@ -342,12 +326,12 @@ def prove_platform(
         if stopped():
             return
         if not (compared.bits or compared.facts):
-            remember(store, BITS, theirs, ours)
+            platforms.remember(store, platforms.BITS, theirs, ours)
             say(
                 f"{len(compared.equal)} stored flights have the same digests on this platform: the stored flights count"
             )
         elif compared.facts or same_platform:
-            claim(store, pairs, ours)
+            platforms.claim(store, pairs, ours)
             differing = ", ".join((*compared.bits, *compared.facts))
             facts = f", and in more than bits: {compared.named()}" if compared.facts else ""
             say(
@@ -355,7 +339,7 @@ def prove_platform(
                 "earlier platform do not count any more; `run` flies the requested ones again"
             )
         else:
-            remember(store, FACTS, theirs, ours)
+            platforms.remember(store, platforms.FACTS, theirs, ours)
             say(
                 f"{len(compared.bits)} of {len(sample)} stored flights have other digests on this platform, and all "
                 "have the same status, ending and violations: the stored flights count, and where a situation and seed "
@@ -370,17 +354,17 @@ def sample_of(stored: Sequence[FlownFlight], name: str) -> list[FlownFlight]:
     """
     drawn = sorted(stored, key=lambda flight: sha256(f"{name}\n{flight.key}".encode()).digest())
     mutants = [flight for flight in drawn if flight.mutant != BASELINE]
-    tested = {pair_of(flight) for flight in mutants}
+    tested = {platforms.pair_of(flight) for flight in mutants}
     baselines = [flight for flight in drawn if flight.mutant == BASELINE]
-    baselines.sort(key=lambda flight: pair_of(flight) not in tested)
-    pairs = {pair_of(flight) for flight in baselines[:BASELINES]}
-    beside = [flight for flight in mutants if pair_of(flight) in pairs or not pairs]
+    baselines.sort(key=lambda flight: platforms.pair_of(flight) not in tested)
+    pairs = {platforms.pair_of(flight) for flight in baselines[:BASELINES]}
+    beside = [flight for flight in mutants if platforms.pair_of(flight) in pairs or not pairs]
     return [*baselines[:BASELINES], *beside[:MUTANTS]]
 
 
 def _again(
     study: Study, store: Store, workers: Workers, sample: Sequence[FlownFlight], stopped: Callable[[], bool]
-) -> Agreement:
+) -> status.Agreement:
     """Fly the sample again and compare it with the store.
 
     Raises:
@@ -393,4 +377,4 @@ def _again(
     if all(outcome.invalid for outcome in again) and not stopped():
         reasons = "; ".join(f"{outcome.name}: {outcome.invalid}" for outcome in again)
         raise GateError(f"gate failed: the platform has changed, and no stored flight could be flown again: {reasons}")
-    return agreement(first, again)
+    return status.agreement(first, again)

@@ -29,16 +29,7 @@ from scaloft_fi.campaign.plan import Plan, alone, canary_flight, infects, togeth
 from scaloft_fi.campaign.progress import Progress, Reporter
 from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.gates import RunOptions, prove_platform
-from scaloft_fi.campaign.store.archive import (
-    LOG_NAME,
-    STORE_NAME,
-    campaign_folder,
-    existing,
-    promising,
-    remember_grid,
-    with_grid,
-    writable,
-)
+from scaloft_fi.campaign.store import archive
 from scaloft_fi.campaign.store.held import Keys, counting_flights, current_in, flight_named
 from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim, fingerprint
 from scaloft_fi.campaign.store.store import Store, read_store
@@ -62,10 +53,10 @@ def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Ou
         InputError: there is no such campaign, it was flown on another platform, some of its baselines were flown with
             other data or code, or a situation has no baseline.
     """
-    folder = campaign_folder(study, campaign)
+    folder = archive.campaign_folder(study, campaign)
     place, keys = f"--baseline-from={campaign!r}", Keys(study)
-    with Store(existing(folder), create=False) as store:
-        theirs = with_grid(study, store).grid
+    with Store(archive.existing(folder), create=False) as store:
+        theirs = archive.with_grid(study, store).grid
         if theirs.name != study.grid.name:
             raise InputError(f"{place} was flown over grid {theirs.name!r}, not over grid {study.grid.name!r}")
         wanted = dict.fromkeys(situations)
@@ -325,7 +316,7 @@ class Run:
     repeats: list[Outcome] = field(default_factory=list)
 
     def __post_init__(self, progress: Progress) -> None:
-        log, warns = self.folder / LOG_NAME, self.options.warnings
+        log, warns = self.folder / archive.LOG_NAME, self.options.warnings
         self.reporter = Reporter(self.study, progress, log, share=self._shares, warnings=warns)
         self._keys, self._ours, self._platforms = Keys(self.study), fingerprint(), Platforms(self.store)
         self._planned, self._expected, self._claimed = Plan((), (), None), set[Situation](), set[Pair]()
@@ -502,18 +493,18 @@ def opened(
         GateError: the platform has changed, and none of the stored flights could be flown again on it.
         InputError: the folder or the store cannot be written, or the study cannot be flown.
     """
-    promising(folder)
+    archive.promising(folder)
     executor = options.executor or Local(options.jobs)
     stopped = Event()
     flies = flyer or (Commanded() if study.command else Physics())
     with executor.workers(study, flies, stop=stopped.is_set, say=progress.line) as workers:
-        with read_store(folder / STORE_NAME) as known:
+        with read_store(folder / archive.STORE_NAME) as known:
             keys = set(map(Keys(study).key, first))
             all_flown = known is not None and known.known(keys) == keys
         if not all_flown:
             workers.ready()  # may take half a minute in compilers, which poll no flag: a signal ends it at once
-        with interruptible(stopped), Store(writable(folder) / STORE_NAME, say=progress.line) as store:
-            remember_grid(store, study)
+        with interruptible(stopped), Store(archive.writable(folder) / archive.STORE_NAME, say=progress.line) as store:
+            archive.remember_grid(store, study)
             prove_platform(
                 study, store, workers, say=progress.line, stopped=stopped.is_set, same_platform=options.same_platform
             )
@@ -630,7 +621,7 @@ def write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    path = folder / LOG_NAME
+    path = folder / archive.LOG_NAME
     try:
         write_whole(path, f"{json_text(mission_log(outcomes, study.roster, study.space), indent=2)}\n".encode())
     except OSError as error:

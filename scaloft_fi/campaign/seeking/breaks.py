@@ -24,15 +24,7 @@ from scaloft_fi.campaign.pool import ProcessPool
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Run
-from scaloft_fi.campaign.seeking.finds import (
-    SEEN_ON,
-    Allowance,
-    SearchFlights,
-    SeekReport,
-    SpentError,
-    searching,
-    words_of,
-)
+from scaloft_fi.campaign.seeking import finds
 from scaloft_fi.campaign.seeking.proposals import OPENING, Proposal, Proposals, draws, flyable
 from scaloft_fi.campaign.seeking.seek import GENERATION
 from scaloft_fi.errors import ScaloftError
@@ -121,12 +113,12 @@ def seek_breaks(
     options: RunOptions | None = None,
     *,
     seed: int,
-    allowance: Allowance,
+    allowance: finds.Allowance,
     progress: Progress,
     save: Callable[[Sequence[Break]], None],
     flyer: Flyer | None = None,
     recall: Recall | None = None,
-) -> SeekReport:
+) -> finds.SeekReport:
     """Search for situations in which the unmutated drone violates a safety requirement, each in another way.
 
     Args:
@@ -150,14 +142,14 @@ def seek_breaks(
     proposals = {name: Proposals(study.grid, possible, seed, f"{BASELINE} {name}") for name in safety}
     drawn = draws(study.grid, seed, possible)
     first = list(islice(drawn, OPENING))
-    begun = [Flight(None, one.situation, SEEN_ON[0]) for one in first[:1]]
-    with searching(study, folder, options, progress=progress, flyer=flyer, first=begun) as campaign:
-        flights, spent = SearchFlights(campaign, allowance), False
+    begun = [Flight(None, one.situation, finds.SEEN_ON[0]) for one in first[:1]]
+    with finds.searching(study, folder, options, progress=progress, flyer=flyer, first=begun) as campaign:
+        flights, spent = finds.SearchFlights(campaign, allowance), False
         search = _Search(campaign, proposals, recall or recalled, seed, flights, save)
         try:
             search.begin(first)
             search.turns(drawn)
-        except SpentError:
+        except finds.SpentError:
             spent = True
         return search.report(spent=spent)
 
@@ -178,7 +170,7 @@ class _Search:
     proposals: Mapping[str, Proposals]
     recall: Recall
     seed: int
-    flights: SearchFlights
+    flights: finds.SearchFlights
     save: Callable[[Sequence[Break]], None]
     breaks: dict[Signature, Break] = field(default_factory=dict)
     rejected: set[tuple[Situation, Signature]] = field(default_factory=set)
@@ -215,10 +207,10 @@ class _Search:
                 self._generation(tuple(asked.values()))
             idle = idle + 1 if self.flights.used == before else 0
 
-    def report(self, *, spent: bool) -> SeekReport:
+    def report(self, *, spent: bool) -> finds.SeekReport:
         """What the search came to."""
         situations = next(iter(self.proposals.values())).situations  # each guide is told of all
-        return SeekReport(
+        return finds.SeekReport(
             breaks=tuple(self.breaks.values()),
             situations=len(situations),
             broken=sum(bool(self._violations(one)) for one in situations),
@@ -236,7 +228,7 @@ class _Search:
     def _generation(self, proposed: Sequence[Proposal]) -> None:
         """Fly situations, and pursue each violation that is new."""
         situations = [one.situation for one in proposed]
-        self.flights.fly(Flight(None, one, SEEN_ON[0]) for one in situations)
+        self.flights.fly(Flight(None, one, finds.SEEN_ON[0]) for one in situations)
         broken = [one for one in situations if self._violations(one)]
         self._look(broken)
         for situation in broken:
@@ -248,8 +240,8 @@ class _Search:
 
     def _distance(self, situation: Situation, requirement: str) -> float:
         """How far a flown situation is from breaking a requirement in a new way."""
-        if requirement not in self._violated(situation, SEEN_ON[0]):
-            return breaking(self._outcome(situation, SEEN_ON[0]), requirement)
+        if requirement not in self._violated(situation, finds.SEEN_ON[0]):
+            return breaking(self._outcome(situation, finds.SEEN_ON[0]), requirement)
         told = [breach.signature for breach in self._told(situation) if requirement in breach.requirements]
         return WORST if any(one in self.breaks for one in told) else REJECTED
 
@@ -277,10 +269,10 @@ class _Search:
 
         With `every` seed of the search all flights must violate the requirement; the first must have the signature.
         """
-        seeds = SEEN_ON if every else SEEN_ON[:1]
+        seeds = finds.SEEN_ON if every else finds.SEEN_ON[:1]
         self.flights.fly(Flight(None, one, seed) for one in asked for seed in seeds)
         near = [
-            self._strikes(one, SEEN_ON[0], signature)
+            self._strikes(one, finds.SEEN_ON[0], signature)
             and all(signature.requirement in self._violated(one, seed) for seed in seeds)
             for one in asked
         ]
@@ -288,7 +280,8 @@ class _Search:
             return near
         self._look([one for one, good in zip(asked, near, strict=True) if good])
         return [
-            good and self._breach(one, SEEN_ON[0], signature) is not None for one, good in zip(asked, near, strict=True)
+            good and self._breach(one, finds.SEEN_ON[0], signature) is not None
+            for one, good in zip(asked, near, strict=True)
         ]
 
     def _confirmed(self, situation: Situation, signature: Signature) -> Break | None:
@@ -312,7 +305,7 @@ class _Search:
         return Break(
             name=signature.name,
             situation=situation.key,
-            words=words_of(situation, self.campaign.study.grid),
+            words=finds.words_of(situation, self.campaign.study.grid),
             **asdict(signature),
             error=breach.error,
             unit=breach.unit,
@@ -325,7 +318,7 @@ class _Search:
             seed=self.seed,
         )
 
-    def _look(self, situations: Sequence[Situation], seeds: Sequence[int] = SEEN_ON[:1]) -> None:
+    def _look(self, situations: Sequence[Situation], seeds: Sequence[int] = finds.SEEN_ON[:1]) -> None:
         """Fly flights that violate a safety requirement again, to see what the drone believed.
 
         Raises:
@@ -348,7 +341,7 @@ class _Search:
                 self.told |= dict(pool.map(new))
         self.flights.raise_if_stopped()
 
-    def _told(self, situation: Situation, seed: int = SEEN_ON[0]) -> tuple[Breach, ...]:
+    def _told(self, situation: Situation, seed: int = finds.SEEN_ON[0]) -> tuple[Breach, ...]:
         return self.told.get(Flight(None, situation, seed).name, ())
 
     def _breach(self, situation: Situation, seed: int, signature: Signature) -> Breach | None:
@@ -358,7 +351,7 @@ class _Search:
     def _outcome(self, situation: Situation, seed: int) -> Outcome | None:
         return self.flights.outcome(Flight(None, situation, seed))
 
-    def _violations(self, situation: Situation, seed: int = SEEN_ON[0]) -> tuple[Violation, ...]:
+    def _violations(self, situation: Situation, seed: int = finds.SEEN_ON[0]) -> tuple[Violation, ...]:
         """How a flight violates the safety requirements."""
         outcome = self._outcome(situation, seed)
         violations = outcome.violations if outcome is not None else ()

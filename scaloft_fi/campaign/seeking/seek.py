@@ -16,17 +16,8 @@ from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scaloft_fi.analysis import seeking
 from scaloft_fi.analysis.pool import LEAST, Pool
-from scaloft_fi.analysis.seeking import (
-    REJECTED,
-    Effort,
-    confirmed,
-    does_mission,
-    safely_held,
-    seeds_for,
-    share_of,
-    shrunk,
-)
 from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
@@ -164,7 +155,7 @@ class Quest:
                 return [bool(flights.shown_by(self.mutant, one)) for one in asked]
             return [flights.distance(self.mutant, one) < 0.0 for one in asked]
 
-        for one in dict.fromkeys((shrunk(situation, grid, shows), situation) if self.shrinks else (situation,)):
+        for one in dict.fromkeys((seeking.shrunk(situation, grid, shows), situation) if self.shrinks else (situation,)):
             evidence = self.confirmation(one, flights, alpha)
             if evidence is not None:
                 return one, evidence
@@ -184,20 +175,20 @@ class Quest:
             return None
         self.rejected.add(situation)
         number = flights.candidate(self.mutant, situation)
-        share = share_of(alpha, number)
+        share = seeking.share_of(alpha, number)
         self.candidates += 1
         self.spent += share
         baselines = _flown(None, situation, LEAST, flights)
-        if not (flights.anyhow or does_mission(baselines)):
+        if not (flights.anyhow or seeking.does_mission(baselines)):
             return None
         pool = Pool.of(baselines)
-        steady = safely_held(pool, situation.key, names, baselines)
-        seeds = seeds_for(pool, situation.key, steady, share)
+        steady = seeking.safely_held(pool, situation.key, names, baselines)
+        seeds = seeking.seeds_for(pool, situation.key, steady, share)
         if seeds is None:
             return None
         if seeds > LEAST:
             baselines = _flown(None, situation, seeds, flights)
-        evidence = confirmed(_flown(self.mutant, situation, seeds, flights), baselines, steady, number, share)
+        evidence = seeking.confirmed(_flown(self.mutant, situation, seeds, flights), baselines, steady, number, share)
         if evidence is not None:
             self.shown_in, self.after = situation, flights.used
         return evidence
@@ -355,7 +346,7 @@ class _Search:
                 break
             found = quest.pursued(situation, self.flights, self._grid, self.campaign.study.alpha)
             if found is None:
-                distances[situation] = REJECTED
+                distances[situation] = seeking.REJECTED
             else:
                 self._note_all(quest, *found)
 
@@ -399,7 +390,7 @@ class _Search:
                 quest.after,
                 quest.candidates,
                 quest.spent,
-                efforts.get(quest.mutant.id, Effort()),
+                efforts.get(quest.mutant.id, seeking.Effort()),
             )
             for quest in self.quests
         )

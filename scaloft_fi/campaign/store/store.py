@@ -18,25 +18,7 @@ from sys import intern
 from threading import Timer
 from typing import Any, NamedTuple, TypeVar
 
-from scaloft_fi.campaign.store.record import (
-    COLUMNS,
-    FLIGHT,
-    KEY,
-    LABEL,
-    MOST_LINE,
-    TEXT,
-    BadCellError,
-    Cell,
-    Origin,
-    Planned,
-    Reader,
-    Record,
-    TooLargeError,
-    check_rows,
-    decoded,
-    most_flights,
-    to_row,
-)
+from scaloft_fi.campaign.store import record
 from scaloft_fi.errors import InputError, shown
 from scaloft_fi.judge.outcome import Outcome
 
@@ -48,7 +30,7 @@ CHUNK = 2000
 """Number of rows that are read at once; their columns are processed together and fit the processor's cache."""
 SCHEMA = 6
 """Version of the tables; a store of another version is refused."""
-_TYPES = {name: cell.sql for name, cell in COLUMNS.items()}
+_TYPES = {name: cell.sql for name, cell in record.COLUMNS.items()}
 _TABLES = (
     "CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID",
     "CREATE TABLE origins (id INTEGER PRIMARY KEY, parts TEXT NOT NULL UNIQUE)",
@@ -105,9 +87,10 @@ def _entries(connection: sqlite3.Connection) -> frozenset[tuple[str, ...]]:
 
 
 _INSERT = f"""
-INSERT INTO outcomes (key, origin, track, {", ".join(COLUMNS)})
-VALUES (:key, (SELECT origin FROM plan WHERE key = :key), :track, {", ".join(f":{name}" for name in COLUMNS)})
-ON CONFLICT (key) DO UPDATE SET track = excluded.track, {", ".join(f"{name} = excluded.{name}" for name in COLUMNS)}
+INSERT INTO outcomes (key, origin, track, {", ".join(record.COLUMNS)})
+VALUES (:key, (SELECT origin FROM plan WHERE key = :key), :track, {", ".join(f":{name}" for name in record.COLUMNS)})
+ON CONFLICT (key) DO UPDATE
+SET track = excluded.track, {", ".join(f"{name} = excluded.{name}" for name in record.COLUMNS)}
 WHERE outcomes.invalid != '' AND outcomes.invalid != excluded.invalid
 """
 
@@ -198,7 +181,7 @@ def sentences(path: Path, kept: Callable[[], str] = lambda: "") -> Iterator[None
     """
     try:
         yield
-    except (BadCellError, TooLargeError) as error:
+    except (record.BadCellError, record.TooLargeError) as error:
         raise InputError(f"{path}: {error}") from error
     except sqlite3.Error as error:
         code = getattr(error, "sqlite_errorname", "") or ""
@@ -338,7 +321,7 @@ Stands = Callable[[FlownFlight], bool]
 
 Called once for each mutant, situation and origin, and for each flight without an origin.
 """
-_COLUMNS = (*COLUMNS, "key", "origin")
+_COLUMNS = (*record.COLUMNS, "key", "origin")
 _flown = itemgetter(*map(_COLUMNS.index, FlownFlight._fields))
 _place = itemgetter(*map(_COLUMNS.index, ("mutant", "situation", "origin")))
 _FLIGHTS = f"SELECT {', '.join(FlownFlight._fields)} FROM outcomes ORDER BY mutant, situation, seed, key"
@@ -498,7 +481,7 @@ class Store:
             track = sha256(outcome.track).digest(), outcome.track
             self._connection.execute("INSERT INTO tracks (sha256, track) VALUES (?, ?) ON CONFLICT DO NOTHING", track)
             (number,) = self._connection.execute("SELECT id FROM tracks WHERE sha256 = ?", track[:1]).fetchone()
-        row = {"key": key, "track": number, **dict(zip(COLUMNS, to_row(outcome), strict=True))}
+        row = {"key": key, "track": number, **dict(zip(record.COLUMNS, record.to_row(outcome), strict=True))}
         return max(0, self._connection.execute(_INSERT, row).rowcount)
 
     def get(self, key: str) -> Outcome | None:
@@ -507,7 +490,7 @@ class Store:
 
     def rows(self, keys: Iterable[str] | None = None) -> Iterator[tuple[str, Outcome]]:
         """Yield every outcome, or those with `keys`, with key and track, ordered by key."""
-        read, track = Reader(), "(SELECT tracks.track FROM tracks WHERE tracks.id = outcomes.track)"
+        read, track = record.Reader(), "(SELECT tracks.track FROM tracks WHERE tracks.id = outcomes.track)"
         query = f"SELECT {', '.join(_COLUMNS)}, {track} FROM outcomes WHERE key = ?"
         for key in sorted(keys if keys is not None else (flight.key for flight in self.flights())):
             with self._sentences():
@@ -515,7 +498,7 @@ class Store:
                 if row is None:
                     continue
                 if not isinstance(row[-1], bytes | None):
-                    raise BadCellError("track", "a packed track", f"table outcomes, key {shown(key)}", row[-1])
+                    raise record.BadCellError("track", "a packed track", f"table outcomes, key {shown(key)}", row[-1])
                 (outcome,) = read([row], [row[-1] or b""])
             yield key, outcome
 
@@ -535,25 +518,25 @@ class Store:
         with self._sentences():
             return [
                 FlownFlight(*row)
-                for rows in self._chunks("outcomes", _ONE_EACH if one_each else _FLIGHTS, FLIGHT)
+                for rows in self._chunks("outcomes", _ONE_EACH if one_each else _FLIGHTS, record.FLIGHT)
                 for row in rows
             ]
 
-    def _chunks(self, table: str, query: str, cells: Mapping[str, Cell]) -> Iterator[list[tuple[Any, ...]]]:
+    def _chunks(self, table: str, query: str, cells: Mapping[str, record.Cell]) -> Iterator[list[tuple[Any, ...]]]:
         """The rows of a query on a table, in which every row of the table occurs once at most.
 
         Raises:
             BadCellError: a cell has a value that its table does not have.
             TooLargeError: there are more rows than `most_flights`.
         """
-        read, most = 0, most_flights()
+        read, most = 0, record.most_flights()
         # a query that is left open, as when a row of it cannot be read, keeps the file open after the connection
         with closing(self._connection.execute(query)) as cursor:
             while rows := cursor.fetchmany(CHUNK):
                 read += len(rows)
                 if read > most:
-                    raise TooLargeError(table)
-                check_rows(table, rows, cells)
+                    raise record.TooLargeError(table)
+                record.check_rows(table, rows, cells)
                 yield rows
 
     def outcomes(self, keys: Iterable[str] | None = None) -> Iterator[Outcome]:
@@ -563,17 +546,17 @@ class Store:
     def keyed(self, keys: Iterable[str] | None = None) -> list[tuple[str, Outcome]]:
         """All outcomes, or those with `keys`, each with its key, in the order of `outcomes`."""
         wanted = None if keys is None else set(keys)
-        return self._selected(None if wanted is None else lambda row: row[KEY] in wanted)
+        return self._selected(None if wanted is None else lambda row: row[record.KEY] in wanted)
 
     def standing(self, stands: Stands) -> tuple[Outcome, ...]:
         """The outcomes of the current flights, without their tracks, ordered by mutant, situation, seed."""
         answers: dict[tuple[Any, ...], bool] = {}
 
-        def keep(row: Record) -> bool:
+        def keep(row: record.Record) -> bool:
             answer = answers.get(place := _place(row))
             if answer is None:
                 flight = FlownFlight(*_flown(row))
-                check_rows("outcomes", [flight], FLIGHT)
+                record.check_rows("outcomes", [flight], record.FLIGHT)
                 answer = stands(flight)
                 if flight.origin is not None:
                     answers[place] = answer
@@ -581,9 +564,9 @@ class Store:
 
         return tuple(outcome for _, outcome in self._selected(keep))
 
-    def _selected(self, keep: Callable[[Record], bool] | None) -> list[tuple[str, Outcome]]:
+    def _selected(self, keep: Callable[[record.Record], bool] | None) -> list[tuple[str, Outcome]]:
         """The outcomes of the rows that `keep` keeps, or of all, each with its key: by mutant, situation, seed, key."""
-        read = Reader()
+        read = record.Reader()
         places = defaultdict[tuple[str, str], list[tuple[int, str, Outcome]]](list)
         # sorting here is faster than reading the rows in the order of an index
         with self._sentences():
@@ -592,7 +575,7 @@ class Store:
                 for rows in self._chunks("outcomes", f"SELECT {', '.join(_COLUMNS)} FROM outcomes", {}):
                     kept = list(filter(keep, rows)) if keep else rows
                     for outcome, row in zip(read(kept), kept, strict=True):
-                        places[outcome.subject.id, outcome.situation].append((outcome.seed, row[KEY], outcome))
+                        places[outcome.subject.id, outcome.situation].append((outcome.seed, row[record.KEY], outcome))
             except (sqlite3.DataError, sqlite3.OperationalError) as error:
                 raise self._located() or error from error
             finally:
@@ -600,7 +583,7 @@ class Store:
         # keys are distinct
         return [(key, one) for place in sorted(places) for _, key, one in sorted(places[place])]
 
-    def _located(self) -> BadCellError | None:
+    def _located(self) -> record.BadCellError | None:
         """The first cell of an outcome that SQLite cannot give, because it is too large or no UTF-8."""
         for rows in self._chunks("outcomes", "SELECT id FROM outcomes", {}):
             for (number,) in rows:
@@ -609,17 +592,17 @@ class Store:
                         self._connection.execute(f"SELECT {column} FROM outcomes WHERE id = ?", (number,)).fetchone()
                     except (sqlite3.DataError, sqlite3.OperationalError):
                         allowed = f"UTF-8 text of at most {MOST_CELL_BYTES} bytes"
-                        return BadCellError(column, allowed, f"table outcomes, id {number}")
+                        return record.BadCellError(column, allowed, f"table outcomes, id {number}")
         return None
 
-    def plan(self, flights: Iterable[Planned]) -> None:
+    def plan(self, flights: Iterable[record.Planned]) -> None:
         """Record planned flights in one transaction; earlier records stay.
 
         Raises:
             InputError: the store cannot be written.
         """
         with self.transaction():
-            origins: dict[Origin | None, int | None] = {None: None}
+            origins: dict[record.Origin | None, int | None] = {None: None}
             for flight in flights:
                 if flight.origin is not None and flight.origin not in origins:
                     origins[flight.origin] = self.origin(flight.origin)
@@ -630,38 +613,38 @@ class Store:
                     (*flight[:5], origins[flight.origin]),
                 )
             (number,) = self._connection.execute("SELECT count(*) FROM plan").fetchone()
-            if number > most_flights():
-                raise TooLargeError("plan")
+            if number > record.most_flights():
+                raise record.TooLargeError("plan")
 
-    def origin(self, origin: Origin) -> int:
+    def origin(self, origin: record.Origin) -> int:
         """The number of an origin inside the caller's transaction; flights with equal origins share one row."""
         parts = json.dumps(origin._asdict())
         self._connection.execute("INSERT INTO origins (parts) VALUES (?) ON CONFLICT (parts) DO NOTHING", (parts,))
         return int(self._connection.execute("SELECT id FROM origins WHERE parts = ?", (parts,)).fetchone()[0])
 
-    def origins(self) -> dict[int, Origin]:
+    def origins(self) -> dict[int, record.Origin]:
         """The origins of all recorded flights by number."""
-        found: dict[int, Origin] = {}
+        found: dict[int, record.Origin] = {}
         with self._sentences():
             for rows in self._chunks("origins", "SELECT id, parts FROM origins", {}):
                 for number, parts in rows:
                     try:
-                        if len(parts) > MOST_LINE:
+                        if len(parts) > record.MOST_LINE:
                             raise ValueError("too long")
-                        found[number] = Origin(**decoded(parts))
+                        found[number] = record.Origin(**record.decoded(parts))
                         "".join(found[number])
                     except (TypeError, ValueError) as error:
-                        allowed = f"a JSON object with the texts {', '.join(Origin._fields)}"
-                        raise BadCellError("parts", allowed, f"table origins, id {number}", parts) from error
+                        allowed = f"a JSON object with the texts {', '.join(record.Origin._fields)}"
+                        raise record.BadCellError("parts", allowed, f"table origins, id {number}", parts) from error
         return found
 
-    def planned(self) -> list[Planned]:
+    def planned(self) -> list[record.Planned]:
         """All recorded plans, ordered by key."""
         known, query = self.origins(), "SELECT key, mutant, situation, seed, canary, origin FROM plan ORDER BY key"
         with self._sentences():
             return [
-                Planned(key, intern(mutant), intern(situation), seed, bool(canary), known.get(origin))
-                for rows in self._chunks("plan", query, FLIGHT)
+                record.Planned(key, intern(mutant), intern(situation), seed, bool(canary), known.get(origin))
+                for rows in self._chunks("plan", query, record.FLIGHT)
                 for key, mutant, situation, seed, canary, origin in rows
             ]
 
@@ -711,7 +694,7 @@ class Store:
         for name, text in self.notes().items():
             if name.startswith(f"{prefix} "):
                 try:
-                    found.append(read(decoded(text)))
+                    found.append(read(record.decoded(text)))
                 except (ValueError, TypeError, KeyError, OverflowError) as error:
                     row = f"table meta, name {shown(NOTE + name)}"
                     raise InputError(f"{self.path}: {row}: value={shown(text)} must be a record of `run`") from error
@@ -720,7 +703,11 @@ class Store:
     def _facts(self) -> list[tuple[str, str]]:
         query = "SELECT name, value FROM meta ORDER BY name"
         with self._sentences():
-            return [row for rows in self._chunks("meta", query, {"name": LABEL, "value": TEXT}) for row in rows]
+            return [
+                row
+                for rows in self._chunks("meta", query, {"name": record.LABEL, "value": record.TEXT})
+                for row in rows
+            ]
 
 
 def _flights(number: int) -> str:
