@@ -49,7 +49,7 @@ READERS = {
     "stack/kernel.py": "source files of the kernels",
     "campaign/store/platforms.py": "/proc/cpuinfo",
     "verbs/report/page.py": "files of this package",
-    "campaign/flights/physics.py": "the null device",
+    "sim/build.py": "the null device",
     "campaign/runs/gates.py": "files of this package",
     "campaign/store/store.py": "the file of the store, to watch it",
     "console.py": "the standard streams",

@@ -53,7 +53,7 @@ def move(monkeypatch: pytest.MonkeyPatch) -> Move:
     """Gives this process a platform that differs in the version of numpy."""
 
     def to(numpy: str) -> None:
-        for module in ("runs.gates", "runs.run", "store.platforms"):
+        for module in ("runs.run", "store.platforms"):
             monkeypatch.setattr(f"scaloft_fi.campaign.{module}.fingerprint", lambda: {"numpy": numpy})
 
     to("1")
@@ -409,7 +409,7 @@ class Recorded(Whole):
 
 def _fly(monkeypatch: pytest.MonkeyPatch, platform: dict[str, str], **changes: Any) -> str:
     known = published()
-    monkeypatch.setattr("scaloft_fi.campaign.runs.gates.fingerprint", lambda: platform)
+    monkeypatch.setattr("scaloft_fi.campaign.store.platforms.fingerprint", lambda: platform)
     study = packaged_study()
     mutant, situation, seed = known.name.split("/")
     assert mutant == "baseline"
