@@ -12,6 +12,8 @@ from shown_commands import GUIDES, update
 from studies import copied
 
 BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+OFTEN = {"stack", "operator"}
+"""The guides that every run follows; a release follows all."""
 EXAMPLES = """
 from scaloft_fi.api import check_operator, operators_of
 assert operators_of("clip") == ("clip", "fade")
@@ -46,7 +48,9 @@ def _follow(guide: str, tmp_path: Path, study: Path) -> tuple[Path, list[str]]:
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize("guide", GUIDES)
+@pytest.mark.parametrize(
+    "guide", [pytest.param(one, marks=[pytest.mark.release] * (one not in OFTEN)) for one in GUIDES]
+)
 def test_its_commands_run(guide: str, tmp_path: Path, study: Path) -> None:
     site, commands = _follow(guide, tmp_path, study)
     assert commands

@@ -202,7 +202,7 @@ def _interrupted(words: list[str], after: bytes, wait_s: float) -> tuple[int, st
 
 @pytest.mark.flight
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
-@pytest.mark.parametrize("wait_s", [0.0, 1.3])
+@pytest.mark.parametrize("wait_s", [pytest.param(0.0, marks=pytest.mark.release), 1.3])
 def test_ctrl_c_while_two_workers_fly_saves_what_was_flown_in_one_sentence(wait_s: float, tmp_path: Path) -> None:
     words = ["run", "--mutant", "LATE-human", "--situation", "T0O0*", "--jobs", "2", "--campaign", f"{tmp_path}/c"]
     code, shown, left = _interrupted(words, b" flights  ", wait_s)

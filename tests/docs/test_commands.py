@@ -21,6 +21,8 @@ WHOLE = {"tutorial.md"}
 """The page that `tests/docs/test_tutorial.py` follows from its first command to its last."""
 PAGES = ("axis.md", "ci.md", "hazop_workshop.md", "judge.md")
 """The pages whose commands are run here, in their order, each in the reference study without its further grids."""
+FLY = {"axis.md", "judge.md"}
+"""Those that fly for more than some seconds: before a release."""
 BLOCK = re.compile(r"^```yaml (file|update)=(\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LONG = "it flies for minutes to hours"
 ELSEWHERE = {
@@ -81,7 +83,7 @@ def _of(page: str) -> Mapping[str, str]:
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize("page", [pytest.param(page, marks=[pytest.mark.release] * (page in FLY)) for page in PAGES])
 def test_its_commands_print_what_it_shows(page: str, tmp_path: Path) -> None:
     copied(tmp_path, "grids", "found.yaml")
     for how, name, text in BLOCK.findall((ROOT / "docs" / page).read_text()):

@@ -27,6 +27,7 @@ PAGE = ROOT / "docs" / "api.md"
 
 
 @pytest.mark.flight
+@pytest.mark.release
 def test_every_example_of_the_page_gives_what_the_page_shows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     text = re.sub(r"^```.*$", "", PAGE.read_text(), flags=re.MULTILINE)  # else the end of a block is expected output

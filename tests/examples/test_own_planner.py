@@ -35,6 +35,7 @@ def study(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.release
 def test_the_catalogue_of_the_reference_study_serves_it(site: Path, study: Path) -> None:
     done = call(site, "-m", "scaloft_fi", "mutants", "--check", "--study", study, cwd=study)
     assert done.returncode == 0, done.stderr

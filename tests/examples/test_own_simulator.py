@@ -34,8 +34,8 @@ SITUATIONS = ("T0O0W0D0H0", "T0O0W0D0H1", "T1O0W0D1H0", "T1O1W1D0H1")
 EVERY = [f"{mutant}/{situation}/0" for mutant in MUTANTS for situation in SITUATIONS]
 """Every kind of flight: nothing violated, a person passed too fast, a contact, one not landed."""
 FLOWN = {
-    "study": usually(["baseline/T1O0W0D1H0/0", "LATE-human@3s/T0O0W0D0H1/0"], release=EVERY),
-    "study_bag": usually(["PLACEBO/T0O0W0D0H1/0", "REVERSE-velcmd/T0O0W0D0H0/0"], release=EVERY),
+    "study": usually(["LATE-human@3s/T0O0W0D0H1/0"], release=EVERY),
+    "study_bag": usually(["REVERSE-velcmd/T0O0W0D0H0/0"], release=EVERY),
 }
 """What each study flies; before a release, the 20 flights of which `docs/own_simulator.md` tells."""
 FEW_SEEDS = ["--baseline-seeds", "1"]

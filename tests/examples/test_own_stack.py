@@ -83,6 +83,7 @@ def test_it_keeps_its_contract(site: Path, study: Path) -> None:
     assert "it keeps its contract" in done.stdout, done.stdout + done.stderr
 
 
+@pytest.mark.release
 @pytest.mark.flight
 def test_a_run_scores_it_and_its_control_shows_itself(campaign: subprocess.CompletedProcess[str]) -> None:
     assert campaign.returncode == 0, campaign.stderr
@@ -127,6 +128,7 @@ def told(site: Path, study: Path, campaign: subprocess.CompletedProcess[str]) ->
     return {" ".join(words): said for words, said in zip(VERBS, called(site, *VERBS, cwd=study), strict=True)}
 
 
+@pytest.mark.release
 @pytest.mark.flight
 def test_every_verb_runs_without_the_reference_stack(told: dict[str, tuple[int, str]], study: Path) -> None:
     assert {words: said for words, said in told.items() if said[0] != 0} == {}

@@ -170,6 +170,7 @@ def outside(planner: Study) -> dict[str, Outcome]:
     return {"": flights[0]} | {subject: flown(planner, subject) for subject in ("LATE-human@3s", PLACEBO.id)}
 
 
+@pytest.mark.release
 @pytest.mark.flight
 def test_a_planner_outside_flies_bit_for_bit_as_the_same_planner_inside(
     make_study: Callable[..., None], outside: dict[str, Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -202,7 +203,10 @@ def test_placebo_outside_flies_as_the_baseline_and_a_late_person_is_shown(outsid
     [
         ("print('no route'); sys.exit(3)", "faulty.py ended with code 3; its last lines: ready / no route"),
         ("import os; os.kill(os.getpid(), 11)", "faulty.py was ended by SIGSEGV; its last lines: ready"),
-        ("time.sleep(60)", "no answer on /cmd_vel for 5 ticks in a row, for 0.02 s each; its last lines: ready"),
+        pytest.param(
+            *("time.sleep(60)", "no answer on /cmd_vel for 5 ticks in a row, for 0.02 s each; its last lines: ready"),
+            marks=pytest.mark.release,
+        ),
         ("order['turn_radps'] = float('nan')", "NaN is no number of JSON"),
         ("order['velocity'] = 'fast'", "/cmd_vel: data.velocity must be a list of 3 numbers"),
         (

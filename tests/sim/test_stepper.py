@@ -142,6 +142,7 @@ print(sum(loop.stats.cache_hits.values()), sum(loop.stats.cache_misses.values())
 """
 
 
+@pytest.mark.release
 def test_the_machine_code_of_a_loop_with_another_stacks_kernel_is_kept_for_the_next_process(tmp_path):
     script = tmp_path / "kernel_of_another.py"
     script.write_text(CACHED)

@@ -360,6 +360,7 @@ def _saved(store: Path) -> int:
         return 0
 
 
+@pytest.mark.release
 @pytest.mark.flight
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs bash")
 def test_a_run_without_streams_in_a_campaign_of_an_odd_name_loses_no_flight(tmp_path: Path) -> None:

@@ -183,6 +183,7 @@ def test_two_packages_can_be_installed_together(plugin: Path, tmp_path: Path) ->
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.release
 @pytest.mark.flight
 def test_the_tests_of_the_package_pass(site: Path, plugin: Path) -> None:
     done = call(site, "-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=plugin)

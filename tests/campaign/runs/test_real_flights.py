@@ -74,6 +74,7 @@ def test_a_replay_is_bit_for_bit_the_campaigns_flight_and_draws_it(campaign: Pat
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.release
 def test_a_replay_of_a_drawn_number_is_bit_for_bit_the_campaigns_flight(tmp_path: Path) -> None:
     study = tmp_path / "study"
     for name in ("hazop", "mutants", "sim"):
@@ -168,6 +169,7 @@ def one_process(tmp_path_factory: pytest.TempPathFactory) -> str:
     return _flown(tmp_path_factory.mktemp("one") / "c", "--jobs", "1")
 
 
+@pytest.mark.release
 def test_two_processes(one_process: str, tmp_path: Path) -> None:
     assert _flown(tmp_path / "c", "--jobs", "2") == one_process
 
@@ -261,6 +263,7 @@ RAISES = f"the stack raises without any fault: {BASELINE} (autopilot at 0.000 s:
 STANDS = f"the drone never leaves the ground without any fault: {BASELINE}"
 
 
+@pytest.mark.release
 @pytest.mark.parametrize(
     ("stack", "sentences"),
     [pytest.param("raising", [RAISES, STANDS], marks=pytest.mark.release), ("standing", [STANDS])],

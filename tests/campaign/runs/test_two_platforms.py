@@ -43,6 +43,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.release
 def test_a_run_on_another_platform_keeps_the_facts_and_flies_a_pair_that_grows_on_one_platform(
     campaign: Path, tmp_path: Path
 ) -> None:
@@ -64,6 +65,7 @@ def test_a_run_on_another_platform_keeps_the_facts_and_flies_a_pair_that_grows_o
     assert (code, "--same-platform allows equal digests only" in said) == (4, True)
 
 
+@pytest.mark.release
 def test_a_replay_on_another_platform_names_both_and_compares_the_facts(campaign: Path) -> None:
     code, said = _call("HASWELL", "replay", NAME, "--campaign", campaign)
     assert code == 0, said

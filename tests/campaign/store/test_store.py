@@ -259,6 +259,7 @@ def _open(path: Path, barrier: Any, said: Any) -> None:
         said.put(str(error))
 
 
+@pytest.mark.release
 def test_processes_that_begin_one_store_at_once_wait_for_each_other(tmp_path: Path) -> None:
     context = multiprocessing.get_context("fork")
     for number in range(20):

@@ -136,6 +136,7 @@ def test_another_platform_is_said(
     assert "PDP-11" in said[0]
 
 
+@pytest.mark.release
 def test_a_worker_with_other_code_flies_nothing_while_others_do(
     dask: Any, reference: Study, flyer: Any, tmp_path: Path
 ) -> None:
@@ -154,6 +155,7 @@ def test_a_worker_with_other_code_flies_nothing_while_others_do(
     assert ["has other code" in line for line in said] == [True]
 
 
+@pytest.mark.release
 def test_a_flight_over_which_every_worker_dies_is_invalid_with_the_reason(
     dask: Any, reference: Study, flyer: Any
 ) -> None:
@@ -167,6 +169,7 @@ def test_a_flight_over_which_every_worker_dies_is_invalid_with_the_reason(
     assert reasons == {deadly: "its worker process died with its Dask worker every time"}
 
 
+@pytest.mark.release
 def test_a_run_waits_for_workers_and_takes_those_that_join(dask: Any, reference: Study, flyer: Any) -> None:
     address = dask.scheduler()
     said: list[str] = []
@@ -182,6 +185,7 @@ def test_a_run_waits_for_workers_and_takes_those_that_join(dask: Any, reference:
     assert said[0].startswith("waiting for workers")
 
 
+@pytest.mark.release
 @pytest.mark.parametrize("until_the_client_gives_up_s", [0.0, 5.0])
 def test_a_scheduler_that_ends_interrupts_the_run(
     dask: Any,

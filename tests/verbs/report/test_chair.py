@@ -223,8 +223,8 @@ def test_on_a_narrow_screen_a_value_says_what_it_is(visit: Opened) -> None:
     [
         ("", {}),
         pytest.param("", {"color_scheme": "dark"}, marks=pytest.mark.release),
-        ("", {"viewport": {"width": 390, "height": 844}}),
-        (FLIGHT, {}),
+        pytest.param("", {"viewport": {"width": 390, "height": 844}}, marks=pytest.mark.release),
+        pytest.param(FLIGHT, {}, marks=pytest.mark.release),
     ],
     ids=["light", "dark", "390 px", "an open flight"],
 )
