@@ -69,15 +69,23 @@ def read_bytes(path: Path, most_bytes: int = FILE_BYTES) -> bytes:
     return content
 
 
-def read_text(path: Path, most_bytes: int = DOCUMENT_BYTES) -> str:
+def read_text(path: Path, most_bytes: int = DOCUMENT_BYTES, *, other: str = "") -> str:
     """The content of a text file.
+
+    Args:
+        path: the file.
+        most_bytes: how large it may be.
+        other: encoding of a content that is not UTF-8; "" = there is none.
 
     Raises:
         UnreadableError: as `read_bytes`, or the content is not UTF-8.
     """
+    content = read_bytes(path, most_bytes)
     try:
-        return read_bytes(path, most_bytes).decode("utf-8")
+        return content.decode("utf-8")
     except UnicodeDecodeError as error:
+        if other:
+            return content.decode(other)
         raise UnreadableError(path, "not UTF-8 text") from error
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.document import is_there, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.bounds import check_caps, within_caps
-from scaloft_fi.judge.requirement import Requirement, load_requirements
+from scaloft_fi.judge.requirement import Check, Requirement, load_requirements
 from scaloft_fi.judge.space import Realisation, Space
 from scaloft_fi.judge.stl import Formula, FormulaError
 from scaloft_fi.registry import in_one_line
@@ -89,7 +89,7 @@ class Setup:
         """
         grid = load_grid(self.folder / "sim", self.grid_name)
         caps = self._caps(grid)
-        for axis in grid.axes:
+        for axis in grid.axes if self.command is None else ():
             for value in (*axis.values, *axis.extremes):
                 try:
                     check_caps(value.realised, caps)
@@ -119,9 +119,17 @@ class Setup:
 
     @cached_property
     def requirements(self) -> tuple[Requirement, ...]:
-        """The requirements."""
-        path = self.folder / "sim" / "requirements.yaml"
-        return load_requirements(path, self.signals, within_caps(Formula.parse, self.caps))
+        """The requirements; a simulator that a command starts has no caps of ours."""
+        if self.command is not None:
+            return self.requirements_over(())
+        return self._requirements(self.signals, within_caps(Formula.parse, self.caps))
+
+    def requirements_over(self, recorded: Iterable[str]) -> tuple[Requirement, ...]:
+        """The requirements, over any signal that is `recorded` besides; what a record measures has no caps of ours."""
+        return self._requirements(tuple(dict.fromkeys((*self.signals, *recorded))), Formula.parse)
+
+    def _requirements(self, signals: Sequence[str], check: Check) -> tuple[Requirement, ...]:
+        return load_requirements(self.folder / "sim" / "requirements.yaml", signals, check)
 
     @cached_property
     def space(self) -> Space:

@@ -21,7 +21,7 @@ from scaloft_fi.document import Item, is_file, is_there, load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.load import SHEETS
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.judge.bounds import ANY, Ranges, ranges_of, within_rock, without
+from scaloft_fi.judge.bounds import ANY, Ranges, cap_of, ranges_of, within_rock, without
 from scaloft_fi.judge.space import MOST_LISTED, Space
 from scaloft_fi.judge.stl import FormulaError
 from scaloft_fi.model import value_of
@@ -257,7 +257,8 @@ def known_signals(study: Study, stack: Declaration | None, world: World | None) 
     optional = {name: SIGNALS[name].most for name in world.signals if math.isfinite(SIGNALS[name].most)}
     ranges = dict(ranges_of(world, stack.beliefs, ours))
     if study.command is not None:
-        return KnownSignals({**dict.fromkeys(_recorded(study), ANY), **ranges}, {**stack.caps, **optional})
+        measured = {name: ANY if cap_of(name, stack.caps) else spans for name, spans in ranges.items()}
+        return KnownSignals({**dict.fromkeys(_recorded(study), ANY), **measured}, None)
     return KnownSignals(ranges | dict(without(world)) | dict(_rock(study, world)), {**stack.caps, **optional})
 
 

@@ -34,16 +34,16 @@ class KnownSignals:
 
     Attributes:
         ranges: what each can read, by name.
-        caps: the cap of each belief and optional signal that has one.
+        caps: the cap of each belief and optional signal that has one; None = not even the simulator's signals have any.
     """
 
     ranges: Ranges
-    caps: Mapping[str, float] = field(default_factory=dict)
+    caps: Mapping[str, float] | None = field(default_factory=dict)
 
     @property
     def check(self) -> Check:
         """The check of a formula: thresholds within caps, and the grammar."""
-        return within_caps(Formula.parse, self.caps)
+        return Formula.parse if self.caps is None else within_caps(Formula.parse, self.caps)
 
 
 KEYS = ("definitions", "requirements")

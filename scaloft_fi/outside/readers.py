@@ -1,4 +1,4 @@
-"""Readers of records, one for each kind: CSV, ULog of PX4, MCAP, and the bags of ROS."""
+"""Readers of records, one for each kind: CSV, ULog of PX4, MCAP, bags of ROS, logs of ArduPilot and MAVLink."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import io
 import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import islice
@@ -213,6 +213,8 @@ def _library(path: Path, name: str, needs: str) -> Any:
 
 TABLE_BYTES = 256 << 20
 """Largest table."""
+SEPARATORS = ",;\t|"
+"""What may stand between the cells of a table: the one that its first line has most often."""
 
 
 def read_table(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Mapping[MappedSignal, Series]:
@@ -264,7 +266,11 @@ def names_in_table(path: Path) -> Sequence[str]:
 
 def _opened(path: Path) -> tuple[list[str], Iterator[tuple[int, list[str]]]]:
     """The names of the columns, and each row with the number of its line."""
-    reader = csv.reader(io.StringIO(read_text(path, TABLE_BYTES).removeprefix("\ufeff"), newline=""))
+    text = read_text(path, TABLE_BYTES, other="latin-1").removeprefix("\ufeff")
+    lines = ["\n" if line.startswith("#") else line for line in text.splitlines(keepends=True)]
+    first = next((place for place, line in enumerate(lines) if line.strip()), 0)
+    separator = max(SEPARATORS, key=lines[first].count) if lines else ","
+    reader = csv.reader(lines[first:], delimiter=separator)
     try:
         head = [name.strip() for name in next(reader, [])]
     except csv.Error as error:
@@ -279,11 +285,12 @@ def _opened(path: Path) -> tuple[list[str], Iterator[tuple[int, list[str]]]]:
         try:
             for row in islice(reader, MOST_MESSAGES):
                 if row:
-                    yield reader.line_num, row
+                    # a table with semicolons comes from where a comma stands in a number
+                    yield first + reader.line_num, [c.replace(",", ".") for c in row] if separator == ";" else row
             if next(reader, None) is not None:
                 raise too_many(path)
         except csv.Error as error:
-            raise InputError(f"{path}:{reader.line_num}: not a table: {error}") from error
+            raise InputError(f"{path}:{first + reader.line_num}: not a table: {error}") from error
 
     return head, rows()
 
@@ -465,3 +472,50 @@ def _check_files(path: Path) -> None:
 
 
 ROSBAG = of_messages(_rosbag)
+
+
+def _mavlink(path: Path) -> Iterator[Message]:
+    """The messages of a log of ArduPilot or MAVLink; a further instance of a message is the topic `NAME/1`.
+
+    Raises:
+        InputError: it cannot be read, or the library is missing.
+    """
+    mavutil = _library(path, "pymavlink.mavutil", f"an {path.suffix} file needs pymavlink")
+    with opened(path):
+        pass
+    try:
+        with contextlib.redirect_stdout(io.StringIO()), closing(mavutil.mavlink_connection(str(path))) as log:
+            while (one := log.recv_match()) is not None:
+                name, instance = one.get_type(), getattr(getattr(one, "fmt", None), "instance_field", None)
+                which = getattr(one, instance) if instance else 0
+                if name != "BAD_DATA":
+                    yield Message(f"{name}/{which}" if which else name, round(one._timestamp * 1e9), one)
+    except Exception as error:
+        raise damaged(path, error) from error
+
+
+def read_mavlink(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Mapping[MappedSignal, Series]:
+    """Read the fields of messages; their times are those of the log.
+
+    Raises:
+        InputError: as `RecordKind.read`.
+    """
+    found = collect(path, _mavlink(path), sources, timing)
+    if any(not len(series.times_s) for series in found.values()):
+        topics_of(path, sources, timing, {message.topic for message in _mavlink(path)})
+    return found
+
+
+def names_in_mavlink(path: Path) -> Sequence[str]:
+    """The fields of the first message of each topic.
+
+    Raises:
+        InputError: the record cannot be read.
+    """
+    firsts: dict[str, Any] = {}
+    for message in _mavlink(path):
+        firsts.setdefault(message.topic, message.content)
+    return [f"{topic}: {field}" for topic, one in firsts.items() for field in fields_of(one.to_dict())]
+
+
+MAVLINK = RecordKind(read_mavlink, names_in_mavlink)

@@ -17,10 +17,11 @@ from types import MappingProxyType
 from typing import Annotated, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scaloft_fi.document import Item, is_folder, load
-from scaloft_fi.errors import Faults, InputError, did_you_mean
-from scaloft_fi.marks import MOST, Called, Choices, Either, Examples, Given, Reads, Size
+from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.marks import MOST, Bounds, Called, Choices, Either, Examples, Given, Reads, Size
 from scaloft_fi.model import read, schema_of, value_of
 from scaloft_fi.mutants.wire import SeamCount
 from scaloft_fi.registry import Registry
@@ -51,6 +52,7 @@ class MappedSignal:
         constant: its value, where it stands nowhere; else None.
         unknown: its value before its first message; None = it must have one by the start of the flight.
         keep: which value stands for the messages since the last sample.
+        gap_s: longest time for which its value is held [s]; None = as the mapping says.
         least: of a moment: it comes with the first message whose value is at least this.
     """
 
@@ -63,6 +65,7 @@ class MappedSignal:
     constant: float | None = None
     unknown: float | None = None
     keep: Keep = Keep.LAST
+    gap_s: float | None = None
     least: float = 0.0
 
 
@@ -169,6 +172,8 @@ RECORDS = Registry[RecordKind]("kind of record")
 RECORDS.promise(".csv", "scaloft_fi.outside.readers:TABLE")
 RECORDS.promise(".mcap", "scaloft_fi.outside.readers:MCAP")
 RECORDS.promise(".ulg", "scaloft_fi.outside.readers:ULOG")
+for _suffix in (".bin", ".tlog"):
+    RECORDS.promise(_suffix, "scaloft_fi.outside.readers:MAVLINK")
 for _suffix in (".bag", ".db3", FOLDER):
     RECORDS.promise(_suffix, "scaloft_fi.outside.readers:ROSBAG")
 
@@ -205,6 +210,12 @@ UNITS: Mapping[str, tuple[float, float]] = {
 }
 """Factor and offset by name of the conversion."""
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+Held = Annotated[float, Bounds(least=0.0, most=86_400.0)]
+"""How long a value may be held [s]."""
+GAP_S = 5.0
+"""A value is held for this long where the mapping says nothing [s]: an assumption; position and attitude come at 1 Hz
+and more in any record, and after 5 s a drone at 2 m/s is 10 m away."""
+LANDED = "landed"
 OWN_TOPIC, OWN_TIME = "/signals", "elapsed_s"
 """Topic, and column of the time, in the records that `replay --output` writes."""
 
@@ -243,6 +254,7 @@ class _Converted:
         offset: signal = factor x value + offset.
         unknown: its value before the first message; left out: it must have one by the start.
         keep: which value stands for the messages since the last sample.
+        gap_s: longest time for which its value is held [s]; left out: that of the mapping.
     """
 
     unit: Annotated[str, Choices(UNITS.keys())] = ""
@@ -250,6 +262,7 @@ class _Converted:
     offset: float = 0.0
     unknown: float | bool | None = None
     keep: Keep = Keep.LAST
+    gap_s: Held | None = None
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
         """Refuse a unit beside a factor or an offset."""
@@ -375,16 +388,19 @@ class RecordMap:
     Attributes:
         name: where the mapping stands, for errors.
         loose: whether a record may lack signals of it.
+        ours: whether the records are those of our own simulator, whose signals have caps.
         signals: where the signals stand, by name; `scaloft-fi signals` says which follow from others.
         timing: which time the values have; left out: at which messages were received.
         start: when the flight starts: at the first message of at least `least`; left out: the first of x_m.
         end: when the flight ends: at the first message of at least `least`; left out: the last of x_m.
         altered: how many samples a fault has altered up to then.
         carried: how many samples the fault's seam has carried up to then.
+        gap_s: longest time for which a value is held [s]; from then on the signal is unknown, up to its next message.
     """
 
     name: Annotated[str, Given(lambda item: item.place.rpartition(":")[0])]
     loose: Annotated[bool, Given(lambda _item: False)]
+    ours: Annotated[bool, Given(lambda _item: False)]
     signals: Annotated[Mapping[str, Entry], Size(0, MOST)]
     timing: Annotated[
         Timing, Called("time"), _told(Annotated[TimeColumn | TimeOfMessages | TimeOfClock, _TIMES], _timing)
@@ -393,6 +409,7 @@ class RecordMap:
     end: Moment = None
     altered: Counted = None
     carried: Counted = None
+    gap_s: Held = GAP_S
 
     def within(self, there: Collection[str]) -> RecordMap:
         """The mapping without the signals that are not there, among the columns, or fields after their topics."""
@@ -407,30 +424,72 @@ class RecordMap:
 def own_map(signals: Sequence[str]) -> RecordMap:
     """The mapping of the records that `replay --output` writes: every signal by its own name."""
     entries = {name: MappedSignal(name, name, OWN_TOPIC, name) for name in signals}
-    return RecordMap("the mapping of our own records", True, entries, Timing(column=OWN_TIME))
+    return RecordMap("the mapping of our own records", True, True, entries, Timing(column=OWN_TIME))
 
 
-def load_record_map(path: Path, signals: Sequence[str] | None = None) -> RecordMap:
+def _ready(name: str, topic: str, north_east_down: str, beside: Mapping[str, MappedSignal]) -> RecordMap:
+    """The mapping of records with a position and a velocity north, east and down: x is east, y north, z up."""
+    north, east, down, *speeds = north_east_down.split()
+    fields = {"x_m": east, "y_m": north, "z_m": down, "vx_mps": speeds[1], "vy_mps": speeds[0], "vz_mps": speeds[2]}
+    entries = {
+        signal: MappedSignal(signal, topic=topic, field=field, factor=-1.0 if "z" in signal else 1.0)
+        for signal, field in fields.items()
+    }
+    return RecordMap(f"the mapping {name}", True, False, {**entries, **beside})
+
+
+def _turn(signal: str, topic: str, field: str, unit: str = "") -> MappedSignal:
+    """An angle; a heading is measured from north, clockwise, and here from east, the other way round."""
+    factor, _ = UNITS.get(unit, (1.0, 0.0))
+    heading = signal == "yaw_rad"
+    return MappedSignal(
+        signal, topic=topic, field=field, factor=-factor if heading else factor, offset=math.pi / 2 * heading
+    )
+
+
+_PX4 = (
+    MappedSignal("attitude_x", topic="vehicle_attitude", field="q[1]"),
+    MappedSignal("attitude_y", topic="vehicle_attitude", field="q[2]"),
+    _turn("yaw_rad", "vehicle_local_position", "heading"),
+    MappedSignal(LANDED, topic="vehicle_land_detected", field="landed", unknown=0.0, gap_s=math.inf),
+)
+_ARDUPILOT = tuple(_turn(f"{name.lower()}_rad", "ATT", name, "deg to rad") for name in ("Roll", "Pitch", "Yaw"))
+_MAVLINK = tuple(_turn(f"{name}_rad", "ATTITUDE", name) for name in ("roll", "pitch", "yaw"))
+
+
+def _beside(entries: Sequence[MappedSignal]) -> dict[str, MappedSignal]:
+    return {entry.signal: entry for entry in entries}
+
+
+READY: Mapping[str, tuple[RecordMap, ...]] = MappingProxyType(
+    {
+        "px4": (_ready("px4", "vehicle_local_position", "x y z vx vy vz", _beside(_PX4)),),
+        "ardupilot": tuple(
+            _ready("ardupilot", ekf, "PN PE PD VN VE VD", _beside(_ARDUPILOT)) for ekf in ("XKF1", "NKF1", "EKF1")
+        ),
+        "mavlink": (_ready("mavlink", "LOCAL_POSITION_NED", "x y z vx vy vz", _beside(_MAVLINK)),),
+    }
+)
+"""The ready mappings by name, of each the first whose position a record has.
+
+Messages: PX4's `vehicle_local_position` and `vehicle_attitude` (docs.px4.io, uORB messages); ArduPilot's `XKF1` of
+EKF3, `NKF1` of EKF2, `EKF1`, `ATT` (ardupilot.org, log messages); MAVLink's LOCAL_POSITION_NED, ATTITUDE (mavlink.io).
+"""
+
+
+def ready_map(name: str, there: Collection[str]) -> RecordMap:
+    """The ready mapping `name` for a record that has the fields `there`, each after its topic."""
+    fitting = (one for one in READY[name] if "x_m" in one.within(there).signals)
+    return next(fitting, READY[name][0])
+
+
+def load_record_map(path: Path) -> RecordMap:
     """Read a mapping.
-
-    Args:
-        path: the file.
-        signals: names of the signals that it may map; None = any.
 
     Raises:
         InputError: it is no such mapping; the message names file and line.
     """
-    document, faults, mapping = load(path), Faults(), None
-    with faults.collecting():
-        mapping = read(RecordMap, document)
-    entries = document.mapping().get("signals")
-    for name, item in (entries.mapping() if entries and isinstance(entries.value, dict) else {}).items():
-        if signals is not None and name not in signals:
-            hint = did_you_mean(name, signals)
-            faults.add(InputError(f"{item.place}: {name!r} is no signal that this study knows{hint}"))
-    faults.end()
-    assert mapping is not None
-    return mapping
+    return read(RecordMap, load(path))
 
 
 PASS_M = 0.5
@@ -496,28 +555,63 @@ def _waypoints_left(signals: Signals, known: Known) -> Array:
     return np.array(left)
 
 
-DERIVED: Mapping[str, Derived] = MappingProxyType(
+def _tilt(x: str, y: str) -> Derived:
+    """The angle between body z and the vertical, from the components x and y of the attitude quaternion [rad]."""
+    return Derived(
+        lambda _: (x, y),
+        lambda signals, _: np.arccos(np.clip(1.0 - 2.0 * (signals[x] ** 2 + signals[y] ** 2), -1.0, 1.0)),
+    )
+
+
+DERIVED: Mapping[str, tuple[Derived, ...]] = MappingProxyType(
     {
-        "remaining_s": Derived(
-            lambda _: (), lambda signals, known: known.limit_s - signals["elapsed_s"], lambda known: known.limit_s
+        "remaining_s": (
+            Derived(
+                lambda _: (), lambda signals, known: known.limit_s - signals["elapsed_s"], lambda known: known.limit_s
+            ),
         ),
-        "speed_mps": Derived(
-            lambda _: ("vx_mps", "vy_mps", "vz_mps"),
-            lambda signals, _: np.sqrt(signals["vx_mps"] ** 2 + signals["vy_mps"] ** 2 + signals["vz_mps"] ** 2),
+        "speed_mps": (
+            Derived(
+                lambda _: ("vx_mps", "vy_mps", "vz_mps"),
+                lambda signals, _: np.sqrt(signals["vx_mps"] ** 2 + signals["vy_mps"] ** 2 + signals["vz_mps"] ** 2),
+            ),
         ),
-        "home_m": Derived(
-            lambda _: ("x_m", "y_m"),
-            lambda signals, known: np.hypot(signals["x_m"] - known.home[0], signals["y_m"] - known.home[1]),
+        "home_m": (
+            Derived(
+                lambda _: ("x_m", "y_m"),
+                lambda signals, known: np.hypot(signals["x_m"] - known.home[0], signals["y_m"] - known.home[1]),
+            ),
         ),
-        "yaw_rad": Derived(lambda _: ("qx", "qy", "qz", "qw"), _yaw),
-        "clearance_m": Derived(
-            _clearances,
-            lambda signals, known: np.min(np.array([signals[name] for name in _clearances(known)], np.float64), axis=0),
+        "yaw_rad": (Derived(lambda _: ("qx", "qy", "qz", "qw"), _yaw),),
+        "tilt_rad": (
+            _tilt("qx", "qy"),
+            _tilt("attitude_x", "attitude_y"),
+            Derived(
+                lambda _: ("roll_rad", "pitch_rad"),
+                lambda signals, _: np.arccos(np.cos(signals["roll_rad"]) * np.cos(signals["pitch_rad"])),
+            ),
         ),
-        "waypoints_left": Derived(lambda _: ("x_m", "y_m", "z_m"), _waypoints_left, lambda known: known.route),
+        "clearance_m": (
+            Derived(
+                _clearances,
+                lambda signals, known: np.min(
+                    np.array([signals[name] for name in _clearances(known)], np.float64), axis=0
+                ),
+            ),
+        ),
+        "waypoints_left": (Derived(lambda _: ("x_m", "y_m", "z_m"), _waypoints_left, lambda known: known.route),),
     }
 )
-"""The derived signals by name."""
+"""The ways to each derived signal by name, the first that the mapping allows is taken.
+
+The quaternion's components x and y give the tilt in any body and level frame that share the direction of z, or of -z.
+"""
+
+
+def derivation(mapping: RecordMap, known: Known, name: str) -> Derived | None:
+    """How a signal follows from others that are mapped; None where it does not."""
+    ways = (one for one in DERIVED.get(name, ()) if one.given(known) is not None)
+    return next((one for one in ways if all(need in mapping.signals for need in one.needs(known))), None)
 
 
 LONGEST_S = 3 * 3600.0
@@ -582,7 +676,45 @@ def moment_s(path: Path, moment: MappedSignal, series: Series, from_s: float = -
 
 PLACE = ("x_m", "y_m", "z_m")
 """Signals that every record must have: a violation has a place."""
-LANDED, CLEARANCE = "landed", "clearance_m"
+CLEARANCE = "clearance_m"
+
+
+@dataclass(frozen=True)
+class Gap:
+    """The longest time without a message of a signal.
+
+    Attributes:
+        signal: name of the signal.
+        longest_s: how long [s].
+        from_s: when it begins [s from the start of the flight].
+        limit_s: how long a value is held [s]; null: for good.
+    """
+
+    signal: str
+    longest_s: float
+    from_s: float
+    limit_s: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedFlight:
+    """A flight that a record tells of.
+
+    Attributes:
+        log: its log.
+        begins_s: time of the record at which the flight begins [s].
+        waits_for: the signal whose first message begins the flight; "" where x_m does, or the mapping says when.
+        gaps: of each signal that was read.
+        stale: (T,) by name of the signal, whether its value is older than it may be held.
+        between: (T,) by name of the signal, least and greatest value of the messages since the last sample.
+    """
+
+    log: FlightLog
+    begins_s: float
+    waits_for: str
+    gaps: tuple[Gap, ...]
+    stale: Mapping[str, NDArray[np.bool_]]
+    between: Mapping[str, tuple[Array, ...]]
 
 
 def flight_log(
@@ -593,11 +725,12 @@ def flight_log(
     needed: Mapping[str, str],
     wanted: Collection[str] = (),
     beliefs: Collection[str] = (),
-) -> FlightLog:
+) -> RecordedFlight:
     """Read a record.
 
-    The log ends at the first contact (`clearance_m` at or below 0), at touch-down (`landed` rises to 1), or with the
-    record, as the logs of our own flights do.
+    A flight begins when each signal is known, where the mapping does not say when.  Its log ends at the first contact
+    (`clearance_m` at or below 0), at touch-down (`landed` rises to 1), or with the record, as the logs of our own
+    flights do.
 
     Args:
         path: the record.
@@ -610,16 +743,16 @@ def flight_log(
     Raises:
         InputError: the record cannot be read, or lacks a needed signal.
     """
-    kind = kind_of(path)
+    kind, whole = kind_of(path), mapping
     if mapping.loose:
         mapping = mapping.within(frozenset(kind.names(path)))
     position = dict.fromkeys(PLACE, "the place of a violation")
-    names = _direct(path, kind, mapping, known, {**position, **needed}, wanted)
+    names = _direct(path, kind, mapping, whole, known, {**position, **needed}, wanted)
     entries = {name: mapping.signals[name] for name in names}
     beside = filter(None, (mapping.start, mapping.end, mapping.altered, mapping.carried))
     sources = dict.fromkeys(entry for entry in (*entries.values(), *beside) if entry.constant is None)
     series = kind.read(path, list(sources), mapping.timing)
-    start_s, end_s = _span(path, mapping, series)
+    start_s, end_s, waits_for = _span(path, mapping, entries, series)
     at_s = instants(path, start_s, end_s)
 
     def of(name: str, entry: MappedSignal) -> Array:
@@ -628,12 +761,19 @@ def flight_log(
     signals: dict[str, Array] = {"elapsed_s": at_s} | {name: of(name, entry) for name, entry in entries.items()}
     # contacts end the log, so they are asked for always
     for name in sorted({*PLACE, *needed, *wanted, CLEARANCE} - signals.keys()):
-        if name in DERIVED and not lacking(mapping, known, name):
-            signals[name] = DERIVED[name].value(signals, known)
+        if way := derivation(mapping, known, name):
+            signals[name] = way.value(signals, known)
     ending, last = _ending(signals)
     signals = {name: np.ascontiguousarray(values[: last + 1]) for name, values in signals.items()}
     for values in signals.values():
         values.setflags(write=False)
+    at_s = at_s[: last + 1]
+    told = {name: entry for name, entry in entries.items() if entry.constant is None}
+    stale = {name: stale_at(entry, series[entry], mapping.gap_s, start_s + at_s) for name, entry in told.items()}
+    for name in signals.keys() - stale.keys():
+        way = derivation(mapping, known, name)
+        ages = [stale[need] for need in way.needs(known) if need in stale] if way else []
+        stale |= {name: np.logical_or.reduce(ages)} if ages else {}
     counts: dict[str, SeamCount] = {}
     if mapping.altered is not None:
         altered = of("altered", mapping.altered)[: last + 1]
@@ -642,7 +782,7 @@ def flight_log(
         first_s = float(at_s[first[0]]) if len(first) else None
         counts["record"] = SeamCount(max(int(carried[-1]), count), count, first_s)
     struck = _struck(signals, known) if ending is Ending.STRUCK else ""
-    return FlightLog(
+    log = FlightLog(
         signals=signals,
         ending=ending,
         struck=struck,
@@ -652,51 +792,97 @@ def flight_log(
         t_max_s=known.limit_s if known.limit_s is not None else float(signals["elapsed_s"][-1]),
         beliefs=tuple(name for name in signals if name in beliefs),
     )
+    gaps = tuple(_gap(name, entry, series[entry], mapping.gap_s, start_s, end_s) for name, entry in told.items())
+    between = {
+        name: tuple(sampled(path, name, replace(e, keep=k), series[e], start_s, at_s) for k in (Keep.LEAST, Keep.MOST))
+        for name, e in told.items()
+    }
+    return RecordedFlight(log, start_s, waits_for, gaps, stale, between)
+
+
+def stale_at(entry: MappedSignal, series: Series, gap_s: float, at_s: Array) -> NDArray[np.bool_]:
+    """Whether the value at each time of the record, (T,) [s], is older than it may be held."""
+    place = np.searchsorted(series.times_s, at_s + NEAR_S, side="right") - 1
+    limit_s = gap_s if entry.gap_s is None else entry.gap_s
+    return (place >= 0) & (at_s - series.times_s[np.maximum(place, 0)] > limit_s + NEAR_S)
+
+
+def _gap(name: str, entry: MappedSignal, series: Series, gap_s: float, start_s: float, end_s: float) -> Gap:
+    """The longest time without a message from the start of the flight, or the first message after it, to its end."""
+    inside = series.times_s[(series.times_s > start_s) & (series.times_s < end_s)]
+    first_s = [start_s] if len(series.times_s) and series.times_s[0] <= start_s + NEAR_S else []
+    edges = np.array([*first_s, *inside, end_s])
+    lengths = np.diff(edges) if len(edges) > 1 else np.zeros(1)
+    place, limit_s = int(np.argmax(lengths)), gap_s if entry.gap_s is None else entry.gap_s
+    from_s = round(float(edges[place]) - start_s, 3)
+    return Gap(name, round(float(lengths[place]), 3), from_s, limit_s if math.isfinite(limit_s) else None)
 
 
 def lacking(mapping: RecordMap, known: Known, name: str) -> str:
     """What a mapping lacks for a signal, in words; "" when it maps the signal or the signal follows from others."""
-    if name in mapping.signals or name == "elapsed_s":
+    if name in mapping.signals or name == "elapsed_s" or derivation(mapping, known, name):
         return ""
-    derived = DERIVED.get(name)
-    if derived is None:
+    if name not in DERIVED:
         return f"{mapping.name} maps no signal {name!r}"
+    derived = DERIVED[name][0]
     if derived.given(known) is None:
         unknown = "the situation of the flight"
         return f"{mapping.name} maps no signal {name!r}, which follows from {unknown} where that is known"
-    lost = next((need for need in derived.needs(known) if need not in mapping.signals), None)
-    return f"{mapping.name} maps neither signal {name!r} nor {lost!r}, from which it follows" if lost else ""
+    lost = next(need for need in derived.needs(known) if need not in mapping.signals)
+    return f"{mapping.name} maps neither signal {name!r} nor {lost!r}, from which it follows"
 
 
 def _direct(
-    path: Path, kind: RecordKind, mapping: RecordMap, known: Known, needed: Mapping[str, str], wanted: Collection[str]
+    path: Path,
+    kind: RecordKind,
+    mapping: RecordMap,
+    whole: RecordMap,
+    known: Known,
+    needed: Mapping[str, str],
+    wanted: Collection[str],
 ) -> list[str]:
-    """The signals to read: those of the mapping that are asked for, and those from which others follow."""
+    """The signals to read: those of the mapping that are asked for, and those from which others follow.
+
+    Raises:
+        InputError: the mapping has none for a needed signal, or the `whole` mapping has, and the record lacks it.
+    """
     for name, by in needed.items():
         if lack := lacking(mapping, known, name):
-            near = did_you_mean(name, kind.names(path))
+            way = derivation(whole, known, name)
+            for need in (name, *(way.needs(known) if way else ())):
+                if need in whole.signals and need not in mapping.signals:
+                    place = whole.signals[need].column or f"{whole.signals[need].topic}: {whole.signals[need].field}"
+                    told = f"{by} needs the signal {name!r}, for which {whole.name} takes {place}"
+                    raise InputError(f"{path}: {told}, which the record does not have")
+            near = did_you_mean(name, [*mapping.signals, *kind.names(path)])
             raise InputError(f"{path}: {by} needs the signal {name!r}, and {lack}{near}")
     names = dict.fromkeys(name for name in (*needed, *wanted) if name in mapping.signals)
     for name in (*needed, *wanted, CLEARANCE, LANDED):
         if name in mapping.signals:
             names[name] = None
-        elif name in DERIVED and not lacking(mapping, known, name):
-            names |= dict.fromkeys(DERIVED[name].needs(known))
+        elif way := derivation(mapping, known, name):
+            names |= dict.fromkeys(way.needs(known))
     names |= dict.fromkeys(name for name in map(clearance_name, known.surfaces) if name in mapping.signals)
     return [name for name in names if name != "elapsed_s"]
 
 
-def _span(path: Path, mapping: RecordMap, series: Mapping[MappedSignal, Series]) -> tuple[float, float]:
-    """Start and end of the flight [s]."""
+def _span(
+    path: Path, mapping: RecordMap, entries: Mapping[str, MappedSignal], series: Mapping[MappedSignal, Series]
+) -> tuple[float, float, str]:
+    """Start and end of the flight [s], and the signal whose first message it waits for."""
     track = series.get(mapping.signals["x_m"])
     if track is None or not len(track.times_s):
         raise InputError(f"{path}: signal 'x_m' has no message, so the flight has no start")
-    start_s, end_s = float(track.times_s[0]), float(track.times_s[-1])
+    start_s, end_s, waits_for = float(track.times_s[0]), float(track.times_s[-1]), ""
+    for name, entry in entries.items() if mapping.start is None else ():
+        known = entry.constant is not None or entry.unknown is not None or not len(series[entry].times_s)
+        if not known and series[entry].times_s[0] > start_s + NEAR_S:
+            start_s, waits_for = float(series[entry].times_s[0]), name
     if mapping.start:
         start_s = moment_s(path, mapping.start, series[mapping.start])
     if mapping.end:
         end_s = moment_s(path, mapping.end, series[mapping.end], start_s)
-    return start_s, end_s
+    return start_s, end_s, waits_for
 
 
 def _ending(signals: Mapping[str, Array]) -> tuple[Ending, int]:

@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import click
 
-from scaloft_fi.campaign.flights.command import JudgedRequirement, judged_record, known_of, mapping_of
+from scaloft_fi.campaign.flights.command import JudgedRecord, JudgedRequirement, judged_record, known_of, mapping_of
+from scaloft_fi.errors import InputError
 from scaloft_fi.judge.requirement import Compliance, measured_rho
+from scaloft_fi.outside.records import READY, Gap
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import situations
 from scaloft_fi.verbs.options import Option, verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
+
+
+class RecordVerdict(StrEnum):
+    """What a record says about a requirement."""
+
+    VIOLATED = Compliance.VIOLATED.value
+    OPEN = Compliance.OPEN.value
+    VACUOUS = Compliance.VACUOUS.value
+    HELD = Compliance.HELD.value
+    UNKNOWN = "unknown"
 
 
 @dataclass(frozen=True)
@@ -26,31 +39,38 @@ class RecordReading:
     Attributes:
         file: path of the record.
         requirement: name of the requirement.
-        verdict: what it says.
+        verdict: what it says; unknown: a signal that it needs is older than it may be held.
         robustness: distance to a violation, in the requirement's own unit; below 0 it is violated; null: the record
             does not put it to the test.
         violated_at_s: time of the first violation [s from take-off]; null: it is not violated.
         x: x of the vehicle then [m, world]; null: it is not violated.
         y: y of the vehicle then [m, world]; null: it is not violated.
         z: z of the vehicle then [m, world]; null: it is not violated.
+        unknown: the signal that is too old; null: every signal is known.
+        between_s: when messages between two samples violate what holds in the samples [s]; null: nowhere.
     """
 
     file: Path
     requirement: str
-    verdict: Compliance
+    verdict: RecordVerdict
     robustness: float | None
     violated_at_s: float | None
     x: float | None
     y: float | None
     z: float | None
+    unknown: str | None
+    between_s: float | None
 
     @classmethod
     def of(cls, file: Path, finding: JudgedRequirement) -> RecordReading:
         """What is told of a reading."""
         one, rho = finding.reading, measured_rho(finding.reading)
         x, y, z = (None, None, None) if finding.place is None else (round(value, 3) for value in finding.place)
-        robustness = None if rho is None else round(rho, 6)
-        return cls(file, one.requirement, one.compliance, robustness, one.violated_at_s, x, y, z)
+        robustness = None if rho is None or finding.unknown else round(rho, 6)
+        verdict = RecordVerdict.UNKNOWN if finding.unknown else RecordVerdict(one.compliance.value)
+        unknown = finding.unknown or None
+        at_s, place = (None, (None,) * 3) if unknown else (one.violated_at_s, (x, y, z))
+        return cls(file, one.requirement, verdict, robustness, at_s, *place, unknown, finding.between_s)
 
 
 @dataclass(frozen=True)
@@ -59,13 +79,56 @@ class FlightRecord:
 
     Attributes:
         file: path of the record.
-        ending: how the flight ended.
+        ending: how the flight ended; null: the record ends before it, and no time limit is known.
         duration_s: how long it lasted [s].
+        begins_s: time of the record at which the flight begins [s].
+        waits_for: the signal whose first message begins the flight; null: the position does, or the mapping says when.
+        gaps: the longest time without a message, of each signal that was read.
     """
 
     file: Path
-    ending: Ending
+    ending: Ending | None
     duration_s: float
+    begins_s: float
+    waits_for: str | None
+    gaps: tuple[Gap, ...]
+
+    @classmethod
+    def of(cls, one: JudgedRecord, *, limited: bool) -> FlightRecord:
+        """What is told of a record; `limited`: whether the time limit of its flight is known."""
+        flight = one.flight
+        ending = flight.log.ending if limited or flight.log.ending is not Ending.TIMED_OUT else None
+        waits_for = flight.waits_for or None
+        return cls(one.path, ending, flight.log.duration_s, round(flight.begins_s, 6), waits_for, flight.gaps)
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """How it ends and begins, and which signals have a gap that is too long."""
+        ends = self.ending.sentence if self.ending else "the record ends"
+        yield f"{self.file}: {ends} after {self.duration_s:.2f} s"
+        if self.waits_for:
+            begins = f"{self.begins_s:.3f} s of the record"
+            yield f"{self.file}: the flight begins at {begins}, when {self.waits_for} is known"
+        alike: dict[tuple[float, float, float], list[str]] = {}
+        for gap in self.gaps:
+            if gap.limit_s is not None and gap.longest_s > gap.limit_s:
+                alike.setdefault((gap.longest_s, gap.from_s, gap.limit_s), []).append(gap.signal)
+        for (longest_s, from_s, limit_s), names in alike.items():
+            silent = f"{', '.join(names)}: no message for {longest_s:.2f} s from {from_s:.2f} s on"
+            yield f"{self.file}: {silent}; the value is held for {limit_s:g} s (gap_s), then unknown"
+
+
+@dataclass(frozen=True)
+class UnreadRecord:
+    """A record that cannot be judged.
+
+    Attributes:
+        file: path of the record.
+        error: why.
+    """
+
+    file: Path
+    error: str
 
 
 @dataclass(frozen=True)
@@ -75,14 +138,16 @@ class JudgedRecords:
     Attributes:
         readings: what each requirement says of each record.
         records: the records.
+        unread: the records that cannot be judged.
     """
 
     readings: tuple[RecordReading, ...]
     records: tuple[FlightRecord, ...]
+    unread: tuple[UnreadRecord, ...]
 
 
 HEADERS = ("file", "requirement", "verdict", "robustness", "violated_at_s", "x", "y", "z")
-JUDGE = Output("judge", "1.0", JudgedRecords, rows="readings")
+JUDGE = Output("judge", "2.0", JudgedRecords, rows="readings")
 
 
 def judged_table(told: JudgedRecords) -> Table:
@@ -92,9 +157,15 @@ def judged_table(told: JudgedRecords) -> Table:
         for one in told.readings
     )
     verdicts = [one.verdict for one in told.readings]
-    notes = [f"{one.file}: {one.ending.sentence} after {one.duration_s:.2f} s" for one in told.records]
-    counted = f"{verdicts.count(Compliance.VIOLATED)} of {len(rows)} readings are violated."
-    if Compliance.VACUOUS in verdicts:
+    notes = [note for one in told.records for note in one.notes]
+    notes += [
+        f"{one.file}: {one.requirement} holds in the samples (20 Hz), and messages between them violate it at "
+        f"{one.between_s:.2f} s"
+        for one in told.readings
+        if one.between_s is not None
+    ]
+    counted = f"{verdicts.count(RecordVerdict.VIOLATED)} of {len(rows)} readings are violated."
+    if RecordVerdict.VACUOUS in verdicts:
         counted += "  Vacuous: the condition of the requirement never came true."
     return Table("Requirements on records", HEADERS, rows, (*notes, counted))
 
@@ -105,7 +176,7 @@ JudgedFiles = Annotated[
 RecordMapping = Annotated[
     Path | str | None,
     Option(
-        "Where the signals stand in the records.",
+        f"Where the signals stand in the records: a file, or ready: {', '.join(READY)}.",
         metavar="MAPPING.yaml",
         type=click.Path(path_type=Path),
         otherwise="sim/record.yaml of the study, else the mapping of the records that `replay --output` writes",
@@ -123,22 +194,31 @@ RecordedIn = Annotated[
 
 
 def judge(study: Study, files: JudgedFiles, *, record: RecordMapping = None, situation: RecordedIn = None) -> Answer:
-    """Judge records of flights (.csv, .mcap, .ulg, .bag, .db3, or a folder of rosbag2) with the study's requirements.
+    """Judge records of flights (.csv, .ulg, .bin, .tlog, .mcap, .bag, .db3, a folder of rosbag2) with the requirements.
 
-    Nothing is flown and no campaign is read.  A violation is a finding: the exit code is 0.
+    Nothing is flown and no campaign is read.  A violation is a finding: the exit code is 0.  A record that cannot be
+    judged is told after the verdicts of the others: the exit code is 2.
 
     Raises:
         InputError: a file or the mapping cannot be read, or there is no such situation.
     """
-    mapping = mapping_of(study, None if record is None else Path(record))
     known = known_of(study, study.grid.situation(situation) if situation else None)
-    listed = [files] if isinstance(files, Path | str) else files
-    records = [judged_record(study, Path(path), mapping, known) for path in listed]
+    listed = [files] if isinstance(files, Path | str) else list(files)
+    records, unread = list[JudgedRecord](), list[UnreadRecord]()
+    for path in map(Path, listed):
+        try:
+            records.append(judged_record(study, path, mapping_of(study, record, path), known))
+        except InputError as error:
+            if len(listed) == 1:
+                raise
+            unread.append(UnreadRecord(path, str(error)))
     told = JudgedRecords(
         tuple(RecordReading.of(one.path, finding) for one in records for finding in one.findings),
-        tuple(FlightRecord(one.path, one.log.ending, one.log.duration_s) for one in records),
+        tuple(FlightRecord.of(one, limited=known.limit_s is not None) for one in records),
+        tuple(unread),
     )
-    return Answer(JUDGE, lambda: told, lambda: (judged_table(told),))
+    errors = [one.error for one in unread]
+    return Answer(JUDGE, lambda: told, lambda: (judged_table(told),) if records else (), errors=errors)
 
 
 judge_command = verb(
@@ -146,8 +226,8 @@ judge_command = verb(
     examples=(
         ("Judge a record of a flight in a known situation", "scaloft-fi judge flight.csv --situation T0O0W0D0H1"),
         (
-            "Judge PX4's logs, with where the signals stand in them",
-            "scaloft-fi judge monday.ulg tuesday.ulg --record px4.yaml",
+            "Judge PX4's logs",
+            "scaloft-fi judge monday.ulg tuesday.ulg --record px4",
         ),
         ("Let a script read the verdicts", "scaloft-fi judge bag/ --format json"),
     ),

@@ -410,6 +410,10 @@ def answer(given: Answer, style: str, folder: Path | None = None) -> None:
         for name, text in given.csv().items():
             write(folder / f"{name}.csv", text.encode(), "--tables")
     tell(given.text(style))
+    for error in given.errors[:-1]:
+        say(f"error: {error}")
+    if given.errors:
+        raise InputError(given.errors[-1])
 
 
 def tell_warnings(given: Answer) -> None:

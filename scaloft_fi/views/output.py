@@ -638,12 +638,15 @@ class Answer(Mapping[str, Columns]):
         told: makes the text for people, where it is not that of the tables.
         rows: name of the table that `csv` prints; by default the one of the form.
         warnings: what a reader must know beside it, in sentences.
+        errors: what could not be answered, in sentences.
 
     Attributes:
         warnings: what a reader must know beside it, in sentences; often nothing.
+        errors: what could not be answered, in sentences; the command line ends with exit code 2 after them.
     """
 
     warnings: tuple[str, ...]
+    errors: tuple[str, ...]
 
     def __init__(
         self,
@@ -654,7 +657,9 @@ class Answer(Mapping[str, Columns]):
         told: Callable[[Format], str] | None = None,
         rows: str = "",
         warnings: Sequence[str] = (),
+        errors: Sequence[str] = (),
     ) -> None:
+        self.errors = tuple(errors)
         self._form, self._make, self._tables, self.warnings = form, values, tables, tuple(warnings)
         self._rows = rows or form.rows
         self._told = told or (lambda how: render(tables(), how))

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -7,9 +8,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 import records
+from hypothesis import given
+from hypothesis import strategies as st
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.outside.records import Known, flight_log, kind_of, load_record_map
+from scaloft_fi.outside.records import (
+    DERIVED,
+    READY,
+    Known,
+    MappedSignal,
+    RecordedFlight,
+    Series,
+    flight_log,
+    kind_of,
+    load_record_map,
+    names_of,
+    ready_map,
+    stale_at,
+)
 from scaloft_fi.sim.log import Ending, FlightLog
 
 KNOWN = Known(("wall",), (0.0, 0.0))
@@ -28,7 +44,7 @@ KINDS: dict[str, tuple[Callable[[Path], Path], tuple[str, str, str]]] = {
 
 
 def _log(path: Path, mapping: Path, needed: dict[str, str] = NEEDED) -> FlightLog:
-    return flight_log(path, load_record_map(mapping), KNOWN, needed=needed)
+    return flight_log(path, load_record_map(mapping), KNOWN, needed=needed).log
 
 
 def _table(
@@ -125,8 +141,10 @@ def test_an_empty_cell_says_nothing_new_and_unknown_stands_before_the_first_valu
     log = _table(tmp_path, text, clear="{column: near, unknown: 9}")
     assert log.signals["clearance_m"].tolist() == [9.0, 0.5, 0.5]
     assert log.signals["x_m"].tolist() == [0.0, 0.0, 1.0]
+    later = _table(tmp_path, text, clear="{column: near}")
+    assert later.signals["clearance_m"].tolist() == [0.5, 0.5]
     with pytest.raises(InputError, match=r"'clearance_m' is not known at the start: .* give unknown: VALUE"):
-        _table(tmp_path, text, clear="{column: near}")
+        _table(tmp_path, text, clear="{column: near}", more="start: {column: x, least: 0}")
 
 
 @pytest.mark.parametrize(
@@ -179,10 +197,95 @@ def test_a_wrong_mapping_is_refused_with_its_line(text: str, said: str, tmp_path
     assert said in str(refused.value)
 
 
-def test_a_mapping_may_name_only_signals_that_the_study_knows(tmp_path: Path) -> None:
-    path = records.mapping(tmp_path, *COLUMNS)
-    with pytest.raises(InputError, match="'x_m' is no signal that this study knows; did you mean 'x_mm'"):
-        load_record_map(path, ["x_mm"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t;x;near\n0;0;1\n0,05;0,5;1\n",
+        "t\tx\tnear\n0\t0\t1\n0.05\t0.5\t1\n",
+        "t|x|near\n0|0|1\n0.05|0.5|1\n",
+        "\ufefft,x,near\n0,0,1\n0.05,0.5,1\n",
+        "# a log\n# of two lines\n\nt,x,near\n0,0,1\n# a break\n0.05,0.5,1\n",
+    ],
+    ids=["semicolons", "tabs", "bars", "mark of its encoding", "comments"],
+)
+def test_a_table_is_read_as_people_write_it(text: str, tmp_path: Path) -> None:
+    assert _table(tmp_path, text).signals["x_m"].tolist() == [0.0, 0.5]
+
+
+def test_a_line_after_comments_is_named_by_its_number_in_the_file(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"own\.csv:4: signal 'x_m'"):
+        _table(tmp_path, "# a log\nt,x\n# here\n0,fast\n")
+
+
+def test_a_table_in_latin_1_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "own.csv"
+    path.write_bytes("# H\xf6he\nt,x\n0,0\n1,1\n".encode("latin-1"))
+    log = _log(path, records.mapping(tmp_path, "{column: t}", "{column: x}", "{constant: 1}"))
+    assert log.signals["x_m"][-1] == 1.0
+
+
+def _flight(tmp_path: Path, text: str, more: str = "") -> RecordedFlight:
+    path = tmp_path / "own.csv"
+    path.write_text(text)
+    mapping = records.mapping(tmp_path, "{column: t}", "{column: x}", "{column: near}", more)
+    return flight_log(path, load_record_map(mapping), KNOWN, needed=NEEDED)
+
+
+def test_a_flight_begins_when_every_signal_is_known_and_says_which_was_the_last(tmp_path: Path) -> None:
+    flight = _flight(tmp_path, "t,x,near\n0,0,\n0.5,,1\n1,1,1\n")
+    assert (flight.begins_s, flight.waits_for, flight.log.duration_s) == (0.5, "clearance_m", 0.5)
+
+
+@pytest.mark.parametrize(("more", "old"), [("", 0.9), ("gap_s: 60", 0.0), ("gap_s: 0.5", 0.99)])
+def test_beyond_its_gap_a_value_is_stale_until_the_next_message(more: str, old: float, tmp_path: Path) -> None:
+    flight = _flight(tmp_path, "t,x,near\n0,0,1\n10,1,1\n50,2,1\n", more)
+    share = flight.stale["clearance_m"].mean()
+    assert (share == 0.0) == (old == 0.0)
+    assert share <= old
+    gap = next(gap for gap in flight.gaps if gap.signal == "clearance_m")
+    assert (gap.longest_s, gap.from_s) == (40.0, 10.0)
+    assert not flight.stale["clearance_m"][-1]
+
+
+@given(times=st.lists(st.integers(1, 400), min_size=1, max_size=12, unique=True), gap=st.integers(1, 200))
+def test_a_sample_is_stale_exactly_where_its_last_message_is_older_than_the_gap(times: list[int], gap: int) -> None:
+    series = Series(np.array([0, *sorted(times)]) / 20.0, np.zeros(len(times) + 1))
+    at_s = np.arange(420) / 20.0
+    stale = stale_at(MappedSignal("x"), series, gap / 20.0, at_s)
+    for tick in range(420):
+        assert stale[tick] == (tick - max(t for t in (0, *times) if t <= tick) > gap)
+
+
+@pytest.mark.parametrize("ending", ["tlog", "bin"])
+def test_what_is_no_log_of_an_autopilot_is_one_sentence(ending: str, tmp_path: Path) -> None:
+    pytest.importorskip("pymavlink")
+    path = tmp_path / f"own.{ending}"
+    path.write_bytes(b"no log at all" * 40)
+    with pytest.raises(InputError, match=r"own\.\w+: .*(does not have|damaged)"):
+        flight_log(path, READY["mavlink"][0], KNOWN, needed=NEEDED)
+
+
+def test_a_log_of_mavlink_is_read_by_the_ready_mapping(tmp_path: Path) -> None:
+    pytest.importorskip("pymavlink")
+    path = records.tlog(tmp_path)
+    mapping = ready_map("mavlink", frozenset(names_of(path)))
+    needed = dict.fromkeys(("z_m", "speed_mps", "tilt_rad", "yaw_rad"), "requirement A")
+    flight = flight_log(path, mapping, KNOWN, needed=needed)
+    last = {name: float(flight.log.signals[name][-1]) for name in ("x_m", "y_m", *needed)}
+    told = {"x_m": 2.0, "y_m": 4.0, "z_m": 3.0, "speed_mps": 5.0, "tilt_rad": 0.1, "yaw_rad": np.pi / 2 - 0.5}
+    assert last == pytest.approx(told, abs=1e-5)
+
+
+@given(roll=st.floats(-1.5, 1.5), pitch=st.floats(-1.5, 1.5), yaw=st.floats(-3.1, 3.1))
+def test_the_tilt_is_the_same_from_angles_and_from_the_quaternion(roll: float, pitch: float, yaw: float) -> None:
+    cr, sr, cp, sp, cy, sy = (f(a / 2) for a in (roll, pitch, yaw) for f in (math.cos, math.sin))
+    angles = {"roll_rad": roll, "pitch_rad": pitch}
+    turned = {"qx": sr * cp * cy - cr * sp * sy, "qy": cr * sp * cy + sr * cp * sy}
+    tilts = [
+        float(way.value({name: np.array([value]) for name, value in {**angles, **turned}.items()}, KNOWN)[0])
+        for way in (DERIVED["tilt_rad"][0], DERIVED["tilt_rad"][2])
+    ]
+    assert tilts[0] == pytest.approx(tilts[1], abs=1e-6)
 
 
 def test_only_known_endings_are_records(tmp_path: Path) -> None:

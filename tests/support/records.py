@@ -94,3 +94,20 @@ def ulog(folder: Path) -> Path:
     path = folder / "flight.ulg"
     path.write_bytes(b"".join(parts))
     return path
+
+
+def tlog(folder: Path) -> Path:
+    """A log of MAVLink of two seconds: north 4, east 2, down -3 [m] at the end, at 5 m/s, rolled by 0.1 rad."""
+    from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+    path = folder / "own.tlog"
+    link = mavlink.MAVLink(None, srcSystem=1)
+    with path.open("wb") as file:
+        for tick in range(21):
+            share = tick / 20.0
+            for message in (
+                link.local_position_ned_encode(tick * 100, 4.0 * share, 2.0 * share, -3.0 * share, 3.0, 4.0, 0.0),
+                link.attitude_encode(tick * 100, 0.1, 0.0, 0.5, 0.0, 0.0, 0.0),
+            ):
+                file.write(struct.pack(">Q", 1_700_000_000_000_000 + tick * 100_000) + message.pack(link))
+    return path

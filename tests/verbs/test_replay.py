@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner, Result
 from mcap.reader import make_reader
 from printed import STUDY, Call, no_terms, of_form
+from studies import copied
 
 from scaloft_fi.campaign.flights.command import judged_record, known_of, mapping_of
 from scaloft_fi.campaign.flights.fly import Flight, fly_log, judged
@@ -173,8 +174,8 @@ COLUMNS = (
 )
 
 
-def judge(*words: str | Path) -> Result:
-    return CliRunner().invoke(main, ["judge", *map(str, words), "--study", str(STUDY)], catch_exceptions=False)
+def judge(*words: str | Path, study: Path = STUDY) -> Result:
+    return CliRunner().invoke(main, ["judge", *map(str, words), "--study", str(study)], catch_exceptions=False)
 
 
 def a_record(folder: Path, **last: float) -> Path:
@@ -194,6 +195,47 @@ def test_a_violation_is_a_finding_with_time_and_place_and_the_exit_code_is_0(tmp
     rows = {row["requirement"]: row for row in of_form("judge", done.stdout)["readings"]}
     assert (rows["SR1"]["verdict"], rows["SR1"]["violated_at_s"], rows["SR1"]["x"]) == ("violated", 2.0, 3.5)
     assert (rows["SR1"]["robustness"], rows["SR2"]["verdict"], rows["SR2"]["robustness"]) == (-0.001, "open", None)
+
+
+def test_of_many_records_every_verdict_is_told_before_the_errors(tmp_path: Path) -> None:
+    good, bad = a_record(tmp_path), tmp_path / "bad.csv"
+    bad.write_text("elapsed_s\n")
+    done = judge(good, bad, tmp_path / "none.csv", "--format", "json")
+    told = of_form("judge", done.stdout)
+    assert done.exit_code == 2
+    assert [Path(one["file"]).name for one in told["unread"]] == ["bad.csv", "none.csv"]
+    assert {Path(one["file"]) for one in told["readings"]} == {good}
+    assert [line.partition(":")[0] for line in done.stderr.splitlines()] == ["error", "error"]
+
+
+def test_a_record_without_a_time_limit_ends_and_is_not_at_its_limit(tmp_path: Path) -> None:
+    study, mapping = copied(tmp_path / "study"), tmp_path / "own.yaml"
+    columns = ", ".join(f"{name}: {{column: t}}" for name in ("x_m", "y_m", "z_m", "far"))
+    mapping.write_text(f"time: {{column: t}}\nsignals: {{clearance_m: {{constant: 2}}, {columns}}}")
+    (study / "sim" / "requirements.yaml").write_text(
+        "requirements: {A: {kind: safety, formula: always(far < 6 and clearance_m > 1.5)}}"
+    )
+    (tmp_path / "own.csv").write_text("t\n0\n1\n2\n")
+    done = judge(tmp_path / "own.csv", "--record", mapping, "--format", "json", study=study)
+    told = of_form("judge", done.stdout)
+    assert (told["records"][0]["ending"], told["readings"][0]["verdict"]) == (None, "held")
+
+
+def test_what_breaks_a_requirement_between_samples_is_told(tmp_path: Path) -> None:
+    study, mapping = copied(tmp_path / "study"), tmp_path / "own.yaml"
+    mapping.write_text("time: {column: t}\nsignals: {x_m: {column: x}, y_m: {column: x}, z_m: {column: x}}")
+    (study / "sim" / "requirements.yaml").write_text("requirements: {A: {kind: safety, formula: always(x_m < 2)}}")
+    for peak, between_s in ((3, 0.15), (1, None)):
+        (tmp_path / "own.csv").write_text(f"t,x\n0,1\n0.11,1\n0.12,{peak}\n0.13,1\n1,1\n")
+        done = judge(tmp_path / "own.csv", "--record", mapping, "--format", "json", study=study)
+        (reading,) = of_form("judge", done.stdout)["readings"]
+        assert (reading["verdict"], reading["between_s"]) == ("held", between_s)
+
+
+def test_a_ready_mapping_is_named_with_the_nearest(tmp_path: Path) -> None:
+    done = judge(a_record(tmp_path), "--record", "px5")
+    assert done.exit_code == 2
+    assert "--record='px5' must be a file or a ready mapping; did you mean 'px4'" in done.stderr
 
 
 def test_a_requirement_whose_condition_never_comes_true_is_vacuous(tmp_path: Path) -> None:
@@ -220,7 +262,7 @@ def test_the_study_names_the_mapping_of_its_records(tmp_path: Path, copy: Path, 
     (copy / "sim" / "record.yaml").write_text("signals: {x_mm: {column: x}}")
     done = CliRunner().invoke(main, ["judge", str(a_record(tmp_path)), "--study", str(copy)], catch_exceptions=False)
     assert done.exit_code == 2
-    assert "record.yaml:1: 'x_mm' is no signal that this study knows" in done.stderr
+    assert "record.yaml maps no signal 'x_m'; did you mean 'x_mm'" in done.stderr
 
 
 @pytest.mark.flight
@@ -240,4 +282,4 @@ def test_a_flight_of_ours_is_judged_from_its_records_as_it_is_judged_directly(na
         assert tuple(finding.reading for finding in record.findings) == outcome.readings
         places = [finding.place for finding in record.findings if finding.place is not None]
         assert places == [(found.x, found.y, found.z) for found in outcome.violations]
-        assert (record.log.ending, record.log.struck) == (log.ending, log.struck)
+        assert (record.flight.log.ending, record.flight.log.struck) == (log.ending, log.struck)

@@ -7,7 +7,7 @@ import math
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,9 +16,10 @@ import numpy as np
 
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.document import is_there
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, did_you_mean, shown
+from scaloft_fi.judge.bounds import comparisons
 from scaloft_fi.judge.requirement import Reading, Requirement, judge_signals
-from scaloft_fi.judge.stl import tokenize
+from scaloft_fi.judge.stl import parse, tokenize
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.mutants.wire import SeamCount
 from scaloft_fi.outside.command import (
@@ -35,7 +36,23 @@ from scaloft_fi.outside.command import (
     Told,
     run_command,
 )
-from scaloft_fi.outside.records import RECORDS, Known, RecordMap, flight_log, kind_of, lacking, load_record_map, own_map
+from scaloft_fi.outside.records import (
+    DERIVED,
+    PLACE,
+    READY,
+    RECORDS,
+    Known,
+    RecordedFlight,
+    RecordMap,
+    derivation,
+    flight_log,
+    kind_of,
+    lacking,
+    load_record_map,
+    names_of,
+    own_map,
+    ready_map,
+)
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, FlightLog
 from scaloft_fi.sim.situation import leaves
 from scaloft_fi.study import Study
@@ -98,7 +115,7 @@ def known_in(study: Study, command: FlightCommand, situation: Situation) -> Know
 
 def needs_of(study: Study) -> Mapping[str, str]:
     """The signals that a record of the command must have, each with who needs it."""
-    return {**TRACK, **needed_by(study)}
+    return {**TRACK, **needed_by(study.requirements, study.signals)}
 
 
 def values_of(study: Study, flight: Flight, folder: Path, command: FlightCommand) -> dict[str, Any]:
@@ -131,9 +148,8 @@ def _read(study: Study, folder: Path, command: FlightCommand, mapping: RecordMap
     found = sorted(folder.glob(command.record))
     if len(found) != 1:
         raise InputError(f"{len(found)} files {command.record!r} must be 1: the command writes it to {{record}}")
-    log = flight_log(
-        found[0], mapping, known, needed=needs_of(study), wanted=mapping.signals, beliefs=study.stack.belief_names
-    )
+    needed, beliefs = needs_of(study), study.stack.belief_names
+    log = flight_log(found[0], mapping, known, needed=needed, wanted=mapping.signals, beliefs=beliefs).log
     count = len(log.signals["elapsed_s"])
     far = {name: np.full(count, value) for name, value in FAR.items() if name not in log.signals}
     return replace(log, signals={**log.signals, **far})
@@ -212,31 +228,46 @@ class JudgedRequirement:
     Attributes:
         reading: the reading.
         place: where the requirement is first violated (x, y, z) [m, world]; None without a violation.
+        unknown: the signal that the requirement needs and that is too old to say it; "" where it is known.
+        between_s: when messages between two samples violate what holds in the samples [s]; None = nowhere.
     """
 
     reading: Reading
     place: tuple[float, float, float] | None
+    unknown: str
+    between_s: float | None
 
 
 @dataclass(frozen=True)
 class JudgedRecord:
-    """A record, its flight log, and a finding for each requirement of the study."""
+    """A record, the flight that it tells of, and a finding for each requirement of the study."""
 
     path: Path
-    log: FlightLog
+    flight: RecordedFlight
     findings: tuple[JudgedRequirement, ...]
 
 
-def mapping_of(study: Study, path: Path | None = None) -> RecordMap:
-    """The mapping in `path`, else the study's `sim/record.yaml`, else that of the records that we write ourselves.
+def mapping_of(study: Study, named: Path | str | None = None, record: Path | None = None) -> RecordMap:
+    """The mapping `named`, else the study's `sim/record.yaml`, else that of the records that we write ourselves.
+
+    Args:
+        study: the study.
+        named: a file, or the name of a ready mapping.
+        record: the record, for a ready mapping.
 
     Raises:
-        InputError: it is no mapping, or maps a signal that the study does not know.
+        InputError: it is no mapping.
     """
     own = study.folder / "sim" / "record.yaml"
-    if path is None and not is_there(own):
-        return own_map(study.signals)
-    return load_record_map(path or own, study.signals)
+    if named is None:
+        return load_record_map(own) if is_there(own) else own_map(study.signals)
+    if str(named) in READY and record is not None and not is_there(Path(named)):
+        return ready_map(str(named), frozenset(names_of(record)))
+    if not is_there(Path(named)) and not Path(named).suffix:
+        raise InputError(
+            f"--record={shown(str(named))} must be a file or a ready mapping{did_you_mean(str(named), READY)}"
+        )
+    return load_record_map(Path(named))
 
 
 def known_of(study: Study, situation: Situation | None) -> Known:
@@ -249,11 +280,11 @@ def known_of(study: Study, situation: Situation | None) -> Known:
     return Known(world.surfaces, world.mission.home, scenario.route, study.limit_s(situation))
 
 
-def needed_by(study: Study) -> Mapping[str, str]:
-    """The signals that the requirements need, each with the first requirement that needs it."""
-    names, needed = frozenset(study.signals), dict[str, str]()
-    for requirement in study.requirements:
-        for name in sorted(_words(requirement) & names):
+def needed_by(requirements: Iterable[Requirement], names: Collection[str]) -> Mapping[str, str]:
+    """The signals among `names` that requirements need, each with the first requirement that needs it."""
+    needed = dict[str, str]()
+    for requirement in requirements:
+        for name in sorted(_words(requirement).intersection(names)):
             needed.setdefault(name, f"requirement {requirement.name}")
     return needed
 
@@ -269,13 +300,35 @@ def judged_record(study: Study, path: Path, mapping: RecordMap, known: Known) ->
     Raises:
         InputError: the record cannot be read, or lacks what a requirement needs.
     """
-    log = flight_log(path, mapping, known, needed=needed_by(study), beliefs=study.stack.belief_names)
-    return JudgedRecord(path, log, tuple(_finding(requirement, log) for requirement in study.requirements))
+    recorded = [*mapping.signals, *(name for name in DERIVED if derivation(mapping, known, name))]
+    requirements = study.requirements if mapping.ours else study.requirements_over(recorded)
+    needed = needed_by(requirements, {*study.signals, *recorded})
+    flight = flight_log(path, mapping, known, needed=needed, beliefs=study.stack.belief_names)
+    return JudgedRecord(path, flight, tuple(_finding(requirement, flight) for requirement in requirements))
 
 
-def _finding(requirement: Requirement, log: FlightLog) -> JudgedRequirement:
+def _finding(requirement: Requirement, flight: RecordedFlight) -> JudgedRequirement:
+    log, words = flight.log, _words(requirement)
     judgement = judge_signals(requirement, log.signals, cut_short=log.ending.cut_short)
+    at = slice(None) if judgement.sample is None else slice(judgement.sample, judgement.sample + 1)
+    unknown = next((name for name in sorted(words & flight.stale.keys()) if flight.stale[name][at].any()), "")
     if judgement.sample is None:
-        return JudgedRequirement(judgement.reading, None)
-    x_m, y_m, z_m = (float(log.signals[name][judgement.sample]) for name in ("x_m", "y_m", "z_m"))
-    return JudgedRequirement(judgement.reading, (x_m, y_m, z_m))
+        return JudgedRequirement(judgement.reading, None, unknown, _between(requirement, flight))
+    x_m, y_m, z_m = (float(log.signals[name][judgement.sample]) for name in PLACE)
+    return JudgedRequirement(judgement.reading, (x_m, y_m, z_m), unknown, None)
+
+
+def _between(requirement: Requirement, flight: RecordedFlight) -> float | None:
+    """When the least or the greatest values between samples violate a requirement that holds in the samples [s].
+
+    A signal takes the value that a comparison with a number in the requirement holds least.
+    """
+    texts = [requirement.text, *(text for _, text in requirement.definitions)]
+    senses = {(name, sense[0]) for text in texts for _, name, sense, _ in comparisons(parse(tokenize(text)))}
+    for sense, worst in (("<", 1), (">", 0)):
+        names = [name for name, own in senses if own == sense and name in flight.between]
+        signals = {**flight.log.signals, **{name: flight.between[name][worst] for name in names}}
+        reading = judge_signals(requirement, signals, cut_short=False).reading if names else None
+        if reading is not None and reading.violated_at_s is not None:
+            return reading.violated_at_s
+    return None
