@@ -14,7 +14,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import Faults, InputError
-from scaloft_fi.judge.stl import FUTURE, LONGEST, WORDS, Formula, FormulaError, Signals, inside_always, tokenize
+from scaloft_fi.judge.stl import (
+    FUTURE,
+    LONGEST,
+    WORDS,
+    Formula,
+    FormulaError,
+    RootError,
+    Signals,
+    inside_always,
+    tokenize,
+)
 from scaloft_fi.marks import Called, Choices, Examples, Given, Key, Reads, Size
 from scaloft_fi.model import Schema, read, schema
 
@@ -153,16 +163,20 @@ def judge_signals(requirement: Requirement, signals: Signals, *, cut_short: bool
 
     Raises:
         ValueError: a signal is not finite.
+        InputError: a divisor is 0, or a root is of a negative number.
     """
     body, definitions, trigger = _parsed(requirement, frozenset(signals))
     known: dict[str, Any] = dict(signals)
-    for name, formula in definitions:
-        known[name] = formula.robustness(known)
     triggered = 1
-    if trigger is not None:
-        known[TRIGGER] = trigger.robustness(known)
-        triggered = episodes(known[TRIGGER])
-    robustness = body.robustness(known)
+    try:
+        for name, formula in definitions:
+            known[name] = formula.robustness(known)
+        if trigger is not None:
+            known[TRIGGER] = trigger.robustness(known)
+            triggered = episodes(known[TRIGGER])
+        robustness = body.robustness(known)
+    except (ZeroDivisionError, RootError) as error:
+        raise InputError(f"requirement {requirement.name} cannot be judged: {error}") from error
     least = min(robustness)
     first = next(sample for sample, value in enumerate(robustness) if value < 0) if least < 0 else None
     at_s = None if first is None else float(signals["elapsed_s"][first])

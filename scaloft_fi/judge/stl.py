@@ -40,7 +40,7 @@ BINDING: Sequence[tuple[str, ...]] = (
     ("/",),
     ("+",),
     ("-",),
-    COMPARATORS,
+    (*COMPARATORS, "=="),
     ("until",),
     ("since",),
     ("and",),
@@ -67,13 +67,40 @@ _APART = {
     ("<", "<"): "a < b < c compares the robustness of a < b with c; for two limits write a < b and b < c",
     ("->", "->"): "a implies b implies c is read as (a implies b) implies c",
 }
-_ALIKE = dict.fromkeys(COMPARATORS, "<") | {"implies": "->"}
+_ALIKE = dict.fromkeys((*COMPARATORS, "=="), "<") | {"implies": "->"}
 _WINDOWED = (*EXTREMES, "since", "until")
 _OF_TWO_TIMES = f"must be of two times in seconds, after {', '.join(_WINDOWED)}, as historically[0:2]( ... )"
 _TOKEN = re.compile(
-    r"\s*(?:(?P<name>[A-Za-z_]\w*)|(?P<number>[0-9]+\.?[0-9]*(?:[eE][-+]?[0-9]+)?|\.[0-9]+)|"
-    r"(?P<mark>->|<=|>=|[-+*/()<>\[\]:]))"
+    r"\s*(?:(?P<name>[A-Za-z_]\w*)|"
+    r"(?P<number>(?:[0-9]+\.?[0-9]*(?:[eE][-+]?[0-9]+)?|\.[0-9]+)(?:\s*[munp]?s(?=\s*[:,\]]))?)|"
+    r"(?P<mark>->|<=|>=|!==|!=|==|&&|\|\||[-+*/()<>\[\]:,&|!]))"
 )
+_UNITS_S = {"s": Fraction(1), "ms": Fraction(1, 1_000), "us": Fraction(1, 10**6), "ns": Fraction(1, 10**9)}
+_TIME = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)\s*([mun]?s)?")
+"""A time of an interval, with its unit; without one it is in seconds, as in RTAMT."""
+_BEFORE = f"[{TICK_S:g}:{TICK_S:g}]"
+_FUTURE = "refers to the future; use historically, once or since"
+FOREIGN: Mapping[str, str] = {
+    "xor": "write (a or b) and not (a and b)",
+    "!==": "is below 0 for no values; write a < b - margin or a > b + margin",
+    "!=": "write a < b - margin or a > b + margin",
+    "prev": f"write historically{_BEFORE}(a)",
+    "rise": f"write a and not historically{_BEFORE}(a)",
+    "fall": f"write not a and once{_BEFORE}(a)",
+    "next": _FUTURE,
+    "weak": _FUTURE,
+    "unless": _FUTURE,
+    "&": "write and",
+    "&&": "write and",
+    "|": "write or",
+    "||": "write or",
+    "!": "write not",
+}
+"""Words and marks of RTAMT and others that are no formula here, each with its remedy."""
+
+
+class RootError(ValueError):
+    """A root of a negative number."""
 
 
 class FormulaError(ValueError):
@@ -101,7 +128,7 @@ def tokenize(text: str) -> list[str]:
             raise FormulaError(
                 f"has {near!r}; allowed: names, numbers, {', '.join(sorted(WORDS))}, -> < <= > >= + - * /"
             )
-        tokens.append(match.group().strip())
+        tokens.append("".join(match.group().split()))
         at = match.end()
         depth += (tokens[-1] == "(") - (tokens[-1] == ")")
         if depth > DEEPEST:
@@ -210,12 +237,36 @@ def parse(tokens: Sequence[str]) -> Node:
         raise FormulaError(f"has brackets that do not match: ')' {reader.place} closes none")
     if reader.token:
         raise reader.unexpected()
-    level, depth = [node], 0
-    while level := [part for inner in level for part in parts(inner)]:
+    level, depth = [node], -1
+    while level:
         depth += 1
         if depth > MOST_NESTED:
             raise _too_deep()
+        for part in level:
+            if isinstance(part, Infix) and part.operator == "/" and _constant(part.right) == 0.0:
+                raise FormulaError(f"divides by 0 in '{written(part)}'")
+        level = [part for inner in level for part in parts(inner)]
     return node
+
+
+def _constant(node: Node) -> float | None:
+    """The number that arithmetic without signals gives; None for any other part, and for what has no number."""
+    if isinstance(node, Number):
+        return node.value
+    if not isinstance(node, Infix) or node.operator not in _ARITHMETIC:
+        return None
+    left, right = _constant(node.left), _constant(node.right)
+    if left is None or right is None or (node.operator == "/" and right == 0.0):
+        return None
+    return _ARITHMETIC[node.operator](left, right)
+
+
+_ARITHMETIC: Mapping[str, Callable[[float, float], float]] = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+}
 
 
 class _Reader:
@@ -260,7 +311,11 @@ class _Reader:
             self._take()
             interval = self._interval(operator)
             right = self.expression(LEVEL[operator] + 1, operator)
-            node, before = Infix("implies" if operator == "->" else operator, node, right, interval), operator
+            if operator == "==":
+                node = Infix("and", Infix("<=", node, right), Infix(">=", node, right))
+            else:
+                node = Infix("implies" if operator == "->" else operator, node, right, interval)
+            before = operator
         self._nested -= 1
         return node
 
@@ -300,7 +355,10 @@ class _Reader:
         return node
 
     def _number(self) -> float:
-        value = float(self.token)
+        try:
+            value = float(self.token)
+        except ValueError:
+            raise self._wrong("a number; only the times of an interval have a unit") from None
         if math.isinf(value):
             raise FormulaError(f"has the number {self.token} {self.place}, which must be at most 1e308")
         self._take()
@@ -310,11 +368,16 @@ class _Reader:
         """Read the interval of an operator; None without one."""
         if operator not in _WINDOWED or self.token != "[":
             return None
-        _, first, colon, last, closing = (*self._tokens[self._at : self._at + 5], *[""] * 4)[:5]
-        if colon != ":" or closing != "]" or not all(time and _DIGITS.issuperset(time) for time in (first, last)):
+        _, first, between, last, closing = (*self._tokens[self._at : self._at + 5], *[""] * 4)[:5]
+        times = [_TIME.fullmatch(time) for time in (first, last)]
+        if between not in (":", ",") or closing != "]" or None in times:
             raise FormulaError(f"has an interval {self.place} that {_OF_TWO_TIMES}")
+        told = [(Fraction(time[1]), time[2]) for time in times if time]
+        if len({unit for time, unit in told if time}) > 1 and not all(unit for time, unit in told if time):
+            raise FormulaError(f"has an interval {self.place} with one unit; give the unit of both times, or of none")
         self._at += 5
-        return _samples(f"{operator}[{first}:{last}]", Fraction(first), Fraction(last))
+        first_s, last_s = (time * _UNITS_S[unit or "s"] for time, unit in told)
+        return _samples(f"{operator}[{first}{between}{last}]", first_s, last_s)
 
     def _take(self) -> str:
         self._at += 1
@@ -389,8 +452,9 @@ def robustness(node: Node, signals: Mapping[str, Any], largest: float = LARGEST)
         largest: stands for an infinite robustness, which is that of an empty window.
 
     Raises:
-        ValueError: a sample is not finite, the lengths differ or are 0, or a root is of a negative number.
+        ValueError: a sample is not finite, or the lengths differ or are 0.
         ZeroDivisionError: a divisor is 0.
+        RootError: a root is of a negative number.
     """
     columns = {name: _column(name, samples) for name, samples in signals.items()}
     lengths = sorted({len(column) for column in columns.values()})
@@ -437,7 +501,7 @@ def _greater(first: Column, second: Column) -> Column:
 
 def _root(values: Column) -> Column:
     if (values < 0).any():
-        raise ValueError(f"sqrt of {values[values < 0][0]:g} at sample {np.argmax(values < 0)}")
+        raise RootError(f"sqrt of {values[values < 0][0]:g} at sample {np.argmax(values < 0)}")
     return np.sqrt(values)
 
 
@@ -554,6 +618,9 @@ class Formula:
             FormulaError: the text is not a formula over these signals; the message says what is wrong.
         """
         tokens = tokenize(text)
+        for token in tokens:
+            if token in FOREIGN and token not in signals:
+                raise FormulaError(f"has {token!r}, which is no word or mark here: {FOREIGN[token]}")
         used = [token for token in tokens if is_name(token)]
         for name in used:
             if name not in signals:

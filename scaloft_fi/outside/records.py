@@ -854,7 +854,8 @@ def _direct(
                     place = whole.signals[need].column or f"{whole.signals[need].topic}: {whole.signals[need].field}"
                     told = f"{by} needs the signal {name!r}, for which {whole.name} takes {place}"
                     raise InputError(f"{path}: {told}, which the record does not have")
-            near = did_you_mean(name, [*mapping.signals, *kind.names(path)])
+            near = did_you_mean(name, mapping.signals)
+            near = near if "mean" in near else did_you_mean(name, kind.names(path))
             raise InputError(f"{path}: {by} needs the signal {name!r}, and {lack}{near}")
     names = dict.fromkeys(name for name in (*needed, *wanted) if name in mapping.signals)
     for name in (*needed, *wanted, CLEARANCE, LANDED):

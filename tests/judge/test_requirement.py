@@ -195,3 +195,10 @@ def test_definitions_may_build_on_those_above_them(tmp_path: Path) -> None:
     assert [name for name, _ in requirement.definitions] == ["close", "far"]
     signals = {name: [2.0, 0.5] for name in SIGNALS} | {"elapsed_s": [0.0, 0.05]}
     assert judge_signals(requirement, signals, cut_short=False).reading.rho == -0.5
+
+
+@pytest.mark.parametrize("formula", ["always(1 / a > 0)", "always(sqrt(a - 1) >= 0)"])
+def test_what_has_no_value_in_a_flight_is_one_sentence_that_names_the_requirement(formula: str) -> None:
+    requirement = Requirement("A", Kind.SAFETY, formula)
+    with pytest.raises(InputError, match=r"requirement A cannot be judged: .* at sample 1"):
+        judge_signals(requirement, {"a": [1.0, 0.0], "elapsed_s": [0.0, 0.05]}, cut_short=False)

@@ -75,4 +75,7 @@ def _ours(node: Any) -> Node:
     if word in EXTREMES:
         return Prefix(word, _ours(node.children[0]), interval)
     operator = word if word in ("since", "until") else str(node.operator) if kind == "Predicate" else _WORDS[kind]
-    return Infix(operator, *map(_ours, node.children[:2]), interval)
+    left, right = map(_ours, node.children[:2])
+    if operator == "==":
+        return Infix("and", Infix("<=", left, right), Infix(">=", left, right))
+    return Infix(operator, left, right, interval)
