@@ -11,7 +11,7 @@ from options import usually
 
 from scaloft_fi.console import PIPED
 
-EVERY = usually(6, release=1)
+EVERY = usually(12, release=1)
 
 
 def test_each_verb_prints_what_is_recorded_in_every_format() -> None:

@@ -28,7 +28,7 @@ KEY = re.compile(
 PASSES = "is read"
 ONE = "human"
 """The parameter whose file stands for those of all: they have the same keys."""
-EVERY = usually(12, release=1)
+EVERY = usually(24, release=1)
 
 
 class BadInput(NamedTuple):

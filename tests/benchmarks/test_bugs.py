@@ -16,6 +16,9 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.study import Study
 
+pytestmark = pytest.mark.release
+"""A page of the past is recomputed before a release."""
+
 PLAN = registered("bugs")
 SOUGHT = 6
 """How many of the bugs, at the end, were looked for besides: in cells whose mutant has published kills."""

@@ -38,6 +38,9 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.study import Study
 
+pytestmark = pytest.mark.release
+"""A page of the past is recomputed before a release."""
+
 
 def small() -> st.SearchStrategy[np.ndarray]:
     """(things, situations) of up to 5 situations."""

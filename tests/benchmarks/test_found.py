@@ -18,6 +18,9 @@ from scaloft_fi.sim.grid import Finds
 from scaloft_fi.study import Study
 from scaloft_fi.views.output import plain
 
+pytestmark = pytest.mark.release
+"""A page of the past is recomputed before a release."""
+
 SHOWN, LEFT = "LATE-human@3s", "NO-human@100%"
 FIND = found(SHOWN, "T0O0W0D0H1")
 FIRST = 100_000

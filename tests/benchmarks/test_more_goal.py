@@ -19,6 +19,9 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
+pytestmark = pytest.mark.release
+"""A page of the past is recomputed before a release."""
+
 CORNER = "T1O0W0D0H0"
 Told = Mapping[tuple[Arm, str, str], dict[str, float]]
 """Violations by arm, subject and situation."""

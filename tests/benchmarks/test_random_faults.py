@@ -41,6 +41,9 @@ from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.wire import contexts, wire_for
 from scaloft_fi.study import Study
 
+pytestmark = pytest.mark.release
+"""A page of the past is recomputed before a release."""
+
 
 def test_the_committed_faults_are_what_the_draw_gives(study: Study) -> None:
     assert experiment.FILE.read_text(encoding="utf-8") == experiment.text_of(experiment.drawn(study))

@@ -16,6 +16,9 @@ from scaloft_fi.campaign.seeking.proposals import Parameters, Proposal, Proposer
 from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.sim.situation import DEVIATES, Situation
 
+pytestmark = pytest.mark.release
+"""A page of the past is recomputed before a release."""
+
 GRID = load_grid(ROOT / "sim", "search")
 SMALL = replace(GRID, free=tuple(axis for axis in GRID.free if axis.id in ("Cs", "Ox", "Px", "Li", "Ey")))
 TINY = replace(GRID, free=tuple(axis for axis in GRID.free if axis.id in ("Cs", "Ox", "Ey")))

@@ -41,6 +41,9 @@ from scaloft_fi.sim.grid import Evidence as Shown
 from scaloft_fi.streams import generator
 from scaloft_fi.study import Study
 
+pytestmark = pytest.mark.release
+"""A page of the past is recomputed before a release."""
+
 SURVIVORS, AT_RISK, WIDE = 82, 66, 19
 """Defaults that the paper's grid does not detect; those of them whose cell names a safety requirement; and how many
 of the drawn ones the wide grid detects."""

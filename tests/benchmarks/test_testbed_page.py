@@ -5,10 +5,15 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
+
 from experiments.testbed import delay, second_script, touched
 from scaloft_fi.outside.border import Goal
 from scaloft_fi.stack.messages import Bumper, Detections, Person
 from scaloft_fi.stack.reference.messages import SpeedLimit
+
+pytestmark = pytest.mark.release
+"""A page of the past is recomputed before a release."""
 
 
 def crossing(seam: str, t_s: float, sent: Any, delivered: Any = None) -> SimpleNamespace:

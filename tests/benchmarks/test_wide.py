@@ -12,6 +12,9 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Redraw, score
 from scaloft_fi.study import Study
 
+pytestmark = pytest.mark.release
+"""A page of the past is recomputed before a release."""
+
 ONCE = Redraw(3, Ratio(1, 200), Ratio(0, 200))
 
 

@@ -162,6 +162,7 @@ print(json.dumps({
 """
 
 
+@pytest.mark.release
 @pytest.mark.flight
 def test_two_stacks_in_one_process_fly_as_each_does_alone(tmp_path: Path) -> None:
     install_project(tmp_path, EXAMPLE)

@@ -32,6 +32,7 @@ def test_the_search_grid_flies_the_papers_situations_bit_for_bit() -> None:
     assert len(digests) == 1
 
 
+@pytest.mark.release
 def test_a_short_search_flies_what_its_budget_allows_and_resumes(tmp_path: Path) -> None:
     study = Study.open(ROOT, "search")
     mutants = [realise(study.matrix, "LATE-depth")]

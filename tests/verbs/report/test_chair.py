@@ -88,6 +88,7 @@ def test_the_matrix_is_shaded_by_certainty_and_hatched_where_nothing_is_decided(
     assert page.locator('#hazop td[data-cell="LATE-human"] .op').count() == 0
 
 
+@pytest.mark.release
 def test_a_flight_plays_and_jumps_to_what_happened(visit: Opened) -> None:
     page = visit(FLIGHT).page
     told, play = page.locator("#sheet .time output"), page.locator("#sheet .play")
@@ -105,6 +106,7 @@ def test_a_flight_plays_and_jumps_to_what_happened(visit: Opened) -> None:
     assert "SR2 violated" in page.locator("#sheet .jumps").inner_text()
 
 
+@pytest.mark.release
 def test_who_asks_for_less_motion_gets_no_moving_picture(visit: Opened) -> None:
     page = visit(FLIGHT, reduced_motion="reduce").page
     assert page.locator("#sheet .play").count() == 0
@@ -146,6 +148,7 @@ def test_keys_alone_lead_to_the_flight_and_back(visit: Opened) -> None:
     assert page.evaluate("document.activeElement.dataset.cell") == "LATE-human"
 
 
+@pytest.mark.release
 def test_a_link_and_the_way_back_draw_a_sheet_once(visit: Opened) -> None:
     page = visit("#cell=LATE-human").page
     page.evaluate(
@@ -163,6 +166,7 @@ def test_a_link_and_the_way_back_draw_a_sheet_once(visit: Opened) -> None:
     assert page.evaluate("drawn") == 3
 
 
+@pytest.mark.release
 def test_every_head_and_legend_is_a_term_that_leads_to_its_meaning(visit: Opened, told: dict[str, Any]) -> None:
     page = visit().page
     known = {form.lower() for entry in told["glossary"] for form in (entry["name"], *entry["also"])}
@@ -183,6 +187,7 @@ def test_every_head_and_legend_is_a_term_that_leads_to_its_meaning(visit: Opened
     assert page.evaluate("document.activeElement.id") == page.evaluate("location.hash.slice(1)")
 
 
+@pytest.mark.release
 def test_on_paper_stands_what_is_behind_a_click_on_the_screen(visit: Opened, told: dict[str, Any]) -> None:
     page = visit(color_scheme="dark").page
     page.wait_for_selector("#details[data-drawn]", state="attached")
@@ -204,6 +209,7 @@ def test_on_paper_stands_what_is_behind_a_click_on_the_screen(visit: Opened, tol
     assert page.pdf(prefer_css_page_size=True)[:4] == b"%PDF"
 
 
+@pytest.mark.release
 def test_on_a_narrow_screen_a_value_says_what_it_is(visit: Opened) -> None:
     page = visit("#cell=LATE-human", viewport={"width": 390, "height": 844}).page
     head = "getComputedStyle(document.querySelector('#sheet .mutant td'), '::before').content"
