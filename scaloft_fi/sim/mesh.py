@@ -7,6 +7,8 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib import import_module
+from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -17,6 +19,7 @@ from numpy.typing import NDArray
 from scaloft_fi.document import FILE_BYTES, MIB, UnreadableError, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.marks import Bounds
+from scaloft_fi.registry import in_one_line
 from scaloft_fi.stack.messages import DepthCamera
 
 Array = NDArray[np.float64]
@@ -51,6 +54,11 @@ class Mesh:
     def moved(self, offset: Sequence[float]) -> Mesh:
         """The mesh, translated by `offset` (3,) [m]."""
         return Mesh(self.vertices + np.asarray(offset, np.float64), self.faces)
+
+    def turned(self, yaw_rad: float) -> Mesh:
+        """The mesh, turned about z by `yaw_rad`, counter-clockwise from above."""
+        c, s = math.cos(yaw_rad), math.sin(yaw_rad)
+        return Mesh(self.vertices @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]), self.faces)
 
     def part(self, keep: NDArray[np.bool_]) -> Mesh:
         """The faces in `keep` (F,) and their vertices."""
@@ -273,12 +281,26 @@ FARTHEST_M = 1e5
 """Greatest coordinate of anything in a world [m]; the stack's map and the physics server lose precision beyond."""
 
 
-class ObjMesh(NamedTuple):
-    """A mesh file: the mesh, and for each face the name of its object or group, "" before the first, and its line."""
+class MeshFile(NamedTuple):
+    """A mesh file.
+
+    Attributes:
+        mesh: the mesh.
+        names: for each face the name of its object or group, "" before the first.
+        lines: for each face its line in an OBJ file, its number in any other.
+        word: which of both: `line` or `face`.
+    """
 
     mesh: Mesh
     names: tuple[str, ...]
     lines: Faces
+    word: str = "line"
+
+
+UP = {".glb": "y", ".gltf": "y"}
+"""The axis that is up where a format says so (glTF 2.0, section 3.4); in any other file it is z."""
+ENDINGS = (".obj", ".stl", ".ply", ".glb", ".gltf", ".dae", ".off")
+"""The endings of mesh files."""
 
 
 _LINE = re.compile(r"^[^\S\n]*([vfog])(?![^\s#])([^\n]*)", re.MULTILINE)
@@ -300,7 +322,64 @@ class MeshLimits:
     corners: Annotated[int, Bounds(least=1, most=1_000_000)] = 1_000
 
 
-def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = None) -> ObjMesh:
+def read_mesh(path: Path, place: str, scale: float, up: str, limits: MeshLimits) -> MeshFile:
+    """Read a mesh file: OBJ here, any other by `trimesh`; with y up it is turned so that z is.
+
+    Args:
+        path: the file.
+        place: `file:line` of the key that names the file, for error messages.
+        scale: metres per unit of the file.
+        up: `y` or `z`, the axis of the file that is up.
+        limits: limits of the mesh.
+
+    Raises:
+        InputError: the file cannot be read, is not a mesh, or exceeds a limit.
+    """
+    if path.suffix.lower() not in ENDINGS:
+        raise InputError(f"{place}: mesh={shown(str(path))} must end in {', '.join(ENDINGS)}")
+    read = read_obj if path.suffix.lower() == ".obj" else _read_by_library
+    file = read(path, place, scale, limits)
+    if up != "y":
+        return file
+    return file._replace(mesh=Mesh(file.mesh.vertices @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]), file.mesh.faces))
+
+
+def _exceeded(place: str, reason: str, limit: str) -> InputError:
+    return InputError(f"{place}: {reason}; `mesh_limits: {{{limit}: ...}}` beside `mesh` allows more")
+
+
+def _text(path: Path, place: str, limits: MeshLimits) -> str:
+    """The text of a mesh file, if it is not too large; many programs write names and comments in Latin-1."""
+    try:
+        return read_text(path, limits.size_bytes, other="latin-1")
+    except UnreadableError as error:
+        sentence = f"mesh={shown(str(path))} cannot be read: {error.reason}"
+        if "larger" in error.reason:
+            raise _exceeded(place, sentence, "size_bytes") from error
+        raise InputError(f"{place}: {sentence}") from error
+
+
+def _read_by_library(path: Path, place: str, scale: float, limits: MeshLimits) -> MeshFile:
+    _text(path, place, limits)
+    try:
+        scene = import_module("trimesh").load_scene(path, process=False)
+        pieces = [piece for piece in scene.dump() if len(getattr(piece, "faces", ()))]
+    except Exception as error:
+        needs = "pip install pycollada: " if path.suffix.lower() == ".dae" and find_spec("collada") is None else ""
+        told = in_one_line(error)
+        raise InputError(f"{place}: mesh={shown(str(path))} cannot be read: {needs}{told}") from error
+    if not pieces:
+        raise InputError(f"{place}: mesh={shown(str(path))} must have faces")
+    whole = join([Mesh(np.asarray(one.vertices, np.float64) * scale, np.array(one.faces, np.int64)) for one in pieces])
+    if len(whole.faces) > limits.triangles:
+        raise _exceeded(place, f"the mesh must have at most {limits.triangles:,} triangles", "triangles")
+    if not (np.abs(whole.vertices) <= FARTHEST_M).all():
+        raise InputError(f"{place}: mesh={shown(str(path))} must have its vertices within {FARTHEST_M:,.0f} m")
+    names = [str(one.metadata.get("name", "")) for one in pieces for _ in range(len(one.faces))]
+    return MeshFile(whole, tuple(names), np.arange(1, len(whole.faces) + 1), "face")
+
+
+def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = None) -> MeshFile:
     """Read the faces of a Wavefront OBJ file; polygons become fans of triangles.
 
     Args:
@@ -313,17 +392,7 @@ def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = N
         InputError: the file cannot be read, is not a mesh, or exceeds a limit.
     """
     limits = limits or MeshLimits()
-
-    def exceeded(place: str, reason: str, limit: str) -> InputError:
-        return InputError(f"{place}: {reason}; `mesh_limits: {{{limit}: ...}}` beside `mesh` allows more")
-
-    try:
-        text = read_text(path, limits.size_bytes).replace("\r\n", "\n").replace("\r", "\n")
-    except UnreadableError as error:
-        sentence = f"mesh={shown(str(path))} cannot be read: {error.reason}"
-        if "larger" in error.reason:
-            raise exceeded(place, sentence, "size_bytes") from error
-        raise InputError(f"{place}: {sentence}") from error
+    text = _text(path, place, limits).replace("\r\n", "\n").replace("\r", "\n")
     vertices: list[tuple[float, ...]] = []
     faces: list[tuple[int, int, int]] = []
     names: list[str] = []
@@ -342,7 +411,7 @@ def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = N
             elif word == "f":
                 if len(rest) > limits.corners:
                     most = f"a face must have at most {limits.corners:,} corners"
-                    raise exceeded(f"{path}:{number}", most, "corners")
+                    raise _exceeded(f"{path}:{number}", most, "corners")
                 corners = [_corner(value, len(vertices)) for value in rest]
                 fan = [(corners[0], b, c) for b, c in pairwise(corners[1:])]
                 if not fan:
@@ -357,10 +426,10 @@ def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = N
             raise InputError(f"{path}:{number}: {shown(line[0].strip())} must be {allowed}") from None
         if len(faces) > limits.triangles or len(vertices) > 3 * limits.triangles:
             most = f"the mesh must have at most {limits.triangles:,} triangles, and three vertices for each"
-            raise exceeded(f"{path}:{number}", most, "triangles")
+            raise _exceeded(f"{path}:{number}", most, "triangles")
     if not faces:
         raise InputError(f"{place}: mesh={shown(str(path))} must have faces (lines `f ...`)")
-    return ObjMesh(Mesh(np.array(vertices), np.array(faces, np.int64)), tuple(names), np.array(lines, np.int64))
+    return MeshFile(Mesh(np.array(vertices), np.array(faces, np.int64)), tuple(names), np.array(lines, np.int64))
 
 
 def _corner(text: str, count: int) -> int:
@@ -404,17 +473,19 @@ class Flaw:
         return f"{self.place}: {self.sentence}; {self.remedy}"
 
 
-def surface_flaws(triangles: Array, lines: Faces, path: Path) -> Iterator[Flaw]:
+def surface_flaws(triangles: Array, lines: Faces, path: Path, word: str = "line") -> Iterator[Flaw]:
     """The flaws of a surface.
 
     Args:
         triangles: (F, 3, 3) corners [m].
         lines: (F,) line of each triangle in the file.
         path: the file.
+        word: what `lines` count: `line` or `face`.
     """
 
     def flaw(face: int, sentence: str, remedy: str, *, grave: bool) -> Flaw:
-        return Flaw(f"{path}:{lines[face]}", sentence, remedy, grave)
+        place = f"{path}:{lines[face]}" if word == "line" else f"{path}: face {lines[face]}"
+        return Flaw(place, sentence.replace("this line", f"this {word}"), remedy, grave)
 
     sides = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     empty = 0.5 * np.linalg.norm(sides, axis=1) <= LEAST_AREA_M2
@@ -424,6 +495,12 @@ def surface_flaws(triangles: Array, lines: Faces, path: Path) -> Iterator[Flaw]:
     triangles, lines = triangles[~empty], lines[~empty]
     if not len(triangles):
         return
+    again, turned = _twice(triangles)
+    if again.any():
+        two_sided = ", turned around: an export of two-sided faces" if turned else ""
+        sentence = f"{_faces(again)} there twice{two_sided}, the first again at this line"
+        yield flaw(int(again.argmax()), sentence, "remove the second one of each", grave=True)
+        triangles, lines = triangles[~again], lines[~again]
     surface = _Surface.of(triangles)
     if surface.one_sided.any():
         sentence, remedy = "the surface of this face has one side only", "separate the faces that cross there"
@@ -443,6 +520,16 @@ def surface_flaws(triangles: Array, lines: Faces, path: Path) -> Iterator[Flaw]:
         sentence = f"the surface has holes: {len(surface.open_edges)} edges have no second face, the first is {edge}"
         remedy = "close it, and merge the vertices that stand at one place"
         yield flaw(face, f"{sentence} of the face at this line", remedy, grave=False)
+
+
+def _twice(triangles: Array) -> tuple[NDArray[np.bool_], bool]:
+    """(F,) which faces have the corners of an earlier one, and whether each of them is wound the other way."""
+    corners = np.unique(np.round(triangles.reshape(-1, 3), WELD_DIGITS), axis=0, return_inverse=True)[1].reshape(-1, 3)
+    _, first, which = np.unique(np.sort(corners, axis=1), axis=0, return_index=True, return_inverse=True)
+    earlier = first[which.reshape(-1)]
+    again = earlier != np.arange(len(corners))
+    signs = [np.linalg.det(np.eye(3)[np.argsort(own[again], axis=1)]) for own in (corners, corners[earlier])]
+    return again, bool((signs[0] * signs[1] < 0.0).all())
 
 
 def _swollen(triangles: Array, surface: _Surface) -> Iterator[NDArray[np.bool_]]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 
@@ -188,28 +188,31 @@ class GroundPlan(_Rock):
 
 @dataclass(frozen=True)
 class MeshMine(_Rock):
-    """A mine from an OBJ file, whose walls, roof and floor together enclose the open space.
+    """A mine from a mesh file, whose walls, roof and floor together enclose the open space.
 
     Attributes:
-        mesh: path of the file, beside this one.
+        mesh: path of the file, beside this one: .obj, .stl, .ply, .glb, .gltf, .dae or .off.
         scale_m: metres per unit of the file [m].
+        up: axis of the file that is up; left out: y in glTF, z in any other file.
         ground: objects of the file that form the floor; left out: the level faces with no face below.
         mesh_limits: limits of the file.
     """
 
     mesh: Annotated[str, Examples("my_mine.obj")]
     scale_m: Annotated[MoreThanZero, Examples(0.01)] = 1.0
+    up: Literal["y", "z"] | None = None
     ground: tuple[str, ...] = ()
     mesh_limits: MeshLimits = field(default_factory=MeshLimits)
 
-    def surface(self, item: Item) -> tuple[Path, meshes.ObjMesh]:
+    def surface(self, item: Item) -> tuple[Path, meshes.MeshFile]:
         """The file, and what it has.
 
         Raises:
             InputError: the mesh is unreadable.
         """
         path = item.path.parent / self.mesh
-        return path, meshes.read_obj(path, item.need("mesh").place, self.scale_m, self.mesh_limits)
+        up = self.up or meshes.UP.get(path.suffix.lower(), "z")
+        return path, meshes.read_mesh(path, item.need("mesh").place, self.scale_m, up, self.mesh_limits)
 
     def mine(self, item: Item) -> Mine:
         """The rock of the mesh.
@@ -217,9 +220,9 @@ class MeshMine(_Rock):
         Raises:
             InputError: the mesh is unreadable, or has no floor.
         """
-        _, (mesh, names, _) = self.surface(item)
+        _, file = self.surface(item)
         place = (item.get("ground") or item.need("mesh")).place
-        wall, ground = meshes.split_floor(mesh, names, list(self.ground), place)
+        wall, ground = meshes.split_floor(file.mesh, file.names, list(self.ground), place)
         return Mine(wall, ground, False, self.wall_reflectivity, self.ground_reflectivity, (), math.nan)
 
 
@@ -246,8 +249,8 @@ def flaws_of(item: Item) -> tuple[Flaw, ...]:
     rock: GroundPlan | MeshMine = value_of(Rock, item)
     if isinstance(rock, GroundPlan):
         return ()
-    path, (mesh, _, lines) = rock.surface(item)
-    return tuple(meshes.surface_flaws(mesh.triangles, lines, path))
+    path, file = rock.surface(item)
+    return tuple(meshes.surface_flaws(file.mesh.triangles, file.lines, path, file.word))
 
 
 def _misshapen(points: Ring, item: Item) -> Iterator[InputError]:

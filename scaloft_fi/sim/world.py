@@ -189,14 +189,17 @@ class Box(Body):
     Attributes:
         shape: a box about the vertical.
         size_m: edges x, y, z of the box [m].
+        yaw_deg: turn about the vertical, counter-clockwise from above [deg].
     """
 
     shape: Literal["box"]
     size_m: Annotated[tuple[Edge, Edge, Edge], Examples((0.5, 0.5, 1.8))]
+    yaw_deg: Annotated[float, Bounds(least=-360.0, most=360.0)] = field(default=0.0, kw_only=True)
 
     def form(self, less_m: float) -> tuple[Mesh, float]:
         """The box, and its edge z [m]."""
-        return mesh.box([edge - 2.0 * less_m for edge in self.size_m]), self.size_m[2]
+        made = mesh.box([edge - 2.0 * less_m for edge in self.size_m])
+        return (made.turned(math.radians(self.yaw_deg)) if self.yaw_deg else made), self.size_m[2]
 
 
 @dataclass(frozen=True, eq=False)

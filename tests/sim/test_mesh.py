@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 from studies import build
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim import mesh
-from scaloft_fi.sim.mesh import MeshLimits, box, cylinder, read_obj, surface_flaws
+from scaloft_fi.sim.mesh import MeshLimits, box, cylinder, read_mesh, read_obj, surface_flaws
 
 sizes = st.floats(0.1, 3.0)
 SHAPES = {
@@ -123,7 +124,7 @@ def test_an_obj_file_is_read_with_quads_negative_indices_objects_and_lines(read)
         "# a square and a triangle\r\no floor\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1/1/1 2/2/1 3/3/1 4/4/1 # two\n"
         "g roof top\nv 0 0 1\nf -1 1 2\n"
     )
-    form, names, lines = read(text, 2.0)
+    form, names, lines, _ = read(text, 2.0)
     assert names == ("floor", "floor", "roof top")
     assert np.array_equal(form.triangles[2], [[0, 0, 2], [0, 0, 0], [2, 0, 0]])
     assert lines.tolist() == [7, 7, 10]
@@ -139,7 +140,7 @@ def test_an_obj_file_is_read_with_quads_negative_indices_objects_and_lines(read)
         ("v 0 0 0\nf 0 1 1\n", ":2: 'f 0 1 1' must be"),
         ("v 0 0 0\n", "world.yaml:3: mesh="),
         (None, "world.yaml:3: mesh="),
-        (b"\xff\xfe\x00", "cannot be read"),
+        (b"\xff\xfe\x00", "must have faces"),
     ],
 )
 def test_a_broken_obj_file_is_refused_with_its_line_or_the_place_that_names_it(read, text, sentence):
@@ -242,3 +243,78 @@ def test_a_surface_with_one_side_is_told():
     one, other = middle + half, middle - half
     strip = [f for i in range(12) for f in ((one[i], other[i], one[i + 1]), (other[i], other[i + 1], one[i + 1]))]
     assert any("one side only" in flaw.sentence for flaw in flaws(np.array(strip)))
+
+
+ENDINGS = ("stl", "ply", "glb", "gltf", "off", "obj")
+
+
+def _corners(triangles):
+    """The faces of a mesh, whatever their order."""
+    return sorted(tuple(sorted(map(tuple, np.round(face, 4)))) for face in triangles.tolist())
+
+
+def _exported(folder, ending, triangles, swapped):
+    """A file of triangles; `swapped`: with y up."""
+    points = triangles.reshape(-1, 3)
+    points = points @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]) if swapped else points
+    path = folder / f"room.{ending}"
+    made = trimesh.Trimesh(points, np.arange(len(points)).reshape(-1, 3), process=False)
+    if ending == "gltf":
+        for name, content in trimesh.exchange.gltf.export_gltf(trimesh.Scene(made)).items():
+            (folder / name.replace("model.gltf", path.name)).write_bytes(content)
+    else:
+        made.export(path)
+    return path
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("up", ["z", "y"])
+def test_a_room_is_the_same_in_every_format_and_with_either_axis_up(ending, up, tmp_path):
+    path = _exported(tmp_path, ending, 100.0 * ROOM, up == "y")
+    file = read_mesh(path, "world.yaml:3", 0.01, up, MeshLimits())
+    assert _corners(file.mesh.triangles) == _corners(ROOM)
+    assert list(surface_flaws(file.mesh.triangles, file.lines, path, file.word)) == []
+    assert len(file.names) == len(file.lines) == len(file.mesh.faces)
+
+
+@pytest.mark.parametrize("ending", [*ENDINGS, "dae", "step"])
+def test_what_is_no_mesh_is_one_sentence(ending, tmp_path):
+    path = tmp_path / f"room.{ending}"
+    path.write_bytes(b"solid nothing\n" * 3)
+    with pytest.raises(InputError, match=r"^world\.yaml:3: mesh=.*(cannot be read|must have faces|must end in)"):
+        read_mesh(path, "world.yaml:3", 1.0, "z", MeshLimits())
+
+
+@pytest.mark.parametrize(
+    ("limits", "said"), [(MeshLimits(size_bytes=100), "size_bytes"), (MeshLimits(triangles=3), "triangles")]
+)
+def test_a_mesh_of_any_format_has_the_limits_of_the_study(limits, said, tmp_path):
+    path = _exported(tmp_path, "stl", ROOM, False)
+    with pytest.raises(InputError, match=f"`mesh_limits: {{{said}: ...}}` beside `mesh` allows more"):
+        read_mesh(path, "world.yaml:3", 1.0, "z", limits)
+
+
+def test_a_comment_in_latin_1_carries_no_geometry(read):
+    assert len(read(b"# M\xf6ller\n" + SQUARE.encode()).mesh.faces) == 2
+
+
+def test_faces_that_are_there_twice_are_the_fault_of_the_mesh_and_not_of_the_waypoints():
+    (both,) = flaws(ROOM, turned(ROOM))
+    assert (
+        both.sentence
+        == "12 of 24 faces are there twice, turned around: an export of two-sided faces, the first again at this line"
+    )
+    assert (both.place, both.grave) == ("room.obj:112", True)
+    (same,) = flaws(ROOM, ROOM[:3])
+    assert same.sentence.startswith("3 of 15 faces are there twice, the first again")
+    assert flaws(ROOM, np.roll(turned(ROOM), 1, axis=1))[0].sentence == both.sentence
+
+
+@given(st.floats(-360, 360), st.floats(0.1, 3), st.floats(0.1, 3))
+def test_a_turned_mesh_keeps_its_lengths_and_its_winding(yaw_deg, x_m, y_m):
+    before, after = box((x_m, y_m, 1.0)), box((x_m, y_m, 1.0)).turned(math.radians(yaw_deg))
+    assert np.linalg.norm(after.vertices, axis=1) == pytest.approx(np.linalg.norm(before.vertices, axis=1))
+    volumes = [np.linalg.det(one.triangles).sum() for one in (before, after)]
+    assert volumes[0] == pytest.approx(volumes[1])
+    direction = before.vertices[:, :2] @ np.exp(1j * np.array([0.0, np.pi / 2])) * np.exp(1j * math.radians(yaw_deg))
+    assert after.vertices[:, 0] + 1j * after.vertices[:, 1] == pytest.approx(direction)
