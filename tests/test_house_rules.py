@@ -57,7 +57,8 @@ READERS = {
     "verbs/doctor.py": "/proc/meminfo",
     "outside/exchange.py": "the output of its processes, which the guard bounds",
     "outside/guard.py": "the output of its processes, and /proc",
-    "views/glossary.py": "a file of this package",
+    "views/table.py": "a file of this package",
+    "apart.py": "/proc, and the pipe of the process that it forks",
 }
 """The modules that open files, and which."""
 NO_FILES = {"Study", "archive", "border", "self._lines", "windows", "own.windows", "stream"}

@@ -30,8 +30,7 @@ from scaloft_fi.verbs.listing import Listing, operator_list, seam_list, shown
 from scaloft_fi.verbs.report.analyses import Sign
 from scaloft_fi.verbs.signals import signal_list
 from scaloft_fi.verbs.verdict import Next, Stage
-from scaloft_fi.views.glossary import TERMS, term
-from scaloft_fi.views.table import Format
+from scaloft_fi.views.table import TERMS, Format, term
 
 _MARKS = re.compile(r"\||\[(?!`)")
 SCRIPTS = "What `import scaloft_fi` offers to scripts and notebooks; [Scripts and notebooks](../api.md) shows how."

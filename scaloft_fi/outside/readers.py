@@ -277,9 +277,11 @@ def _opened(path: Path) -> tuple[list[str], Iterator[tuple[int, list[str]]]]:
         raise InputError(f"{path}:1: not a table: {error}") from error
     if not any(head):
         raise InputError(f"{path}:1: the first line must have the names of the columns")
-    twice = [name for place, name in enumerate(head) if name in head[:place]]
-    if twice:
-        raise InputError(f"{path}:1: column {twice[0]!r} occurs twice")
+    seen = set[str]()
+    for name in head:
+        if name in seen:
+            raise InputError(f"{path}:1: column {name!r} occurs twice")
+        seen.add(name)
 
     def rows() -> Iterator[tuple[int, list[str]]]:
         try:

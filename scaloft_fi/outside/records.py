@@ -19,6 +19,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from scaloft_fi.apart import read_apart
 from scaloft_fi.document import Item, is_folder, load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.marks import MOST, Bounds, Called, Choices, Either, Examples, Given, Reads, Size
@@ -127,6 +128,8 @@ def too_many(path: Path) -> InputError:
 
 def damaged(path: Path, error: Exception) -> InputError:
     """The error for a record that its library cannot read."""
+    if isinstance(error, MemoryError):
+        raise error
     said = " ".join(str(error).split()) or type(error).__name__
     return InputError(f"{path}: the record is damaged or incomplete: {said}")
 
@@ -745,13 +748,13 @@ def flight_log(
     """
     kind, whole = kind_of(path), mapping
     if mapping.loose:
-        mapping = mapping.within(frozenset(kind.names(path)))
+        mapping = mapping.within(frozenset(names_of(path)))
     position = dict.fromkeys(PLACE, "the place of a violation")
-    names = _direct(path, kind, mapping, whole, known, {**position, **needed}, wanted)
+    names = _direct(path, mapping, whole, known, {**position, **needed}, wanted)
     entries = {name: mapping.signals[name] for name in names}
     beside = filter(None, (mapping.start, mapping.end, mapping.altered, mapping.carried))
     sources = dict.fromkeys(entry for entry in (*entries.values(), *beside) if entry.constant is None)
-    series = kind.read(path, list(sources), mapping.timing)
+    series = read_apart(path, lambda: kind.read(path, list(sources), mapping.timing))
     start_s, end_s, waits_for = _span(path, mapping, entries, series)
     at_s = instants(path, start_s, end_s)
 
@@ -834,7 +837,6 @@ def lacking(mapping: RecordMap, known: Known, name: str) -> str:
 
 def _direct(
     path: Path,
-    kind: RecordKind,
     mapping: RecordMap,
     whole: RecordMap,
     known: Known,
@@ -854,8 +856,7 @@ def _direct(
                     place = whole.signals[need].column or f"{whole.signals[need].topic}: {whole.signals[need].field}"
                     told = f"{by} needs the signal {name!r}, for which {whole.name} takes {place}"
                     raise InputError(f"{path}: {told}, which the record does not have")
-            near = did_you_mean(name, mapping.signals)
-            near = near if "mean" in near else did_you_mean(name, kind.names(path))
+            near = did_you_mean(name, [one for one in (*mapping.signals, *names_of(path)) if one != name])
             raise InputError(f"{path}: {by} needs the signal {name!r}, and {lack}{near}")
     names = dict.fromkeys(name for name in (*needed, *wanted) if name in mapping.signals)
     for name in (*needed, *wanted, CLEARANCE, LANDED):
@@ -914,4 +915,5 @@ def names_of(path: Path) -> Sequence[str]:
     Raises:
         InputError: it cannot be read.
     """
-    return kind_of(path).names(path)
+    kind = kind_of(path)
+    return read_apart(path, lambda: kind.names(path))

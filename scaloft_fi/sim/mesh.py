@@ -16,6 +16,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from scaloft_fi.apart import read_apart
 from scaloft_fi.document import FILE_BYTES, MIB, UnreadableError, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.marks import Bounds
@@ -361,22 +362,33 @@ def _text(path: Path, place: str, limits: MeshLimits) -> str:
 
 def _read_by_library(path: Path, place: str, scale: float, limits: MeshLimits) -> MeshFile:
     _text(path, place, limits)
-    try:
-        scene = import_module("trimesh").load_scene(path, process=False)
-        pieces = [piece for piece in scene.dump() if len(getattr(piece, "faces", ()))]
-    except Exception as error:
-        needs = "pip install pycollada: " if path.suffix.lower() == ".dae" and find_spec("collada") is None else ""
-        told = in_one_line(error)
-        raise InputError(f"{place}: mesh={shown(str(path))} cannot be read: {needs}{told}") from error
+    pieces = read_apart(path, lambda: _pieces(path, place))
     if not pieces:
         raise InputError(f"{place}: mesh={shown(str(path))} must have faces")
-    whole = join([Mesh(np.asarray(one.vertices, np.float64) * scale, np.array(one.faces, np.int64)) for one in pieces])
+    whole = join([Mesh(vertices * scale, faces) for vertices, faces, _ in pieces])
     if len(whole.faces) > limits.triangles:
         raise _exceeded(place, f"the mesh must have at most {limits.triangles:,} triangles", "triangles")
     if not (np.abs(whole.vertices) <= FARTHEST_M).all():
         raise InputError(f"{place}: mesh={shown(str(path))} must have its vertices within {FARTHEST_M:,.0f} m")
-    names = [str(one.metadata.get("name", "")) for one in pieces for _ in range(len(one.faces))]
+    names = [name for _, faces, name in pieces for _ in faces]
     return MeshFile(whole, tuple(names), np.arange(1, len(whole.faces) + 1), "face")
+
+
+def _pieces(path: Path, place: str) -> list[tuple[Array, Faces, str]]:
+    """Vertices, faces and name of each object that `trimesh` reads."""
+    try:
+        pieces = import_module("trimesh").load_scene(path, process=False).dump()
+    except MemoryError:
+        raise
+    except Exception as error:
+        needs = "pip install pycollada: " if path.suffix.lower() == ".dae" and find_spec("collada") is None else ""
+        told = f"{needs}{in_one_line(error)}"
+        raise InputError(f"{place}: mesh={shown(str(path))} cannot be read: {told}") from error
+    return [
+        (np.asarray(one.vertices, np.float64), np.array(one.faces, np.int64), str(one.metadata.get("name", "")))
+        for one in pieces
+        if len(getattr(one, "faces", ()))
+    ]
 
 
 def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = None) -> MeshFile:

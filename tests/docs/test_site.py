@@ -19,7 +19,7 @@ from printed import printed_enumerations
 from scaloft_fi.cli import VERBS, command_of
 from scaloft_fi.errors import ExitCode
 from scaloft_fi.verbs.export.dossier import EXPORT
-from scaloft_fi.views.glossary import TERMS
+from scaloft_fi.views.table import TERMS
 
 pytestmark = pytest.mark.release
 ROOT = Path(__file__).resolve().parents[2]

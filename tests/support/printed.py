@@ -22,7 +22,7 @@ from jsonschema import Draft202012Validator
 import scaloft_fi
 from scaloft_fi.cli import main
 from scaloft_fi.reference import output_of
-from scaloft_fi.views.glossary import term
+from scaloft_fi.views.table import term
 
 STUDY = Path(__file__).parents[2]
 """The root of this checkout, which is the reference study."""

@@ -15,7 +15,7 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.verbs import first_screen, listing, signals, situations
 from scaloft_fi.verbs.first_screen import NAMES
 from scaloft_fi.verbs.worksheet import COLUMNS
-from scaloft_fi.views.glossary import TERMS, term
+from scaloft_fi.views.table import TERMS, term
 
 
 def test_every_heading_of_every_table_is_a_term() -> None:

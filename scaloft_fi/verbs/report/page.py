@@ -29,9 +29,8 @@ from scaloft_fi.verbs.first_screen import NOT_COMPARED, answers, coverage_line
 from scaloft_fi.verbs.report import analyses
 from scaloft_fi.verbs.report.analyses import Evidence
 from scaloft_fi.verbs.report.flights import DETAILS, FAR, broken, columns, found, packs, scenes
-from scaloft_fi.views.glossary import TERMS
 from scaloft_fi.views.output import plain, printed_of
-from scaloft_fi.views.table import counted
+from scaloft_fi.views.table import TERMS, counted
 
 NO_POOL = "Not known: no situation has ten flights of the unmutated drone."
 WHOLE = "A share of these faults and no estimate for others: the list of cells is closed, and no sample of anything."
