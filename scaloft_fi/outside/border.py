@@ -41,6 +41,8 @@ NOTHING: Mapping[str, Any] = MappingProxyType({})
 class BorderError(StackError):
     """The border, or what the processes outside need before take-off, is missing: a failure of the harness."""
 
+    exit_code = 4
+
 
 @dataclass(frozen=True)
 class Topic:

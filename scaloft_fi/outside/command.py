@@ -378,6 +378,8 @@ _TOLD: Mapping[str, tuple[type[int | float], float, str]] = {
 class CommandError(ScaloftError):
     """The command failed: a failure of the harness, not of the drone."""
 
+    exit_code = 4
+
 
 @dataclass(frozen=True)
 class Told:

@@ -65,6 +65,7 @@ def test_settings_that_do_not_fit_are_refused_with_their_place(folder: Path, old
     with pytest.raises(InputError) as refused:
         _ = Study.open(folder).stack
     assert sentence in str(refused.value)
+    assert refused.value.exit_code == 4
     assert str(refused.value).startswith(f"{path}:")
 
 
