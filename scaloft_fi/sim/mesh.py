@@ -300,8 +300,8 @@ class MeshFile(NamedTuple):
 
 UP = {".glb": "y", ".gltf": "y"}
 """The axis that is up where a format says so (glTF 2.0, section 3.4); in any other file it is z."""
-ENDINGS = (".obj", ".stl", ".ply", ".glb", ".gltf", ".dae", ".off")
-"""The endings of mesh files."""
+BY_LIBRARY = (".stl", ".ply", ".glb", ".gltf", ".dae", ".off")
+"""The endings of the files that `trimesh` reads; any other file is read as OBJ."""
 
 
 _LINE = re.compile(r"^[^\S\n]*([vfog])(?![^\s#])([^\n]*)", re.MULTILINE)
@@ -324,7 +324,7 @@ class MeshLimits:
 
 
 def read_mesh(path: Path, place: str, scale: float, up: str, limits: MeshLimits) -> MeshFile:
-    """Read a mesh file: OBJ here, any other by `trimesh`; with y up it is turned so that z is.
+    """Read a mesh file: OBJ here, those of `BY_LIBRARY` by `trimesh`; with y up it is turned so that z is.
 
     Args:
         path: the file.
@@ -336,9 +336,7 @@ def read_mesh(path: Path, place: str, scale: float, up: str, limits: MeshLimits)
     Raises:
         InputError: the file cannot be read, is not a mesh, or exceeds a limit.
     """
-    if path.suffix.lower() not in ENDINGS:
-        raise InputError(f"{place}: mesh={shown(str(path))} must end in {', '.join(ENDINGS)}")
-    read = read_obj if path.suffix.lower() == ".obj" else _read_by_library
+    read = _read_by_library if path.suffix.lower() in BY_LIBRARY else read_obj
     file = read(path, place, scale, limits)
     if up != "y":
         return file
@@ -440,7 +438,12 @@ def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = N
             most = f"the mesh must have at most {limits.triangles:,} triangles, and three vertices for each"
             raise _exceeded(f"{path}:{number}", most, "triangles")
     if not faces:
-        raise InputError(f"{place}: mesh={shown(str(path))} must have faces (lines `f ...`)")
+        read = (
+            ""
+            if path.suffix.lower() == ".obj"
+            else f"; it is read as OBJ, as it does not end in {', '.join(BY_LIBRARY)}"
+        )
+        raise InputError(f"{place}: mesh={shown(str(path))} must have faces (lines `f ...`){read}")
     return MeshFile(Mesh(np.array(vertices), np.array(faces, np.int64)), tuple(names), np.array(lines, np.int64))
 
 
