@@ -6,7 +6,7 @@ The hull is an upright disc that holds it in every heading, and one that every h
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -18,11 +18,11 @@ from scaloft_fi.document import Item, load
 from scaloft_fi.model import read
 from scaloft_fi.sim.happenings import misfits
 from scaloft_fi.sim.load import Scenario
-from scaloft_fi.sim.mesh import Array
-from scaloft_fi.sim.mine import Mine, flaws_of, read_mine
+from scaloft_fi.sim.mesh import Array, hull
+from scaloft_fi.sim.mine import Corner, Mine, flaws_of, read_mine
 from scaloft_fi.sim.sensors import read_sensors
 from scaloft_fi.sim.vehicle import Vehicle
-from scaloft_fi.sim.world import GROUND, WALL, Point, World, assembled, misplaced
+from scaloft_fi.sim.world import GROUND, WALL, Body, Point, World, assembled, misplaced
 
 MOST_TIMES, LEAST_WAY_M = 10.0, 10.0
 """A mesh more than this many times as large, in every direction, as the way is long, or as this [m], is told of."""
@@ -128,6 +128,27 @@ class RouteCheck:
             if ends[0] != ends[1]:
                 self._leg(scenario, ends, hull_m, document, f"the straight leg from {start!r} to {end!r}")
 
+        self._bodies(scenario, document)
+
+    def _bodies(self, scenario: Scenario, document: Item) -> None:
+        """Note each body that reaches into rock or another body where it stands, or on its way."""
+        world = scenario.world
+        paths = {body.name: world.path_of(body) for body in world.present}
+        if not self._is_new(world, sorted(paths.items())):
+            return
+        for body in world.present:
+            place = document.need("bodies").need(body.name).place
+            if not world.mine.holds(body.centre):
+                remedy = "move it into the open space, unless the rock is meant to hold it"
+                sentence = f"the centre of body {body.name!r} is in rock or outside"
+                self.findings.note(place, sentence, remedy, situation=scenario.key)
+            if body.name in (moved := {h.effect.moved: h for h in world.happenings}) and len(paths[body.name]) > 1:
+                place = document.need("happenings").need(moved[body.name].name).place
+            for name, depth_m, way in overlaps(world, body):
+                walks = "" if way[0] == way[1] else f" on its way from {_text(way[0])} to {_text(way[1])}"
+                sentence = f"body {body.name!r}{walks} reaches {depth_m:.2f} m into {name!r}"
+                self.findings.note(place, sentence, "move one of them, or its path", situation=scenario.key)
+
     def _look(
         self, scenario: Scenario, way: list[Point], hull_m: Point, item: Item, what: str, *, ground: bool = True
     ) -> None:
@@ -158,8 +179,9 @@ class RouteCheck:
                 remedy = "add a waypoint: the time limit of a flight follows from straight legs"
                 self.findings.note(place, sentence, remedy, situation=scenario.key)
 
-    def _is_new(self, world: World, way: list[Point]) -> bool:
-        key = (id(world.mine), tuple(way), tuple((body.name, body.centre) for body in world.present))
+    def _is_new(self, world: World, way: Sequence[object]) -> bool:
+        bodies = tuple((body.name, body.mesh.vertices.tobytes()) for body in world.present)
+        key = (id(world.mine), tuple(way), bodies)
         if key in self._seen:
             return False
         self._seen.add(key)
@@ -202,6 +224,52 @@ def _gap(triangles: Array, start: Array, end: Array, half_height_m: float, withi
             return 0.0  # the outline is convex, and has the point inside
         least = min([least, *(_apart(a, b, p, q) for p, q in sides)])
     return least
+
+
+def overlaps(world: World, body: Body) -> Iterator[tuple[str, float, tuple[Corner, Corner]]]:
+    """What a body reaches into by more than `SLACK_M` where it stands and on its way: name, depth [m], leg of its way.
+
+    Seen from above, what the body sweeps is the hull of its outlines at both ends of a leg.  A body that another one
+    carries, or that stands on the floor, reaches into nothing: what lies above or below does not count.
+    """
+    outline, heights_m = body.mesh.vertices[:, :2], body.mesh.vertices[:, 2]
+    less_m = min(SLACK_M, 0.25 * float(np.ptp(heights_m)))
+    low, high = float(heights_m.min()) + less_m, float(heights_m.max()) - less_m
+    parts = {WALL: world.mine.wall, GROUND: world.mine.ground}
+    parts |= {other.name: other.mesh for other in world.present if other is not body}
+    start, *stops = world.path_of(body) or (body.centre[:2],)
+    legs = list(pairwise([start, start, *stops]))
+    for name, part in parts.items():
+        if not stops and name in world.bodies and (name > body.name or len(world.path_of(world.bodies[name])) > 1):
+            continue  # the other one tells of both
+        triangles = part.triangles
+        for one, other in legs:
+            swept = np.concatenate([outline + np.subtract(end, start) for end in (one, other)])
+            floor, roof = np.append(swept.min(axis=0), low), np.append(swept.max(axis=0), high)
+            near = triangles[((triangles.min(axis=1) <= roof) & (triangles.max(axis=1) >= floor)).all(axis=1)]
+            corners = np.array(hull(list(map(tuple, swept.tolist()))))
+            cuts = (_cut(_cut(triangle, low, 1.0), -high, -1.0) for triangle in near.tolist())
+            depth_m = max((depth(corners, np.array(cut)[:, :2]) for cut in cuts if len(cut) > 1), default=0.0)
+            if depth_m > SLACK_M:
+                yield name, depth_m, (one, other)
+                break
+
+
+def depth(one: Array, other: Array) -> float:
+    """How far two convex outlines (N, 2) overlap [m]: the least shift that parts them; at most 0 where none is needed.
+
+    Only directions across a side of either count (separating axes, Gottschalk et al. 1996).
+    """
+    sides = np.concatenate([np.roll(one, -1, axis=0) - one, np.roll(other, -1, axis=0) - other])
+    lengths = np.hypot(*sides.T)
+    across = np.stack([-sides[:, 1], sides[:, 0]])[:, lengths > 0.0] / lengths[lengths > 0.0]
+    first, second = one @ across, other @ across
+    shifts = np.minimum(first.max(axis=0) - second.min(axis=0), second.max(axis=0) - first.min(axis=0))
+    return float(shifts.min())
+
+
+def _text(place: Corner) -> str:
+    return f"({place[0]:g}, {place[1]:g})"
 
 
 def _cut(outline: list[list[float]], least: float, sign: float) -> list[list[float]]:

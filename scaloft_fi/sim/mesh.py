@@ -217,6 +217,30 @@ def section(triangles: Array, z_m: float) -> list[tuple[tuple[float, float], tup
     return [((x0, y0), (x1, y1)) for (x0, y0), (x1, y1) in ends]
 
 
+def hull(points: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """The convex hull of points in the plane, counter-clockwise (Andrew's monotone chain).
+
+    >>> hull([(0, 0), (2, 0), (1, 1), (2, 2), (0, 2), (1, 0)])
+    ((0, 0), (2, 0), (2, 2), (0, 2))
+    """
+    ordered = sorted(set(points))
+    if len(ordered) < 3:
+        return tuple(ordered)
+
+    def half(along: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+        chain: list[tuple[float, float]] = []
+        for point in along:
+            while len(chain) > 1 and turn(chain[-2], chain[-1], point) <= 0:
+                chain.pop()
+            chain.append(point)
+        return chain
+
+    def turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+    return tuple(half(ordered)[:-1] + half(ordered[::-1])[:-1])
+
+
 Segments = NDArray[np.int16]
 
 
@@ -474,18 +498,21 @@ class Flaw:
 
     Attributes:
         place: `file:line` of the first face that has it.
+        at: centre of that face (x, y, z) [m, world].
         sentence: what is wrong.
         remedy: what to do about it.
         grave: whether open space cannot be told from rock with it; otherwise it may be harmless.
     """
 
     place: str
+    at: tuple[float, float, float]
     sentence: str
     remedy: str
     grave: bool
 
     def __str__(self) -> str:
-        return f"{self.place}: {self.sentence}; {self.remedy}"
+        where = ", ".join(f"{value:.3g}" for value in self.at)
+        return f"{self.place}: {self.sentence}, near ({where}) m; {self.remedy}"
 
 
 def surface_flaws(triangles: Array, lines: Faces, path: Path, word: str = "line") -> Iterator[Flaw]:
@@ -500,7 +527,8 @@ def surface_flaws(triangles: Array, lines: Faces, path: Path, word: str = "line"
 
     def flaw(face: int, sentence: str, remedy: str, *, grave: bool) -> Flaw:
         place = f"{path}:{lines[face]}" if word == "line" else f"{path}: face {lines[face]}"
-        return Flaw(place, sentence.replace("this line", f"this {word}"), remedy, grave)
+        x, y, z = map(float, triangles[face].mean(axis=0))
+        return Flaw(place, (x, y, z), sentence.replace("this line", f"this {word}"), remedy, grave)
 
     sides = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     empty = 0.5 * np.linalg.norm(sides, axis=1) <= LEAST_AREA_M2

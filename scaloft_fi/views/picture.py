@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind
-from scaloft_fi.sim.mesh import section
+from scaloft_fi.sim.mesh import hull, section
 from scaloft_fi.sim.world import ROLES
 from scaloft_fi.views.table import xml
 
@@ -496,30 +496,6 @@ def rings(segments: Iterable[Segment]) -> tuple[tuple[Point, ...], ...]:
 
 def _cell(point: Point) -> tuple[int, int]:
     return round(point[0] / SAME_M), round(point[1] / SAME_M)
-
-
-def hull(points: Sequence[Point]) -> tuple[Point, ...]:
-    """The convex hull of points in the plane, counter-clockwise (Andrew's monotone chain).
-
-    >>> hull([(0, 0), (2, 0), (1, 1), (2, 2), (0, 2), (1, 0)])
-    ((0, 0), (2, 0), (2, 2), (0, 2))
-    """
-    ordered = sorted(set(points))
-    if len(ordered) < 3:
-        return tuple(ordered)
-
-    def half(along: Iterable[Point]) -> list[Point]:
-        chain: list[Point] = []
-        for point in along:
-            while len(chain) > 1 and turn(chain[-2], chain[-1], point) <= 0:
-                chain.pop()
-            chain.append(point)
-        return chain
-
-    def turn(a: Point, b: Point, c: Point) -> float:
-        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-    return tuple(half(ordered)[:-1] + half(reversed(ordered))[:-1])
 
 
 LARGEST_PX = 1100.0

@@ -1,14 +1,19 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from scaloft_fi.checks.world import gaps
+from scaloft_fi.checks.world import depth, gaps, overlaps
 from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.sim.mesh import box
+from scaloft_fi.sim.world import Box, World
 
 GRID = load_grid(Path(__file__).parents[2] / "sim")
 
@@ -53,3 +58,48 @@ def test_a_leg_that_climbs_passes_below_what_hangs_above_its_beginning() -> None
 def test_the_wall_of_the_reference_mine_is_where_the_waypoint_near_it_says() -> None:
     world = GRID.world(GRID.situation("T0O0W1D0H0"))
     assert dict(gaps(world, [world.waypoints["corner"]], 0.055, 1.0))["wall"] == pytest.approx(0.635, abs=0.061)
+
+
+def body_in(world: World, name: str, size: tuple[float, float, float], at: tuple[float, ...], yaw_deg: float) -> World:
+    """The world with one more box."""
+    made = Box(name, "structure", at, 0.3, True, "box", size, yaw_deg=yaw_deg)
+    return replace(world, bodies={**world.bodies, name: made})
+
+
+def overlaps_of(world: World, name: str) -> set[str]:
+    """What a body reaches into."""
+    return {other for other, _, _ in overlaps(world, world.bodies[name])}
+
+
+WORLD = GRID.world(GRID.situation("T0O0W0D0H0"))
+
+
+@pytest.mark.parametrize(
+    ("size", "at", "yaw_deg", "into"),
+    [
+        ((0.4, 0.4, 1.0), (0.0, 1.0), 0.0, set()),  # on the floor
+        ((0.4, 0.4, 1.0), (0.0, 1.0, 0.5), 0.0, set()),  # in the air
+        ((0.4, 0.4, 1.0), (0.0, 1.0, -0.5), 0.0, {"ground"}),
+        ((4.0, 0.4, 1.0), (0.0, 1.0), 0.0, {"wall"}),  # across the tunnel
+        ((4.0, 0.4, 1.0), (0.0, 1.0), 90.0, set()),  # the same, turned along it
+        ((0.4, 0.4, 1.0), (0.0, 1.0, 2.0), 0.0, {"wall"}),  # through the roof
+    ],
+)
+def test_a_body_is_held_against_rock_as_it_stands_and_is_turned(
+    size: tuple[float, float, float], at: tuple[float, ...], yaw_deg: float, into: set[str]
+) -> None:
+    assert overlaps_of(body_in(WORLD, "extra", size, at, yaw_deg), "extra") == into
+
+
+@pytest.mark.parametrize(
+    ("at", "yaw_deg", "touch"), [((0.45, 1.0), 0.0, False), ((0.45, 1.0), 45.0, True), ((0.0, 1.0, 1.0), 0.0, False)]
+)
+def test_two_bodies_overlap_unless_one_carries_the_other(at: tuple[float, ...], yaw_deg: float, touch: bool) -> None:
+    world = body_in(body_in(WORLD, "a", (0.4, 0.4, 1.0), (0.0, 1.0), yaw_deg), "b", (0.4, 0.4, 1.0), at, yaw_deg=0.0)
+    assert (overlaps_of(world, "a") | overlaps_of(world, "b")) == ({"a"} if touch else set())
+
+
+@given(x=st.floats(-2.0, 2.0), y=st.floats(-2.0, 2.0))
+def test_outlines_overlap_by_the_least_shift_that_parts_them(x: float, y: float) -> None:
+    square = box((1.0, 1.0, 1.0)).vertices[[0, 4, 6, 2], :2]
+    assert depth(square, np.add(square, (x, y))) == pytest.approx(1.0 - max(abs(x), abs(y)))
