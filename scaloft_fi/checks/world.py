@@ -155,6 +155,7 @@ class RouteCheck:
         """Refuse a place where the hull touches something in every heading; note one where it does in some."""
         if not self._is_new(scenario.world, way):
             return
+        self.looked_at += 1
         inner_m, outer_m = 0.5 * min(hull_m[:2]), 0.5 * math.hypot(*hull_m[:2])
         for name, gap_m in gaps(scenario.world, way, 0.5 * hull_m[2], outer_m):
             if name == GROUND and not ground:
@@ -171,6 +172,7 @@ class RouteCheck:
         """Note a leg on which the hull touches rock; bodies beside a leg are there to be met."""
         if not self._is_new(scenario.world, ends):
             return
+        self.looked_at += 1
         inner_m = 0.5 * min(hull_m[:2])
         place = document.need("mission").need("route").place
         for name, gap_m in gaps(scenario.world, ends, 0.5 * hull_m[2], inner_m):
@@ -185,7 +187,6 @@ class RouteCheck:
         if key in self._seen:
             return False
         self._seen.add(key)
-        self.looked_at += 1
         return True
 
 

@@ -103,3 +103,15 @@ def test_two_bodies_overlap_unless_one_carries_the_other(at: tuple[float, ...], 
 def test_outlines_overlap_by_the_least_shift_that_parts_them(x: float, y: float) -> None:
     square = box((1.0, 1.0, 1.0)).vertices[[0, 4, 6, 2], :2]
     assert depth(square, np.add(square, (x, y))) == pytest.approx(1.0 - max(abs(x), abs(y)))
+
+
+@pytest.mark.parametrize(
+    ("stops", "into"),
+    [([(0.0, 3.0)], set()), ([(0.0, 5.0)], {"a"}), ([(0.9, 2.0), (0.0, 1.0)], set()), ([(1.3, 2.0)], {"wall"})],
+)
+def test_what_a_body_sweeps_on_its_way_is_held_against_rock_and_bodies(
+    stops: list[tuple[float, float]], into: set[str]
+) -> None:
+    world = body_in(body_in(WORLD, "a", (0.4, 0.4, 1.0), (0.3, 4.0), 45.0), "b", (0.6, 0.6, 1.0), (0.0, 1.0), 0.0)
+    walk = SimpleNamespace(effect=SimpleNamespace(moved="b", path=tuple(stops)))
+    assert overlaps_of(replace(world, happenings=(walk,)), "b") == into
