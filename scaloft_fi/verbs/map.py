@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Annotated
 
 from scaloft_fi.console import say
+from scaloft_fi.sim.mesh import Flaw
+from scaloft_fi.sim.mine import flaws_of
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import situations
@@ -168,6 +170,15 @@ def map_of(study: Study, situation: Situation) -> SituationMap:
     )
 
 
+FLAW_M = 0.3
+"""Radius of the ring around the first face of a flaw [m]."""
+
+
+def _flaws(study: Study, situation: Situation) -> tuple[Flaw, ...]:
+    world = study.grid.documents_with(study.grid.values(situation).values())["world"]
+    return flaws_of(world.need("mine"))
+
+
 def plan_of(study: Study, situation: Situation) -> FloorPlan:
     """The plan of a situation.
 
@@ -176,11 +187,16 @@ def plan_of(study: Study, situation: Situation) -> FloorPlan:
     """
     told, world = map_of(study, situation), study.scenario(situation).world
     mission = world.mission
+    flaws = (
+        Happens(f"mesh: {words}", flaw.at[:2], FLAW_M)
+        for flaw in _flaws(study, situation)
+        for words in [flaw.sentence.split(",", 1)[0]]
+    )
     speeds = f"cruise {mission.cruise_mps:g} m/s, near a person {mission.slow_mps:g} m/s"
     return FloorPlan(
         scene_of(world),
         tuple((one.place, (one.x_m, one.y_m)) for one in told.places[1:]),
-        tuple(one.happens for one in told.happenings),
+        (*(one.happens for one in told.happenings), *flaws),
         (
             f"altitude {mission.altitude_m:g} m, {speeds}, light {world.light:g}",
             f"nominal flight {told.nominal_s:.0f} s, time limit {told.limit_s:.0f} s",
@@ -199,7 +215,8 @@ def map_table(study: Study, situation: Situation) -> Table:
             "bodies [m]",
             ", ".join(f"{one.body} ({one.role}) at ({one.x_m:g}, {one.y_m:g})" for one in told.bodies) or "none",
         ),
-        *(("happens", happens.words) for happens in plan.happenings),
+        *(("happens", one.happens.words) for one in told.happenings),
+        *(("mesh", str(flaw)) for flaw in _flaws(study, situation)),
         *(("", fact) for fact in plan.facts),
     ]
     return Table(told.situation, ("what", ""), tuple(rows))

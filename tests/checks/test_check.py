@@ -12,6 +12,8 @@ from studies import ROOT, copied
 from scaloft_fi.checks.check import Check, check_study
 from scaloft_fi.checks.finding import Severity
 from scaloft_fi.sim.mesh import box
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.map import map_table, plan_of
 
 EXAMPLES = ROOT / "examples"
 PROGRAM = """
@@ -232,6 +234,17 @@ def test_a_hole_and_a_face_without_area_are_notes(copy: Path) -> None:
     hole, empty = sorted(_in_mesh(copy), key=len, reverse=True)
     assert "note: the surface has holes: 3 edges have no second face" in hole
     assert empty.startswith("20: note: 1 of 12 faces is without area")
+
+
+def test_the_map_shows_where_a_mesh_has_a_flaw(copy: Path) -> None:
+    _room(copy, ROOM.faces.tolist()[:-1])
+    study = Study.open(copy)
+    situation = study.grid.situations[0]
+    (shown,) = [one for one in plan_of(study, situation).happenings if one.words.startswith("mesh: ")]
+    assert "the surface has holes: 3 edges have no second face" in shown.words
+    assert shown.near is not None
+    (row,) = [words for what, words in map_table(study, situation).rows if what == "mesh"]
+    assert f"near ({shown.near[0]:.3g}, {shown.near[1]:.3g}, " in row
 
 
 def test_a_room_in_millimetres_is_noted(copy: Path) -> None:
