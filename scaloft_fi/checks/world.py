@@ -18,7 +18,7 @@ from scaloft_fi.document import Item, load
 from scaloft_fi.model import read
 from scaloft_fi.sim.happenings import misfits
 from scaloft_fi.sim.load import Scenario
-from scaloft_fi.sim.mesh import Array, hull
+from scaloft_fi.sim.mesh import UP, Array, hull
 from scaloft_fi.sim.mine import Corner, Mine, flaws_of, read_mine
 from scaloft_fi.sim.sensors import read_sensors
 from scaloft_fi.sim.vehicle import Vehicle
@@ -56,6 +56,10 @@ def check_mesh(mine: Item, findings: Findings) -> None:
     Raises:
         InputError: the mesh cannot be read.
     """
+    named = mine.get("mesh")
+    if named is not None and mine.get("up") is None and Path(str(named.value)).suffix.lower() in UP:
+        remedy = "state `up: y`, or `up: z` where the program that wrote it left z up"
+        findings.note(named.place, "`up` is left out, so y of the file is up, as glTF says", remedy)
     for flaw in flaws_of(mine):
         findings.add(finding_of(str(flaw), Severity.ERROR if flaw.grave else Severity.NOTE))
 

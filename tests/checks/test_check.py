@@ -6,6 +6,7 @@ from runpy import run_path
 
 import pytest
 import scaloft_ros1.border  # noqa: F401 - the study of the testbed names it
+import trimesh
 from processes import call, install, install_project
 from studies import ROOT, copied
 
@@ -270,3 +271,12 @@ def test_nothing_in_the_study_is_written(copy: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in [copy, *copy.rglob("*")]}
     check_study(copy)
     assert {path: path.stat().st_mtime_ns for path in [copy, *copy.rglob("*")]} == before
+
+
+@pytest.mark.parametrize(("up", "told"), [("", True), ("\n  up: z", False), ("\n  up: y", False)])
+def test_an_axis_that_is_up_by_guess_is_told(copy: Path, up: str, told: bool) -> None:
+    _room(copy, ROOM.faces.tolist())
+    world = copy / "sim" / "world.yaml"
+    trimesh.load(copy / "sim" / "room.obj").export(copy / "sim" / "room.glb")
+    world.write_text(world.read_text().replace("room.obj", f"room.glb{up}"))
+    assert any("y of the file is up" in note for note in notes(check_study(copy))) == told
