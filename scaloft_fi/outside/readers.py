@@ -21,7 +21,10 @@ from scaloft_fi.document import is_folder, opened, read_text
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.outside.records import (
     MOST_MESSAGES,
+    TIME_COLUMN,
+    TIME_UNITS,
     MappedSignal,
+    RecordedField,
     RecordKind,
     Series,
     Timing,
@@ -76,16 +79,24 @@ def of_messages(open_log: Callable[[Path], AbstractContextManager[MessageLog]]) 
             asked = topics_of(path, sources, timing, log.topics)
             return collect(path, messages(path, log, asked), sources, timing)
 
-    def names_in_messages(path: Path) -> Sequence[str]:
-        """The fields of the first message of each topic."""
-        names: list[str] = []
+    def fields_of_messages(path: Path) -> Sequence[RecordedField]:
         with open_log(path) as log:
-            for topic in log.topics:
-                first = next(messages(path, log, (topic,)), None)
-                names += [f"{topic}: {field}" for field in fields_of(first.content)] if first else [topic]
-        return names
+            return tallied(messages(path, log, log.topics), log.topics)
 
-    return RecordKind(read_messages, names_in_messages)
+    return RecordKind(read_messages, fields_of_messages)
+
+
+def tallied(messages: Iterable[Message], topics: Iterable[str] = ()) -> list[RecordedField]:
+    """The fields of the first message of each topic, and how many messages came when; of `topics` without any too."""
+    first, times = dict[str, Any](), {topic: list[int]() for topic in topics}
+    for message in messages:
+        first.setdefault(message.topic, message.content)
+        times.setdefault(message.topic, []).append(message.received_ns)
+    return [
+        RecordedField(topic, field, len(own), min(own) * 1e-9, max(own) * 1e-9) if own else RecordedField(topic, "", 0)
+        for topic, own in times.items()
+        for field in (fields_of(first[topic]) if own else ("",))
+    ]
 
 
 def topics_of(path: Path, sources: Iterable[MappedSignal], timing: Timing, there: Iterable[str]) -> tuple[str, ...]:
@@ -195,6 +206,8 @@ def fields_of(content: Any, name: str = "", depth: int = 0) -> Iterator[str]:
     elif isinstance(content, list | tuple | np.ndarray):
         if len(content):
             yield from fields_of(content[0], f"{name}[0]", depth + 1)
+    elif hasattr(content, "to_dict"):  # of pymavlink, whose `mavpackettype` is a text
+        yield from fields_of(content.to_dict(), name, depth)
     elif hasattr(content, "__dict__"):
         yield from fields_of({key: value for key, value in vars(content).items() if key[:1] != "_"}, name, depth)
 
@@ -255,13 +268,27 @@ def read_table(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> M
     return {source: Series(np.array(times), np.array(values)) for source, (times, values) in found.items()}
 
 
-def names_in_table(path: Path) -> Sequence[str]:
-    """The columns of a table.
+def fields_of_table(path: Path) -> Sequence[RecordedField]:
+    """The columns of a table; their times are those of the column that is named like one.
 
     Raises:
         InputError: the table cannot be read.
     """
-    return _opened(path)[0]
+    head, rows = _opened(path)
+    clock = next((place for place, name in enumerate(head) if TIME_COLUMN.fullmatch(name)), None)
+    found = TIME_COLUMN.fullmatch(head[clock]) if clock is not None else None
+    unit_s = TIME_UNITS[(found[1] or "s").lower()] if found else 1.0
+    counts, spans = [0] * len(head), [(math.inf, -math.inf)] * len(head)
+    for line, row in rows:
+        t_s = _parsed(path, MappedSignal("time"), line, row[clock]) * unit_s if clock is not None else math.nan
+        for place, cell in enumerate(row[: len(head)]):
+            if cell:
+                counts[place] += 1
+                spans[place] = (min(spans[place][0], t_s), max(spans[place][1], t_s))
+    return [
+        RecordedField("", name, count, *(span if math.isfinite(span[0]) else ()))
+        for name, count, span in zip(head, counts, spans, strict=True)
+    ]
 
 
 def _opened(path: Path) -> tuple[list[str], Iterator[tuple[int, list[str]]]]:
@@ -309,7 +336,7 @@ def _parsed(path: Path, source: MappedSignal, line: int, cell: str) -> float:
     return value if math.isfinite(value) else number(path, source, f"line {line}", value)
 
 
-TABLE = RecordKind(read_table, names_in_table)
+TABLE = RecordKind(read_table, fields_of_table)
 
 
 TIME = "timestamp"
@@ -329,13 +356,18 @@ def read_ulog(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Ma
     return {source: _series_of_fields(path, source, sets[source.topic]) for source in sources}
 
 
-def names_in_ulog(path: Path) -> Sequence[str]:
+def fields_of_ulog(path: Path) -> Sequence[RecordedField]:
     """The fields of each topic.
 
     Raises:
         InputError: the record cannot be read.
     """
-    return [f"{topic}: {field}" for topic, data in _sets(path, None).items() for field in data if field != TIME]
+    return [
+        RecordedField(topic, field, len(data[TIME]), float(data[TIME].min()) * 1e-6, float(data[TIME].max()) * 1e-6)
+        for topic, data in _sets(path, None).items()
+        for field in data
+        if field != TIME and len(data[TIME])
+    ]
 
 
 def _series_of_fields(path: Path, source: MappedSignal, data: Mapping[str, Any]) -> Series:
@@ -366,7 +398,7 @@ def _sets(path: Path, names: list[str] | None) -> dict[str, Mapping[str, Any]]:
     return {topic: data for topic, data in found.items() if TIME in data}
 
 
-ULOG = RecordKind(read_ulog, names_in_ulog)
+ULOG = RecordKind(read_ulog, fields_of_ulog)
 
 
 CHUNK_BYTES = 256 << 20
@@ -508,16 +540,4 @@ def read_mavlink(path: Path, sources: Sequence[MappedSignal], timing: Timing) ->
     return found
 
 
-def names_in_mavlink(path: Path) -> Sequence[str]:
-    """The fields of the first message of each topic.
-
-    Raises:
-        InputError: the record cannot be read.
-    """
-    firsts: dict[str, Any] = {}
-    for message in _mavlink(path):
-        firsts.setdefault(message.topic, message.content)
-    return [f"{topic}: {field}" for topic, one in firsts.items() for field in fields_of(one.to_dict())]
-
-
-MAVLINK = RecordKind(read_mavlink, names_in_mavlink)
+MAVLINK = RecordKind(read_mavlink, lambda path: tallied(_mavlink(path)))

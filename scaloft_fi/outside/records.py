@@ -157,18 +157,48 @@ FOLDER = "folder"
 
 
 @dataclass(frozen=True)
+class RecordedField:
+    """A column of a record, or a field of its messages.
+
+    Attributes:
+        topic: the topic of the messages; empty for a column.
+        field: name of the column, or path of the field.
+        messages: how many messages, or cells, it has.
+        first_s: time of the first in the record [s]; null: there is none, or its time is not known.
+        last_s: time of the last [s].
+    """
+
+    topic: str
+    field: str
+    messages: int
+    first_s: float | None = None
+    last_s: float | None = None
+
+    @property
+    def name(self) -> str:
+        """The column, or the field after its topic."""
+        return f"{self.topic}: {self.field}" if self.topic else self.field
+
+    @property
+    def rate_hz(self) -> float | None:
+        """Messages a second."""
+        if self.first_s is None or self.last_s is None or self.last_s <= self.first_s:
+            return None
+        return (self.messages - 1) / (self.last_s - self.first_s)
+
+
+@dataclass(frozen=True)
 class RecordKind:
     """How records of a kind are read.  Their libraries are imported by these functions.
 
     Attributes:
         read: (path, sources, timing) -> the series of each source; raises InputError: the record cannot be read, is too
             large, or lacks a source, or a value is no finite number.
-        names: (path) -> what the record has: its columns, or its fields, each after its topic and a colon; raises
-            InputError: it cannot be read.
+        fields: (path) -> what the record has; raises InputError: it cannot be read.
     """
 
     read: Callable[[Path, Sequence[MappedSignal], Timing], Mapping[MappedSignal, Series]]
-    names: Callable[[Path], Sequence[str]]
+    fields: Callable[[Path], Sequence[RecordedField]]
 
 
 RECORDS = Registry[RecordKind]("kind of record")
@@ -909,11 +939,59 @@ def _struck(signals: Mapping[str, Array], known: Known) -> str:
     return nearest if nearest and signals[clearance_name(nearest)][-1] <= 0.0 else ""
 
 
-def names_of(path: Path) -> Sequence[str]:
-    """What a record has: its columns, or its fields after their topics.
+def fields_of(path: Path) -> Sequence[RecordedField]:
+    """What a record has.
 
     Raises:
         InputError: it cannot be read.
     """
     kind = kind_of(path)
-    return read_apart(path, lambda: kind.names(path))
+    return read_apart(path, lambda: kind.fields(path))
+
+
+def names_of(path: Path) -> Sequence[str]:
+    """The names of what a record has: its columns, or its fields after their topics.
+
+    Raises:
+        InputError: it cannot be read.
+    """
+    return [one.name for one in fields_of(path)]
+
+
+DRAFTED = (*PLACE, "vx_mps", "vy_mps", "vz_mps", "qx", "qy", "qz", "qw", LANDED, CLEARANCE)
+"""The signals of a drafted mapping."""
+
+
+def draft(fields: Sequence[RecordedField]) -> str:
+    """A mapping to begin with: that of a ready one where it fits, else by names that are alike.
+
+    A signal without such a field is a comment.
+    """
+    there = {one.name: one for one in fields}
+    for name in READY:
+        mapping = ready_map(name, there.keys()).within(there.keys())
+        if "x_m" in mapping.signals:
+            lines = [f"# as --record {name}", "signals:"]
+            for signal, entry in mapping.signals.items():
+                more = f", factor: {entry.factor!r}" if entry.factor != 1.0 else ""
+                more += f", offset: {entry.offset!r}" if entry.offset else ""
+                more += f", unknown: {entry.unknown!r}" if entry.unknown is not None else ""
+                lines.append(f'  {signal}: {{topic: {entry.topic}, field: "{entry.field}"{more}}}')
+            return "\n".join(lines)
+    lines = ["signals:"]
+    short = {one.name: re.split(r"[./: ]+", one.field.lower())[-1] for one in fields}
+    clock = next((one.field for one in fields if not one.topic and TIME_COLUMN.fullmatch(one.field)), None)
+    lines = [f"time: {{column: {clock}}}", *lines] if clock else lines
+    for signal in DRAFTED:
+        stem = signal.removesuffix("_mps").removesuffix("_m").lower()
+        one = next((there[name] for name, last in short.items() if last in (stem, signal)), None)
+        if one is None:
+            lines.append(f"  # {signal}: {{...}}")
+        else:
+            where = f'topic: {one.topic}, field: "{one.field}"' if one.topic else f'column: "{one.field}"'
+            lines.append(f"  {signal}: {{{where}}}")
+    return "\n".join(lines)
+
+
+TIME_COLUMN = re.compile(r"(?:t|time|timestamp|elapsed)(?:_(s|ms|us|ns))?", re.IGNORECASE)
+"""A column that tells the time, with its unit."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -13,13 +13,13 @@ import click
 from scaloft_fi.campaign.flights.command import JudgedRecord, JudgedRequirement, judged_record, known_of, mapping_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.requirement import Compliance, measured_rho
-from scaloft_fi.outside.records import READY, Gap
+from scaloft_fi.outside.records import READY, Gap, draft, fields_of
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import situations
 from scaloft_fi.verbs.options import Option, verb
 from scaloft_fi.views.output import Answer, Output
-from scaloft_fi.views.table import Table
+from scaloft_fi.views.table import Format, Table, render
 
 
 class RecordVerdict(StrEnum):
@@ -132,18 +132,43 @@ class UnreadRecord:
 
 
 @dataclass(frozen=True)
+class FieldOfRecord:
+    """A column, or a field of messages, of a record.
+
+    Attributes:
+        file: path of the record.
+        field: the column, or the field after its topic.
+        messages: how many messages, or cells, it has.
+        rate_hz: messages a second; null: not known.
+        first_s: time of the first in the record [s]; null: there is none, or its time is not known.
+        last_s: time of the last [s].
+    """
+
+    file: Path
+    field: str
+    messages: int
+    rate_hz: float | None
+    first_s: float | None
+    last_s: float | None
+
+
+@dataclass(frozen=True)
 class JudgedRecords:
-    """What the study's requirements say of records of flights.
+    """What the study's requirements say of records of flights, or with --fields what the records hold.
 
     Attributes:
         readings: what each requirement says of each record.
         records: the records.
         unread: the records that cannot be judged.
+        fields: what the records hold.
+        mappings: a drafted mapping of each record, as YAML.
     """
 
     readings: tuple[RecordReading, ...]
     records: tuple[FlightRecord, ...]
     unread: tuple[UnreadRecord, ...]
+    fields: tuple[FieldOfRecord, ...] = ()
+    mappings: tuple[str, ...] = ()
 
 
 HEADERS = ("file", "requirement", "verdict", "robustness", "violated_at_s", "x", "y", "z")
@@ -193,7 +218,55 @@ RecordedIn = Annotated[
 ]
 
 
-def judge(study: Study, files: JudgedFiles, *, record: RecordMapping = None, situation: RecordedIn = None) -> Answer:
+ShownFields = Annotated[
+    bool, Option("Judge nothing: show what each record holds, with rates and times, and draft a mapping.")
+]
+FIELD_HEADERS = ("field", "messages", "rate [Hz]", "first [s]", "last [s]")
+
+
+def held(files: Sequence[Path]) -> Answer:
+    """What records hold, and a mapping to begin with.
+
+    Raises:
+        InputError: a record cannot be read.
+    """
+    found = [(path, fields_of(path)) for path in files]
+    fields = tuple(
+        FieldOfRecord(path, one.name, one.messages, rounded(one.rate_hz), rounded(one.first_s), rounded(one.last_s))
+        for path, own in found
+        for one in own
+    )
+    told = JudgedRecords((), (), (), fields, tuple(draft(own) for _, own in found))
+    tables = [
+        Table(f"What {path} holds", FIELD_HEADERS, tuple(astuple(one)[1:] for one in fields if one.file == path))
+        for path, _ in found
+    ]
+
+    def text(how: Format) -> str:
+        mark = "```" if how is Format.MARKDOWN else ""
+        shown = zip(tables, told.mappings, strict=True)
+        parts = (
+            (render((table,), how), f"A mapping to begin with (--record):\n{mark}\n{own}\n{mark}")
+            for table, own in shown
+        )
+        return "\n".join(part for both in parts for part in both)
+
+    return Answer(JUDGE, lambda: told, lambda: tables, told=text, rows="fields")
+
+
+def rounded(value: float | None) -> float | None:
+    """A number to show, with six decimals."""
+    return None if value is None else round(value, 6)
+
+
+def judge(
+    study: Study,
+    files: JudgedFiles,
+    *,
+    record: RecordMapping = None,
+    situation: RecordedIn = None,
+    fields: ShownFields = False,
+) -> Answer:
     """Judge records of flights (.csv, .ulg, .bin, .tlog, .mcap, .bag, .db3, a folder of rosbag2) with the requirements.
 
     Nothing is flown and no campaign is read.  A violation is a finding: the exit code is 0.  A record that cannot be
@@ -202,8 +275,10 @@ def judge(study: Study, files: JudgedFiles, *, record: RecordMapping = None, sit
     Raises:
         InputError: a file or the mapping cannot be read, or there is no such situation.
     """
-    known = known_of(study, study.grid.situation(situation) if situation else None)
     listed = [files] if isinstance(files, Path | str) else list(files)
+    if fields:
+        return held([Path(path) for path in listed])
+    known = known_of(study, study.grid.situation(situation) if situation else None)
     records, unread = list[JudgedRecord](), list[UnreadRecord]()
     for path in map(Path, listed):
         try:
@@ -229,6 +304,7 @@ judge_command = verb(
             "Judge PX4's logs",
             "scaloft-fi judge monday.ulg tuesday.ulg --record px4",
         ),
+        ("See what a log holds, and draft a mapping", "scaloft-fi judge flight.ulg --fields"),
         ("Let a script read the verdicts", "scaloft-fi judge bag/ --format json"),
     ),
 )(judge)

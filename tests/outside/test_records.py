@@ -19,6 +19,8 @@ from scaloft_fi.outside.records import (
     MappedSignal,
     RecordedFlight,
     Series,
+    draft,
+    fields_of,
     flight_log,
     kind_of,
     load_record_map,
@@ -340,3 +342,40 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
             file.truncate((1 << 30) + 1)
         with pytest.raises(InputError, match="it is larger than"):
             _log(tmp_path / name, records.mapping(tmp_path, *COLUMNS))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_a_record_holds_is_told_with_number_and_times(kind: str, tmp_path: Path) -> None:
+    write, words = KINDS[kind]
+    fields = {one.name: one for one in fields_of(write(tmp_path))}
+    entry = load_record_map(records.mapping(tmp_path, *words)).signals["x_m"]
+    one = fields[entry.column or f"{entry.topic}: {entry.field}"]
+    assert one.messages > 20
+    assert one.first_s is not None
+    assert one.last_s is not None
+    assert one.rate_hz == pytest.approx((one.messages - 1) / (one.last_s - one.first_s))
+
+
+def test_a_drafted_mapping_is_a_mapping_and_reads_the_record(tmp_path: Path) -> None:
+    path = tmp_path / "own.csv"
+    path.write_text("Time_ms,X,y,z,vx,clearance\n0,0,0,1,2,3\n1000,0,0,1,2,3\n")
+    mapping = tmp_path / "drafted.yaml"
+    mapping.write_text(draft(fields_of(path)))
+    drafted = load_record_map(mapping)
+    assert {*drafted.signals} == {"x_m", "y_m", "z_m", "vx_mps", "clearance_m"}
+    assert drafted.timing.column == "Time_ms"
+
+
+def test_the_draft_for_a_log_of_an_autopilot_is_its_ready_mapping(tmp_path: Path) -> None:
+    pytest.importorskip("pymavlink")
+    path, mapping = records.tlog(tmp_path), tmp_path / "drafted.yaml"
+    mapping.write_text(draft(fields_of(path)))
+    drafted, ready = load_record_map(mapping), ready_map("mavlink", frozenset(names_of(path)))
+    assert dict(drafted.signals) == dict(ready.signals)
+
+
+def test_a_table_of_200_000_columns_is_read(tmp_path: Path) -> None:
+    count = 200_000
+    path = tmp_path / "wide.csv"
+    path.write_text(",".join(f"c{place}" for place in range(count)) + "\n" + ",".join(["1"] * count) + "\n")
+    assert len(names_of(path)) == count
