@@ -980,8 +980,9 @@ def draft(fields: Sequence[RecordedField]) -> str:
             return "\n".join(lines)
     lines = ["signals:"]
     short = {one.name: re.split(r"[./: ]+", one.field.lower())[-1] for one in fields}
-    clock = next((one.field for one in fields if not one.topic and TIME_COLUMN.fullmatch(one.field)), None)
-    lines = [f"time: {{column: {clock}}}", *lines] if clock else lines
+    clocks = (found for one in fields if not one.topic and (found := TIME_COLUMN.fullmatch(one.field)))
+    if clock := next(clocks, None):
+        lines = [f'time: {{column: "{clock[0]}", unit: {(clock[1] or "s").lower()}}}', *lines]
     for signal in DRAFTED:
         stem = signal.removesuffix("_mps").removesuffix("_m").lower()
         one = next((there[name] for name, last in short.items() if last in (stem, signal)), None)

@@ -243,13 +243,10 @@ def held(files: Sequence[Path]) -> Answer:
     ]
 
     def text(how: Format) -> str:
-        mark = "```" if how is Format.MARKDOWN else ""
-        shown = zip(tables, told.mappings, strict=True)
-        parts = (
-            (render((table,), how), f"A mapping to begin with (--record):\n{mark}\n{own}\n{mark}")
-            for table, own in shown
-        )
-        return "\n".join(part for both in parts for part in both)
+        mark, shown = "```" if how is Format.MARKDOWN else "", list[str]()
+        for table, own in zip(tables, told.mappings, strict=True):
+            shown += [render((table,), how), "A mapping to begin with (--record):", mark, own, mark]
+        return "\n".join(shown)
 
     return Answer(JUDGE, lambda: told, lambda: tables, told=text, rows="fields")
 

@@ -363,7 +363,9 @@ def test_a_drafted_mapping_is_a_mapping_and_reads_the_record(tmp_path: Path) -> 
     mapping.write_text(draft(fields_of(path)))
     drafted = load_record_map(mapping)
     assert {*drafted.signals} == {"x_m", "y_m", "z_m", "vx_mps", "clearance_m"}
-    assert drafted.timing.column == "Time_ms"
+    assert (drafted.timing.column, drafted.timing.unit_s) == ("Time_ms", 1e-3)
+    flight = flight_log(path, drafted, KNOWN, needed={"clearance_m": "requirement SR1"})
+    assert flight.log.duration_s == 1.0
 
 
 def test_the_draft_for_a_log_of_an_autopilot_is_its_ready_mapping(tmp_path: Path) -> None:
