@@ -47,7 +47,7 @@ from scaloft_fi.sim.log import SIGNALS, clearance_name, signal_names
 from scaloft_fi.sim.situation import PARTS, Axis, AxisModel, AxisValue, leaves
 from scaloft_fi.sim.stacks import StackChoice
 from scaloft_fi.sim.world import GROUND, WALL, World
-from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.stack.declaration import TICK_S, Declaration
 from scaloft_fi.study import SituationKeys, Study, read_disposition
 
 _SHOWN_IN = re.compile(r",? as in situation \S+")
@@ -259,7 +259,17 @@ def known_signals(study: Study, stack: Declaration | None, world: World | None) 
     if study.command is not None:
         measured = {name: ANY if cap_of(name, stack.caps) else spans for name, spans in ranges.items()}
         return KnownSignals({**dict.fromkeys(_recorded(study), ANY), **measured}, None)
-    return KnownSignals(ranges | dict(without(world)) | dict(_rock(study, world)), {**stack.caps, **optional})
+    ranges |= {**without(world), **_rock(study, world), "elapsed_s": ((0.0, _longest_s(study)),)}
+    return KnownSignals(ranges, {**stack.caps, **optional})
+
+
+def _longest_s(study: Study) -> float:
+    """The longest time limit in the situations of the grid, by pairs of values where they are many [s]."""
+    try:
+        sim = load_sim(study.folder / "sim", grid=study.grid)
+        return max(sim.scenario(study.grid.by_key[key]).t_max_s for key in _chosen(study.grid)[0]) + TICK_S
+    except InputError:  # it is told where the grid is checked
+        return math.inf
 
 
 def _recorded(study: Study) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from scaloft_fi.judge.requirement import Check
 from scaloft_fi.judge.stl import (
+    CHANGES,
     COMPARATORS,
     EXTREMES,
     Formula,
@@ -127,8 +128,9 @@ def comparisons(tree: Node) -> Iterator[tuple[str, str, str, float]]:
         factors = [(name, factor) for name, factor in line.items() if name and factor]
         if len(factors) == 1:
             ((name, factor),) = factors
-            sense = tree.operator if factor > 0 else tree.operator.translate(_TURNED)
-            yield written(tree), name, sense, round(-line.get("", 0.0) / factor, 9) + 0.0  # never -0.0
+            for operator in ("<=", ">=") if tree.operator == "==" else (tree.operator,):
+                sense = operator if factor > 0 else operator.translate(_TURNED)
+                yield written(tree), name, sense, round(-line.get("", 0.0) / factor, 9) + 0.0  # never -0.0
     for part in parts(tree):
         yield from comparisons(part)
 
@@ -266,18 +268,36 @@ def _bounds(node: Node, ranges: Ranges) -> Spans:
         return ((node.value, node.value),)
     if isinstance(node, Prefix):
         of = _bounds(node.of, ranges)
+        if node.word in CHANGES:
+            low, high = of[0][0], max(high for _, high in of)
+            return ((min(low, -high), high if node.word == "rise" else -low),)
         if node.word in EXTREMES:
-            return _window(node.word, of, late=node.interval is not None and node.interval.first > 0)
+            first = node.interval.first if node.interval is not None else 0
+            return _window(node.word, of, first, ranges.get("elapsed_s", ANY)[-1][1])
         return _few([_FUNCTION[node.word](span) for span in of])
+    if node.operator in COMPARATORS:
+        sides = (node.right, node.left) if node.operator in ("<", "<=") else (node.left, node.right)
+        spans = _bounds(Infix("-", *sides), ranges)
+        return spans if node.operator != "==" else _few([_against(span) for span in spans])
+    line = _line(node)
+    if line is not None:  # each signal once, however often it is written
+        spans = ((line.get("", 0.0),) * 2,)
+        for name in (name for name, factor in line.items() if name and factor):
+            scaled = [_times((line[name],) * 2, span) for span in ranges.get(name, ANY)]
+            spans = _few([_JOIN["+"](one, other) for one, other in product(spans, scaled)])
+        return spans
     right = _bounds(node.right, ranges)
     if node.operator in ("since", "until"):
         return ((-math.inf, max(high for _, high in right)),)
     return _few([_JOIN[node.operator](one, other) for one, other in product(_bounds(node.left, ranges), right)])
 
 
-def _window(word: str, spans: Spans, *, late: bool) -> Spans:
-    """An extreme of what stands inside; a window that begins later may be empty."""
+def _window(word: str, spans: Spans, first: int, longest_s: float) -> Spans:
+    """An extreme of what stands inside; a window that begins later may be empty, or is, in every flight."""
     low, high = min(low for low, _ in spans), max(high for _, high in spans)
+    late = first > 0
+    if first * TICK_S > longest_s:
+        low, high = math.inf, -math.inf
     if word in ("historically", "always"):
         return ((low, math.inf if late else high),)
     return ((-math.inf if late else low, high),)
@@ -315,22 +335,28 @@ def _quotient(a: float, b: float) -> float:
     return a / b
 
 
+def _absolute(span: Span) -> Span:
+    return (0.0 if span[0] <= 0.0 <= span[1] else min(map(abs, span))), max(map(abs, span))
+
+
+def _against(span: Span) -> Span:
+    """How far a difference in this span can be from none, as a robustness."""
+    low, high = _absolute(span)
+    return -high, -low
+
+
 _FUNCTION: Mapping[str, Callable[[Span], Span]] = {
     "not": lambda span: (-span[1], -span[0]),
-    "abs": lambda span: (0.0 if span[0] <= 0.0 <= span[1] else min(map(abs, span)), max(map(abs, span))),
+    "abs": _absolute,
     "sqrt": lambda span: (math.sqrt(max(span[0], 0.0)), math.sqrt(max(span[1], 0.0))),
 }
 _JOIN: Mapping[str, Callable[[Span, Span], Span]] = {
     "+": lambda one, other: _span(one[0] + other[0], one[1] + other[1]),
     "-": _minus,
-    ">": _minus,
-    ">=": _minus,
-    "<": lambda one, other: _minus(other, one),
-    "<=": lambda one, other: _minus(other, one),
     "*": _times,
     "/": _over,
     "and": lambda one, other: (min(one[0], other[0]), min(one[1], other[1])),
     "or": lambda one, other: (max(one[0], other[0]), max(one[1], other[1])),
     "implies": lambda one, other: (max(-one[1], other[0]), max(-one[0], other[1])),
-    "iff": lambda _one, _other: (-math.inf, 0.0),
+    "iff": lambda one, other: _against(_minus(one, other)),
 }

@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import lru_cache
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from typing import Any, Protocol
 
 import numpy as np
@@ -32,15 +32,17 @@ LOGIC = frozenset({"not", "and", "or", "implies", "iff"})
 ARITHMETIC = frozenset({"abs", "sqrt"})
 WORDS = PAST | FUTURE | LOGIC | ARITHMETIC
 """The words of a formula; every other name is a signal or a definition."""
+CHANGES = ("rise", "fall", "prev")
+"""Words of RTAMT with a bracket, which are names without one: comes true, comes to be false, was true a sample ago."""
 EXTREMES = ("historically", "once", "always", "eventually")
 """Words of the worst or the best sample of a window of the past or the future."""
-COMPARATORS = ("<", "<=", ">", ">=")
+COMPARATORS = ("<", "<=", ">", ">=", "==")
 BINDING: Sequence[tuple[str, ...]] = (
     ("*",),
     ("/",),
     ("+",),
     ("-",),
-    (*COMPARATORS, "=="),
+    COMPARATORS,
     ("until",),
     ("since",),
     ("and",),
@@ -67,7 +69,7 @@ _APART = {
     ("<", "<"): "a < b < c compares the robustness of a < b with c; for two limits write a < b and b < c",
     ("->", "->"): "a implies b implies c is read as (a implies b) implies c",
 }
-_ALIKE = dict.fromkeys((*COMPARATORS, "=="), "<") | {"implies": "->"}
+_ALIKE = dict.fromkeys(COMPARATORS, "<") | {"implies": "->"}
 _WINDOWED = (*EXTREMES, "since", "until")
 _OF_TWO_TIMES = f"must be of two times in seconds, after {', '.join(_WINDOWED)}, as historically[0:2]( ... )"
 _TOKEN = re.compile(
@@ -78,15 +80,12 @@ _TOKEN = re.compile(
 _UNITS_S = {"s": Fraction(1), "ms": Fraction(1, 1_000), "us": Fraction(1, 10**6), "ns": Fraction(1, 10**9)}
 _TIME = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)\s*([mun]?s)?")
 """A time of an interval, with its unit; without one it is in seconds, as in RTAMT."""
-_BEFORE = f"[{TICK_S:g}:{TICK_S:g}]"
 _FUTURE = "refers to the future; use historically, once or since"
 FOREIGN: Mapping[str, str] = {
-    "xor": "write (a or b) and not (a and b)",
-    "!==": "is below 0 for no values; write a < b - margin or a > b + margin",
+    "xor": "RTAMT's is never below 0, so nothing violates it; write (a or b) and not (a and b)",
+    "!==": "RTAMT's is never below 0, so nothing violates it; write a < b - margin or a > b + margin",
     "!=": "write a < b - margin or a > b + margin",
-    "prev": f"write historically{_BEFORE}(a)",
-    "rise": f"write a and not historically{_BEFORE}(a)",
-    "fall": f"write not a and once{_BEFORE}(a)",
+    **{word: f"write {word}(a)" for word in CHANGES},
     "next": _FUTURE,
     "weak": _FUTURE,
     "unless": _FUTURE,
@@ -183,7 +182,7 @@ class Interval:
 
 @dataclass(frozen=True, slots=True)
 class Prefix:
-    """`not`, `abs` or `sqrt` of each sample, or the worst or the best sample of a window (`EXTREMES`).
+    """`not`, `abs`, `sqrt`, `rise` or `fall` of each sample, or the worst or the best sample of a window (`EXTREMES`).
 
     Without an interval a window reaches to the flight's end.
     """
@@ -242,31 +241,25 @@ def parse(tokens: Sequence[str]) -> Node:
         depth += 1
         if depth > MOST_NESTED:
             raise _too_deep()
-        for part in level:
-            if isinstance(part, Infix) and part.operator == "/" and _constant(part.right) == 0.0:
-                raise FormulaError(f"divides by 0 in '{written(part)}'")
         level = [part for inner in level for part in parts(inner)]
     return node
 
 
-def _constant(node: Node) -> float | None:
-    """The number that arithmetic without signals gives; None for any other part, and for what has no number."""
-    if isinstance(node, Number):
-        return node.value
-    if not isinstance(node, Infix) or node.operator not in _ARITHMETIC:
-        return None
-    left, right = _constant(node.left), _constant(node.right)
-    if left is None or right is None or (node.operator == "/" and right == 0.0):
-        return None
-    return _ARITHMETIC[node.operator](left, right)
-
-
-_ARITHMETIC: Mapping[str, Callable[[float, float], float]] = {
-    "+": operator.add,
-    "-": operator.sub,
-    "*": operator.mul,
-    "/": operator.truediv,
-}
+def _check_constants(node: Node) -> bool:
+    """Whether a part reads no signal; a FormulaError says which such part has no value."""
+    constant = [_check_constants(part) for part in parts(node)]
+    tried = node
+    if isinstance(node, Infix) and node.operator == "/" and constant[1]:
+        tried = Infix("/", Number(1.0), node.right)
+    elif isinstance(node, Signal) or not all(constant):
+        return False
+    try:
+        robustness(tried, {"": [0.0]})
+    except ZeroDivisionError:
+        raise FormulaError(f"divides by 0 in '{written(node)}'") from None
+    except RootError:
+        raise FormulaError(f"has a root of a negative number in '{written(node)}'") from None
+    return all(constant)
 
 
 class _Reader:
@@ -311,16 +304,17 @@ class _Reader:
             self._take()
             interval = self._interval(operator)
             right = self.expression(LEVEL[operator] + 1, operator)
-            if operator == "==":
-                node = Infix("and", Infix("<=", node, right), Infix(">=", node, right))
-            else:
-                node = Infix("implies" if operator == "->" else operator, node, right, interval)
+            node = Infix("implies" if operator == "->" else operator, node, right, interval)
             before = operator
         self._nested -= 1
         return node
 
     def _operand(self) -> Node:
         token = self.token
+        if token in CHANGES and self._tokens[self._at + 1 : self._at + 2] == ["("]:
+            self._take()
+            of = self._bracketed()
+            return Prefix("historically", of, Interval(1, 1)) if token == "prev" else Prefix(token, of)
         if is_name(token):
             return Signal(self._take())
         if token[:1] in _DIGITS:
@@ -430,7 +424,7 @@ def _side(operator: str, side: Node, *, right: bool = False) -> str:
     if isinstance(side, Infix):
         pair = (operator, side.operator) if right else (side.operator, operator)
         loose = LEVEL[side.operator] >= LEVEL[operator] + right and apart(*pair) is None
-    elif isinstance(side, Prefix) and side.word not in ARITHMETIC:
+    elif isinstance(side, Prefix) and side.word not in (*ARITHMETIC, *CHANGES):
         loose = LEVEL[operator] < AFTER_WORD
     return written(side) if loose else f"({written(side)})"
 
@@ -511,7 +505,17 @@ def _quotient(left: Column, right: Column) -> Column:
     return left / right
 
 
-_FUNCTION: Mapping[str, Callable[[Column], Column]] = {"not": np.negative, "abs": np.abs, "sqrt": _root}
+def _before(values: Column, at_first: float) -> Column:
+    return np.concatenate(([at_first], values[:-1]))
+
+
+_FUNCTION: Mapping[str, Callable[[Column], Column]] = {
+    "not": np.negative,
+    "abs": np.abs,
+    "sqrt": _root,
+    "rise": lambda values: _less(values, -_before(values, -np.inf)),
+    "fall": lambda values: _less(-values, _before(values, np.inf)),
+}
 _INFIX: Mapping[str, Callable[[Column, Column], Column]] = {
     "+": np.add,
     "-": np.subtract,
@@ -521,6 +525,7 @@ _INFIX: Mapping[str, Callable[[Column, Column], Column]] = {
     "<=": lambda left, right: right - left,
     ">": np.subtract,
     ">=": np.subtract,
+    "==": lambda left, right: -np.abs(left - right),
     "and": _less,
     "or": _greater,
     "implies": lambda condition, consequence: _greater(-condition, consequence),
@@ -618,10 +623,11 @@ class Formula:
             FormulaError: the text is not a formula over these signals; the message says what is wrong.
         """
         tokens = tokenize(text)
-        for token in tokens:
+        names = [token for token, after in pairwise((*tokens, "")) if not (token in CHANGES and after == "(")]
+        for token in names:
             if token in FOREIGN and token not in signals:
                 raise FormulaError(f"has {token!r}, which is no word or mark here: {FOREIGN[token]}")
-        used = [token for token in tokens if is_name(token)]
+        used = [token for token in names if is_name(token)]
         for name in used:
             if name not in signals:
                 near = did_you_mean(name, [*signals, *(word for word in WORDS if len(word) > SHORT)])
@@ -647,4 +653,6 @@ class Formula:
 @lru_cache(maxsize=256)
 def _tree(text: str) -> Node:
     """The tree of a text, once per process."""
-    return parse(text.split(" "))
+    tree = parse(text.split(" "))
+    _check_constants(tree)
+    return tree

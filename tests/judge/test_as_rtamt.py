@@ -38,7 +38,7 @@ operands = st.recursive(
     lambda inner: st.one_of(
         st.builds("{} ({} {} {})".format, befores, inner, joins, inner),
         st.builds("{} {}".format, befores, inner),
-        st.builds("{}({} {} {})".format, st.sampled_from(["abs", "sqrt"]), inner, joins, inner),
+        st.builds("{}({} {} {})".format, st.sampled_from(["abs", "sqrt", "rise", "fall", "prev"]), inner, joins, inner),
     ),
     max_leaves=4,
 )

@@ -24,7 +24,7 @@ from scaloft_fi.judge.bounds import (
     within_rock,
     without,
 )
-from scaloft_fi.judge.stl import Formula, FormulaError, parse, tokenize
+from scaloft_fi.judge.stl import CHANGES, Formula, FormulaError, parse, tokenize
 from scaloft_fi.sim import observer
 from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.sim.happenings import HAPPENINGS
@@ -44,6 +44,13 @@ RANGES: Ranges = {
 
 def bounds(text: str) -> Spans:
     return bounds_of(Formula.parse(text, RANGES.keys()), RANGES)
+
+
+@pytest.mark.parametrize(("text", "always"), [("once", False), ("historically", True)])
+def test_a_window_that_begins_after_the_longest_flight_is_empty(text: str, always: bool) -> None:
+    ranges = {**RANGES, "elapsed_s": ((0.0, 599.0),)}
+    assert verdict(bounds_of(Formula.parse(f"{text}[600:600](other > 3)", RANGES), ranges)) is always
+    assert verdict(bounds_of(Formula.parse(f"{text}[599:600](other > 3)", RANGES), ranges)) is None
 
 
 @pytest.mark.parametrize(
@@ -70,6 +77,12 @@ def bounds(text: str) -> Spans:
         ("once[1:2](light <= 1)", None),  # nothing is within such a window at the start of a flight
         ("(light <= 1) since (light > 2)", False),
         ("sqrt(speed_mps) >= 0", True),
+        ("other - other > 1", False),
+        ("2 * other - other - other <= 0.5", True),
+        ("landed == 0.5", False),
+        ("landed == 1", None),
+        ("rise(x_m < -7)", False),
+        ("fall(x_m < -7)", None),
         ("other > 3", None),
     ],
 )
@@ -83,7 +96,16 @@ def test_a_comparison_that_is_always_the_same_is_told_as_a_user_writes_it() -> N
 
 
 ATOMS = st.sampled_from(
-    ["x_m < -1", "light > 0.5", "landed >= 0.5", "person_sight_m / 3 <= 1", "abs(x_m) * light >= 1", "x_m + light <= 2"]
+    [
+        "x_m < -1",
+        "light > 0.5",
+        "landed >= 0.5",
+        "person_sight_m / 3 <= 1",
+        "abs(x_m) * light >= 1",
+        "x_m + light <= 2",
+        "landed == light",
+        "x_m - light - x_m > 0",
+    ]
 )
 FORMULAS = st.recursive(
     ATOMS.map("({})".format),
@@ -92,7 +114,9 @@ FORMULAS = st.recursive(
         st.builds("({} {} {})".format, inner, st.sampled_from(["and", "or", "implies", "iff", "since"]), inner),
         st.builds(
             "({}{})".format,
-            st.sampled_from(["historically", "once", "historically[0:0.1]", "once[0.05:0.1]", "always", "eventually"]),
+            st.sampled_from(
+                ["historically", "once", "historically[0:0.1]", "once[0.05:0.1]", "always", "eventually", *CHANGES]
+            ),
             inner,
         ),
     ),

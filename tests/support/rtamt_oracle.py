@@ -30,6 +30,8 @@ _WORDS: Mapping[str, str] = {
     "Neg": "not",
     "Abs": "abs",
     "Sqrt": "sqrt",
+    "Rise": "rise",
+    "Fall": "fall",
 }
 
 
@@ -68,14 +70,13 @@ def _ours(node: Any) -> Node:
         return Signal(node.var)
     if kind == "Constant":
         return Number(node.val)
-    if kind in ("Neg", "Abs", "Sqrt"):
+    if kind == "Previous":
+        return Prefix("historically", _ours(node.children[0]), Interval(1, 1))
+    if kind in ("Neg", "Abs", "Sqrt", "Rise", "Fall"):
         return Prefix(_WORDS[kind], _ours(node.children[0]))
     word = kind.removeprefix("Timed").lower()
     interval = Interval(int(node.begin * 20), int(node.end * 20)) if kind.startswith("Timed") else None
     if word in EXTREMES:
         return Prefix(word, _ours(node.children[0]), interval)
     operator = word if word in ("since", "until") else str(node.operator) if kind == "Predicate" else _WORDS[kind]
-    left, right = map(_ours, node.children[:2])
-    if operator == "==":
-        return Infix("and", Infix("<=", left, right), Infix(">=", left, right))
-    return Infix(operator, left, right, interval)
+    return Infix(operator, *map(_ours, node.children[:2]), interval)

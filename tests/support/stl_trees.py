@@ -21,7 +21,7 @@ leaves = st.one_of(st.sampled_from(NAMES).map(Signal), st.sampled_from(NAMES).ma
 def _grown(inner: st.SearchStrategy[Node]) -> st.SearchStrategy[Node]:
     optional = st.one_of(st.none(), intervals)
     return st.one_of(
-        st.builds(Prefix, st.sampled_from(["abs", "sqrt", "not", "not", "not"]), inner),
+        st.builds(Prefix, st.sampled_from(["abs", "sqrt", "rise", "fall", "not", "not", "not"]), inner),
         st.builds(Prefix, st.sampled_from(EXTREMES), inner, optional),
         *(
             st.builds(Infix, st.sampled_from(words), inner, inner)
@@ -118,6 +118,12 @@ def defined(node: Node, signals: Mapping[str, Column]) -> Column:
             return [value] * length
         case Prefix(word, of, interval):
             values = defined(of, signals)
+            if word in ("rise", "fall"):
+                sign = 1 if word == "rise" else -1
+                return [
+                    min(sign * now, -sign * then)
+                    for now, then in zip(values, [-sign * math.inf, *values], strict=False)
+                ]
             return _extremes(word, values, interval) if word in EXTREMES else [_ONE[word](value) for value in values]
     left, right = defined(node.left, signals), defined(node.right, signals)
     if node.operator in ("since", "until"):
@@ -136,6 +142,7 @@ _TWO: Mapping[str, Callable[[float, float], float]] = {
     "<=": lambda one, other: other - one,
     ">": lambda one, other: one - other,
     ">=": lambda one, other: one - other,
+    "==": lambda one, other: -abs(one - other),
     "and": min,
     "or": max,
     "implies": lambda one, other: max(-one, other),
