@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 from builders import with_range
 from fuzzing import edit_in
-from options import usually
 from paper_flyer import Paper
 from printed import STUDY, Call, sentence
 
@@ -455,7 +454,8 @@ def large(copy: Path) -> Path:
     return copy
 
 
-@pytest.mark.parametrize("how", usually(["2-way"], release=["2-way", "random:50"]))
+@pytest.mark.release
+@pytest.mark.parametrize("how", ["2-way", "random:50"])
 def test_a_large_grid_is_sampled_and_scored_without_making_every_world(
     call: Call, large: Path, monkeypatch: pytest.MonkeyPatch, how: str
 ) -> None:

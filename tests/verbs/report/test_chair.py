@@ -224,13 +224,14 @@ def test_on_a_narrow_screen_a_value_says_what_it_is(visit: Opened) -> None:
     assert page.evaluate("document.documentElement.scrollWidth") == 390
 
 
+@pytest.mark.release
 @pytest.mark.parametrize(
     ("fragment", "context"),
     [
         ("", {}),
-        pytest.param("", {"color_scheme": "dark"}, marks=pytest.mark.release),
-        pytest.param("", {"viewport": {"width": 390, "height": 844}}, marks=pytest.mark.release),
-        pytest.param(FLIGHT, {}, marks=pytest.mark.release),
+        ("", {"color_scheme": "dark"}),
+        ("", {"viewport": {"width": 390, "height": 844}}),
+        (FLIGHT, {}),
     ],
     ids=["light", "dark", "390 px", "an open flight"],
 )
