@@ -7,11 +7,15 @@ import csv
 import io
 import json
 import math
+import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
-from itertools import islice
+from io import BufferedReader
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +27,8 @@ from scaloft_fi.outside.records import (
     MOST_MESSAGES,
     TIME_COLUMN,
     TIME_UNITS,
+    Loss,
+    Lost,
     MappedSignal,
     RecordedField,
     RecordKind,
@@ -31,6 +37,7 @@ from scaloft_fi.outside.records import (
     damaged,
     lacks,
     number,
+    said_by,
     steps,
     too_many,
 )
@@ -43,11 +50,20 @@ DEEPEST = 8
 
 @dataclass(frozen=True)
 class Message:
-    """A message of a record: topic, time at which it was received [ns], and content, a mapping or an object."""
+    """A message of a record: topic, time at which it was received [ns], and what reads its content.
+
+    The content is a mapping or an object; reading it raises what the library raises, or InputError.
+    """
 
     topic: str
     received_ns: int
-    content: Any
+    read: Callable[[], Any]
+
+
+Found = tuple[Mapping[MappedSignal, Series], Sequence[Loss]]
+"""The series of a record, and what it lost."""
+Told = tuple[Sequence[RecordedField], Sequence[Loss]]
+"""What a record has, and what it lost."""
 
 
 @dataclass(frozen=True)
@@ -66,37 +82,66 @@ class MessageLog:
 def of_messages(open_log: Callable[[Path], AbstractContextManager[MessageLog]]) -> RecordKind:
     """The kind of the records that `open_log` opens; it raises InputError for one that it cannot open."""
 
-    def messages(path: Path, log: MessageLog, topics: Sequence[str]) -> Iterator[Message]:
-        try:
-            yield from log.messages(topics)
-        except InputError:
-            raise
-        except Exception as error:
-            raise damaged(path, error) from error
-
-    def read_messages(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Mapping[MappedSignal, Series]:
+    def read_messages(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Found:
+        losses = list[Loss]()
         with open_log(path) as log:
             asked = topics_of(path, sources, timing, log.topics)
-            return collect(path, messages(path, log, asked), sources, timing)
+            messages = until_cut(path, log.messages(asked), losses)
+            return collect(path, messages, sources, timing), losses
 
-    def fields_of_messages(path: Path) -> Sequence[RecordedField]:
+    def fields_of_messages(path: Path) -> Told:
+        losses = list[Loss]()
         with open_log(path) as log:
-            return tallied(messages(path, log, log.topics), log.topics)
+            return tallied(until_cut(path, log.messages(log.topics), losses), losses, log.topics), losses
 
     return RecordKind(read_messages, fields_of_messages)
 
 
-def tallied(messages: Iterable[Message], topics: Iterable[str] = ()) -> list[RecordedField]:
+def until_cut(path: Path, messages: Iterable[Message], losses: list[Loss]) -> Iterator[Message]:
+    """The messages that can be read; what ends them before the end of the record is a loss.
+
+    Raises:
+        InputError: none can be read.
+    """
+    count = 0
+    try:
+        for count, message in enumerate(messages, 1):  # noqa: B007 - told after the loop
+            yield message
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:
+        if not count:
+            raise damaged(path, error) from error
+        losses.append(Loss(Lost.CUT, why=said_by(error)))
+
+
+def tallied(messages: Iterable[Message], losses: list[Loss], topics: Iterable[str] = ()) -> list[RecordedField]:
     """The fields of the first message of each topic, and how many messages came when; of `topics` without any too."""
-    first, times = dict[str, Any](), {topic: list[int]() for topic in topics}
+    fields = dict[str, Sequence[str]]()
+    spans = dict.fromkeys(topics, (0, 0, 0))
     for message in messages:
-        first.setdefault(message.topic, message.content)
-        times.setdefault(message.topic, []).append(message.received_ns)
+        at_ns = message.received_ns
+        count, first_ns, last_ns = spans.get(message.topic, (0, at_ns, at_ns))
+        if not count:
+            fields[message.topic], first_ns, last_ns = _fields(message, losses), at_ns, at_ns
+        spans[message.topic] = (count + 1, min(first_ns, at_ns), max(last_ns, at_ns))
     return [
-        RecordedField(topic, field, len(own), min(own) * 1e-9, max(own) * 1e-9) if own else RecordedField(topic, "", 0)
-        for topic, own in times.items()
-        for field in (fields_of(first[topic]) if own else ("",))
+        RecordedField(topic, field, count, first_ns * 1e-9, last_ns * 1e-9) if count else RecordedField(topic, "", 0)
+        for topic, (count, first_ns, last_ns) in spans.items()
+        for field in fields.get(topic, ("",))
     ]
+
+
+def _fields(message: Message, losses: list[Loss]) -> Sequence[str]:
+    """The fields of a message; one that cannot be read is a loss."""
+    try:
+        return tuple(fields_of(message.read())) or ("",)
+    except MemoryError:
+        raise
+    except Exception as error:  # noqa: BLE001 - what a library says of a message that it cannot read
+        said = said_by(error).partition(": ")[2] if isinstance(error, InputError) else said_by(error)  # after the file
+        losses.append(Loss(Lost.UNREAD, why=f"{message.topic}: {said}"))
+        return ("",)
 
 
 def topics_of(path: Path, sources: Iterable[MappedSignal], timing: Timing, there: Iterable[str]) -> tuple[str, ...]:
@@ -139,17 +184,23 @@ def collect(
             raise too_many(path)
         place = f"message {count + 1} ({message.topic})"
         t_s = message.received_ns * 1e-9
+        asked = by_topic.get(message.topic, ())
+        if not asked and message.topic != timing.clock:
+            continue
+        try:
+            content = message.read()
+        except (InputError, MemoryError):
+            raise
+        except Exception as error:
+            raise InputError(f"{path}: {place}: the message cannot be read: {said_by(error)}") from error
         if message.topic == timing.clock:
             ticks[0].append(t_s)
-            ticks[1].append(_stamp(path, place, message.content))
-        asked = by_topic.get(message.topic, ())
-        if not asked:
-            continue
+            ticks[1].append(_stamp(path, place, content))
         if timing.stamped:
-            t_s = _stamp(path, place, _part(message.content, "header") or message.content)
+            t_s = _stamp(path, place, _part(content, "header") or content)
         for source, way, times, values in asked:
             times.append(t_s)
-            values.append(number(path, source, place, _value(path, source, message.content, way)))
+            values.append(number(path, source, place, _value(path, source, content, way)))
     return {source: _series(times, values, timing, ticks) for source, (times, values) in found.items()}
 
 
@@ -226,17 +277,20 @@ def _library(path: Path, name: str, needs: str) -> Any:
 
 TABLE_BYTES = 256 << 20
 """Largest table."""
+_MEASURED = re.compile(r"[-+]?\d*\.\d+(?:[eE][-+]?\d+)?")
+"""A number that is no name of a column."""
 SEPARATORS = ",;\t|"
 """What may stand between the cells of a table: the one that its first line has most often."""
 
 
-def read_table(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Mapping[MappedSignal, Series]:
+def read_table(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Found:
     """Read the columns of a table; an empty cell says nothing new.
 
     Raises:
         InputError: as `RecordKind.read`; or the time goes back.
     """
-    head, rows = _opened(path)
+    losses = list[Loss]()
+    head, rows = _opened(path, losses)
     if not timing.column:
         raise InputError(
             f"{path}: a table needs the column of its time: time: {{column: NAME}} in the record's mapping"
@@ -253,8 +307,6 @@ def read_table(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> M
     clock, places = head.index(timing.column), [(head.index(one.column), one, *both) for one, both in found.items()]
     told, last_s = MappedSignal("time", column=timing.column), -math.inf
     for line, row in rows:
-        if len(row) != len(head):
-            raise InputError(f"{path}:{line}: {len(row)} cells must be {len(head)}, as in the first line")
         t_s = _parsed(path, told, line, row[clock]) * timing.unit_s
         if t_s < last_s:
             raise InputError(
@@ -265,34 +317,39 @@ def read_table(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> M
             if cell := row[place]:
                 times.append(t_s)
                 values.append(_parsed(path, source, line, cell))
-    return {source: Series(np.array(times), np.array(values)) for source, (times, values) in found.items()}
+    return {source: Series(np.array(times), np.array(values)) for source, (times, values) in found.items()}, losses
 
 
-def fields_of_table(path: Path) -> Sequence[RecordedField]:
+def fields_of_table(path: Path) -> Told:
     """The columns of a table; their times are those of the column that is named like one.
 
     Raises:
         InputError: the table cannot be read.
     """
-    head, rows = _opened(path)
+    losses = list[Loss]()
+    head, rows = _opened(path, losses)
     clock = next((place for place, name in enumerate(head) if TIME_COLUMN.fullmatch(name)), None)
     found = TIME_COLUMN.fullmatch(head[clock]) if clock is not None else None
     unit_s = TIME_UNITS[(found[1] or "s").lower()] if found else 1.0
     counts, spans = [0] * len(head), [(math.inf, -math.inf)] * len(head)
     for line, row in rows:
         t_s = _parsed(path, MappedSignal("time"), line, row[clock]) * unit_s if clock is not None else math.nan
-        for place, cell in enumerate(row[: len(head)]):
+        for place, cell in enumerate(row):
             if cell:
                 counts[place] += 1
                 spans[place] = (min(spans[place][0], t_s), max(spans[place][1], t_s))
-    return [
+    fields = [
         RecordedField("", name, count, *(span if math.isfinite(span[0]) else ()))
         for name, count, span in zip(head, counts, spans, strict=True)
     ]
+    return fields, losses
 
 
-def _opened(path: Path) -> tuple[list[str], Iterator[tuple[int, list[str]]]]:
-    """The names of the columns, and each row with the number of its line."""
+def _opened(path: Path, losses: list[Loss]) -> tuple[list[str], Iterator[tuple[int, list[str]]]]:
+    """The names of the columns, and each row with the number of its line.
+
+    A last line that is short, and does not end, is cut: a loss.
+    """
     text = read_text(path, TABLE_BYTES, other="latin-1").removeprefix("\ufeff")
     lines = ["\n" if line.startswith("#") else line for line in text.splitlines(keepends=True)]
     first = next((place for place, line in enumerate(lines) if line.strip()), 0)
@@ -308,12 +365,19 @@ def _opened(path: Path) -> tuple[list[str], Iterator[tuple[int, list[str]]]]:
     for name in head:
         if name in seen:
             raise InputError(f"{path}:1: column {name!r} occurs twice")
+        if _MEASURED.fullmatch(name):
+            raise InputError(f"{path}:1: the first line must have the names of the columns, and has the number {name}")
         seen.add(name)
 
     def rows() -> Iterator[tuple[int, list[str]]]:
         try:
             for row in islice(reader, MOST_MESSAGES):
-                if row:
+                if len(row) < len(head) and first + reader.line_num == len(lines) and not lines[-1].endswith("\n"):
+                    losses.append(Loss(Lost.CUT, why=f"line {len(lines)} has {len(row)} of {len(head)} cells"))
+                elif row:
+                    if len(row) != len(head):
+                        told = f"{len(row)} cells must be {len(head)}, as in the first line"
+                        raise InputError(f"{path}:{first + reader.line_num}: {told}")
                     # a table with semicolons comes from where a comma stands in a number
                     yield first + reader.line_num, [c.replace(",", ".") for c in row] if separator == ";" else row
             if next(reader, None) is not None:
@@ -341,33 +405,37 @@ TABLE = RecordKind(read_table, fields_of_table)
 
 TIME = "timestamp"
 """Field with the time of a message [us]."""
+ULOG_HEAD = 3
+"""Length of the head of a message [bytes] (docs.px4.io, ULog File Format)."""
 
 
-def read_ulog(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Mapping[MappedSignal, Series]:
+def read_ulog(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Found:
     """Read the fields of messages; their times are their own, so `timing` has no clock.
 
     Raises:
         InputError: as `RecordKind.read`.
     """
-    sets = _sets(path, list({source.topic.partition("/")[0] for source in sources}))
+    sets, losses = _sets(path, list({source.topic.partition("/")[0] for source in sources}))
     topics_of(path, sources, timing, sets)
     if sum(len(one[TIME]) for one in sets.values()) > MOST_MESSAGES:
         raise too_many(path)
-    return {source: _series_of_fields(path, source, sets[source.topic]) for source in sources}
+    return {source: _series_of_fields(path, source, sets[source.topic]) for source in sources}, losses
 
 
-def fields_of_ulog(path: Path) -> Sequence[RecordedField]:
+def fields_of_ulog(path: Path) -> Told:
     """The fields of each topic.
 
     Raises:
         InputError: the record cannot be read.
     """
-    return [
+    sets, losses = _sets(path, None)
+    fields = [
         RecordedField(topic, field, len(data[TIME]), float(data[TIME].min()) * 1e-6, float(data[TIME].max()) * 1e-6)
-        for topic, data in _sets(path, None).items()
+        for topic, data in sets.items()
         for field in data
         if field != TIME and len(data[TIME])
     ]
+    return fields, losses
 
 
 def _series_of_fields(path: Path, source: MappedSignal, data: Mapping[str, Any]) -> Series:
@@ -380,22 +448,46 @@ def _series_of_fields(path: Path, source: MappedSignal, data: Mapping[str, Any])
     return _sorted(times_s, values)
 
 
-def _sets(path: Path, names: list[str] | None) -> dict[str, Mapping[str, Any]]:
-    """The fields of each topic by name; `names` = which messages to read, None = all.
+class _Watched:
+    """An open file that tells whether its reader asks for more than there is, in the middle of a message or beyond."""
+
+    def __init__(self, file: BufferedReader) -> None:
+        self.file, self.tell, self.close, self.size = file, file.tell, file.close, os.fstat(file.fileno()).st_size
+        self.short = self.beyond = False
+
+    def seek(self, place: int, whence: int = 0) -> int:
+        """Go to a place; a log names the places of what was appended to it."""
+        at = self.file.seek(place, whence)
+        self.beyond |= at > self.size
+        return at
+
+    def read(self, size: int) -> bytes:
+        """The next bytes; a message has a head of 3 bytes, so none at all there is a regular end."""
+        data = self.file.read(size)
+        self.short = len(data) < size and (bool(data) or size != ULOG_HEAD)
+        return data
+
+
+def _sets(path: Path, names: list[str] | None) -> tuple[dict[str, Mapping[str, Any]], list[Loss]]:
+    """The fields of each topic by name, and what the record lost; `names` = which messages to read, None = all.
 
     Raises:
         InputError: the record cannot be read, or the library is missing.
     """
     pyulog = _library(path, "pyulog", "an .ulg file needs pyulog")
     with opened(path) as file, contextlib.redirect_stdout(io.StringIO()):  # it prints what it skips
+        watched = _Watched(file)
         try:
-            log = pyulog.ULog(file, names)
+            log = pyulog.ULog(watched, names)
         except Exception as error:
             raise damaged(path, error) from error
+    losses = [Loss(Lost.DROPOUT, one.timestamp * 1e-6, one.duration * 1e-3) for one in log.dropouts]
     if log.file_corruption:
-        raise InputError(f"{path}: the record is damaged")
+        losses.append(Loss(Lost.DAMAGED, why="some bytes are no message of ULog"))
+    if watched.short or watched.beyond:
+        losses.append(Loss(Lost.CUT, why="the file ends in the middle of a message"))
     found = {f"{one.name}/{one.multi_id}" if one.multi_id else one.name: one.data for one in log.data_list}
-    return {topic: data for topic, data in found.items() if TIME in data}
+    return {topic: data for topic, data in found.items() if TIME in data}, losses
 
 
 ULOG = RecordKind(read_ulog, fields_of_ulog)
@@ -417,24 +509,64 @@ def _mcap(path: Path) -> Iterator[MessageLog]:
     with opened(path) as file:
         try:
             reader = mcap.make_reader(file)
-            summary = reader.get_summary()
         except Exception as error:
             raise damaged(path, error) from error
-        if summary is None or (summary.statistics is None and not summary.channels):
-            raise InputError(f"{path}: the record is incomplete: it has no summary, so its writer did not finish it")
+        try:
+            summary = reader.get_summary()
+        except Exception:  # noqa: BLE001 - a file that its writer did not finish ends in anything
+            summary = None
+        if summary is None or not summary.channels:
+            yield _without_summary(path, file)
+            return
         if summary.statistics is not None and summary.statistics.message_count > MOST_MESSAGES:
             raise too_many(path)
         if any(chunk.uncompressed_size > CHUNK_BYTES for chunk in summary.chunk_indexes):
             raise InputError(f"{path}: a chunk of the record must have at most {CHUNK_BYTES:,} bytes")
 
         def messages(topics: Sequence[str]) -> Iterator[Message]:
-            decoders: dict[int, Any] = {}
-            for schema, channel, message in reader.iter_messages(topics=list(topics)):
-                if channel.id not in decoders:
-                    decoders[channel.id] = _decoder(path, schema, channel)
-                yield Message(channel.topic, message.log_time, decoders[channel.id](message.data))
+            return _messages_of_mcap(path, reader.iter_messages(topics=list(topics)))
 
         yield MessageLog([channel.topic for channel in summary.channels.values()], messages)
+
+
+def _without_summary(path: Path, file: BufferedReader) -> MessageLog:
+    """A file that its writer did not finish, or finished without a summary: it is read from its beginning."""
+    stream, made = (_library(path, f"mcap.{name}", "an .mcap file needs mcap") for name in ("stream_reader", "records"))
+
+    def found(topics: Sequence[str] | None) -> Iterator[tuple[Any, Any, Any]]:
+        schemas, channels = dict[int, Any](), dict[int, Any]()
+        file.seek(0)
+        for record in stream.StreamReader(file, record_size_limit=CHUNK_BYTES).records:
+            if isinstance(record, made.Schema):
+                schemas[record.id] = record
+            elif isinstance(record, made.Channel):
+                channels[record.id] = record
+            elif isinstance(record, made.Message):
+                channel = channels[record.channel_id]
+                if topics is None or channel.topic in topics:
+                    yield schemas.get(channel.schema_id), channel, record
+
+    there = dict[str, None]()
+    try:
+        for _, channel, _ in found(None):
+            there[channel.topic] = None
+    except Exception as error:
+        if not there:
+            raise damaged(path, error) from error
+    return MessageLog(list(there), lambda topics: _messages_of_mcap(path, found(topics)))
+
+
+def _messages_of_mcap(path: Path, found: Iterable[tuple[Any, Any, Any]]) -> Iterator[Message]:
+    """The messages, from the schema, channel and message of each."""
+    decoders: dict[int, Any] = {}
+
+    def read(schema: Any, channel: Any, data: bytes) -> Any:
+        if channel.id not in decoders:
+            decoders[channel.id] = _decoder(path, schema, channel)
+        return decoders[channel.id](data)
+
+    for schema, channel, message in found:
+        yield Message(channel.topic, message.log_time, partial(read, schema, channel, message.data))
 
 
 def _decoder(path: Path, schema: Any, channel: Any) -> Any:
@@ -463,6 +595,11 @@ def _decoder(path: Path, schema: Any, channel: Any) -> Any:
 MCAP = of_messages(_mcap)
 
 
+MENDED = {
+    ".bag": "; `rosbag reindex` mends a bag that is cut",
+    ".db3": "; `.recover` of sqlite3 mends a database that is cut",
+}
+"""What to do about a record that is cut and cannot be read up to there."""
 MOST_FILES = 1_000
 """Most files of a record that is a folder."""
 
@@ -475,69 +612,144 @@ def _rosbag(path: Path) -> Iterator[MessageLog]:
         InputError: it cannot be read, or the library is missing.
     """
     bags, types = (_library(path, f"rosbags.{name}", "a bag needs rosbags") for name in ("highlevel", "typesys"))
-    _check_files(path)
+    files = _files(path)
     with ExitStack() as stack:
+        if is_folder(path) and any(file.suffix == ".mcap" for file in files):
+            logs = [stack.enter_context(_mcap(file)) for file in files if file.suffix == ".mcap"]
+            topics = dict.fromkeys(topic for log in logs for topic in log.topics)
+            yield MessageLog(list(topics), lambda asked: chain.from_iterable(log.messages(asked) for log in logs))
+            return
         try:
             store = types.get_typestore(types.Stores.LATEST)
             reader = stack.enter_context(bags.AnyReader([path], default_typestore=store))
         except Exception as error:
-            raise damaged(path, error) from error
+            raise damaged(path, error, MENDED.get(path.suffix.lower(), "")) from error
 
         def messages(topics: Sequence[str]) -> Iterator[Message]:
             connections = [connection for connection in reader.connections if connection.topic in topics]
             for connection, received_ns, data in reader.messages(connections=connections) if connections else ():
-                yield Message(connection.topic, received_ns, reader.deserialize(data, connection.msgtype))
+                yield Message(connection.topic, received_ns, partial(read, data, connection.msgtype))
+
+        def read(data: bytes, kind: str) -> Any:
+            try:
+                return reader.deserialize(data, kind)
+            except KeyError:
+                raise InputError(f"{path}: the record does not have the definition of {kind}") from None
 
         yield MessageLog(list(reader.topics), messages)
 
 
-def _check_files(path: Path) -> None:
-    """Refuse what is no regular file, or too large, before a library opens it.
+def _files(path: Path) -> list[Path]:
+    """The files of a record, by length and name; what is no regular file, or too large, no library opens.
 
     Raises:
         InputError: there is such a file, or none at all.
     """
-    files = sorted(path.iterdir()) if is_folder(path) else [path]
+    files = sorted(path.iterdir(), key=lambda file: (len(file.name), file.name)) if is_folder(path) else [path]
     if is_folder(path) and (len(files) > MOST_FILES or path / "metadata.yaml" not in files):
-        raise InputError(f"{path}: a folder must be a rosbag2: a metadata.yaml and at most {MOST_FILES} files")
+        raise InputError(
+            f"{path}: a folder must be a rosbag2: a metadata.yaml and at most {MOST_FILES} files; where its recorder "
+            "did not finish it, `ros2 bag reindex` writes the metadata.yaml, or a file of it is judged by itself"
+        )
     for file in files:
         with opened(file):
             pass
+    return files
 
 
 ROSBAG = of_messages(_rosbag)
 
 
-def _mavlink(path: Path) -> Iterator[Message]:
-    """The messages of a log of ArduPilot or MAVLink; a further instance of a message is the topic `NAME/1`.
+NEEDS = "a log of ArduPilot or MAVLink needs pymavlink"
+GROUND_STATIONS = 250
+"""Systems from this number on are ground stations: 255 by the definition of MAVLink, 250 to 254 by custom."""
+
+
+def _mavlink(path: Path, losses: list[Loss]) -> Iterator[Message]:
+    """The messages of a log of ArduPilot or MAVLink.
+
+    A further instance of a message is the topic `NAME/1`; a message of a second vehicle is the topic `NAME@2`, after
+    the number of its system.
 
     Raises:
         InputError: it cannot be read, or the library is missing.
     """
-    mavutil = _library(path, "pymavlink.mavutil", f"an {path.suffix} file needs pymavlink")
+    mavutil, flash = (_library(path, f"pymavlink.{name}", NEEDS) for name in ("mavutil", "DFReader"))
     with opened(path):
         pass
-    try:
-        with contextlib.redirect_stdout(io.StringIO()), closing(mavutil.mavlink_connection(str(path))) as log:
-            while (one := log.recv_match()) is not None:
-                name, instance = one.get_type(), getattr(getattr(one, "fmt", None), "instance_field", None)
-                which = getattr(one, instance) if instance else 0
-                if name != "BAD_DATA":
-                    yield Message(f"{name}/{which}" if which else name, round(one._timestamp * 1e9), one)
-    except Exception as error:
-        raise damaged(path, error) from error
+    silent = io.StringIO()  # it prints what it skips
+    with contextlib.redirect_stdout(silent), contextlib.redirect_stderr(silent):
+        ardupilot = path.suffix.lower() == ".bin"
+        try:
+            log = flash.DFReader_binary(str(path)) if ardupilot else mavutil.mavlogfile(str(path))
+        except Exception as error:
+            raise damaged(path, error) from error
+        with closing(log):
+            messages = _of_ardupilot(log, losses) if ardupilot else _of_mavlink(log, losses)
+            yield from until_cut(path, messages, losses)
 
 
-def read_mavlink(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Mapping[MappedSignal, Series]:
+def _of_ardupilot(log: Any, losses: list[Loss]) -> Iterator[Message]:
+    """The messages of an open log; bytes that are none are a loss, and so is a message that the file ends in."""
+    end, skipped, first_s = 0, 0, None
+    while (one := log.recv_match()) is not None:
+        name, instance = one.get_type(), one.fmt.instance_field
+        if lost := log.offset - one.fmt.len - end:
+            skipped, first_s = skipped + lost, one._timestamp if first_s is None else first_s
+        end = log.offset
+        which = getattr(one, instance) if instance else 0
+        yield Message(f"{name}/{which}" if which else name, round(one._timestamp * 1e9), partial(_same, one))
+    cut = bool(log.data_map[end:].strip(b"\x00\xff"))  # whole pages are written, with such bytes at the end
+    losses += _lost(skipped, first_s, cut=cut)
+
+
+def _of_mavlink(log: Any, losses: list[Loss]) -> Iterator[Message]:
+    """As `_of_ardupilot`."""
+    end, skipped, first_s, vehicle = 0, 0, None, 0
+    while (one := log.recv_match()) is not None:
+        name, system, end = one.get_type(), one.get_srcSystem(), log.f.tell()
+        if name == "BAD_DATA":
+            skipped, first_s = skipped + len(one.get_msgbuf()), one._timestamp if first_s is None else first_s
+            continue
+        vehicle = vehicle or (system if system < GROUND_STATIONS else 0)
+        topic = name if system in (vehicle, 0) or system >= GROUND_STATIONS else f"{name}@{system}"
+        yield Message(topic, round(one._timestamp * 1e9), partial(_same, one))
+    losses += _lost(skipped, first_s, cut=end < log.filesize)
+
+
+def _lost(skipped: int, first_s: float | None, *, cut: bool) -> Iterator[Loss]:
+    """The losses of a log in which this many bytes are no message, the first at `first_s` [s]."""
+    if skipped:
+        yield Loss(Lost.DAMAGED, first_s, why=f"{skipped:,} bytes are no message")
+    if cut:
+        yield Loss(Lost.CUT, why="the file ends in the middle of a message")
+
+
+def _same(one: Any) -> Any:
+    return one
+
+
+def read_mavlink(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> Found:
     """Read the fields of messages; their times are those of the log.
 
     Raises:
         InputError: as `RecordKind.read`.
     """
-    found = collect(path, _mavlink(path), sources, timing)
+    losses = list[Loss]()
+    found = collect(path, _mavlink(path, losses), sources, timing)
     if any(not len(series.times_s) for series in found.values()):
-        topics_of(path, sources, timing, {message.topic for message in _mavlink(path)})
-    return found
+        topics_of(path, sources, timing, {message.topic for message in _mavlink(path, [])})
+    return found, losses
 
 
-MAVLINK = RecordKind(read_mavlink, lambda path: tallied(_mavlink(path)))
+def fields_of_mavlink(path: Path) -> Told:
+    """The fields of each message.
+
+    Raises:
+        InputError: the record cannot be read.
+    """
+    losses = list[Loss]()
+    return tallied(_mavlink(path, losses), losses), losses
+
+
+MAVLINK = RecordKind(read_mavlink, fields_of_mavlink)

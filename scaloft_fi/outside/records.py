@@ -29,6 +29,8 @@ from scaloft_fi.registry import Registry
 from scaloft_fi.sim.log import NEVER_S, SAMPLE_HZ, Ending, FlightLog, clearance_name
 from scaloft_fi.stack.messages import Array, Point
 
+SAID = 200
+"""Most characters of what a library says that are told."""
 MOST_MESSAGES = 5_000_000
 """Most messages, or rows, of a record that are read."""
 
@@ -126,12 +128,17 @@ def too_many(path: Path) -> InputError:
     return InputError(f"{path}: the record must have at most {MOST_MESSAGES:,} messages or rows")
 
 
-def damaged(path: Path, error: Exception) -> InputError:
+def damaged(path: Path, error: Exception, remedy: str = "") -> InputError:
     """The error for a record that its library cannot read."""
     if isinstance(error, MemoryError):
         raise error
+    return InputError(f"{path}: the record cannot be read: {said_by(error)}{remedy}")
+
+
+def said_by(error: Exception) -> str:
+    """What a library says, in one line of at most `SAID` characters."""
     said = " ".join(str(error).split()) or type(error).__name__
-    return InputError(f"{path}: the record is damaged or incomplete: {said}")
+    return said if len(said) <= SAID else f"{said[:SAID]}…"
 
 
 _PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
@@ -187,18 +194,50 @@ class RecordedField:
         return (self.messages - 1) / (self.last_s - self.first_s)
 
 
+class Lost(StrEnum):
+    """What a record lost."""
+
+    CUT = "cut"
+    DROPOUT = "drop-out"
+    DAMAGED = "damaged"
+    UNREAD = "unread"
+
+
+@dataclass(frozen=True)
+class Loss:
+    """Something that a record lost.
+
+    Attributes:
+        kind: cut: nothing is read from then on; drop-out: its writer says that it was too slow; damaged: bytes that are
+            no message are skipped; unread: the messages of a topic cannot be read.
+        at_s: when [s, time of the record]: of a cut, the last message that is read; null: not known.
+        lasts_s: how long [s]; null: to the end, or not known.
+        why: how it is known, in words; empty for a drop-out.
+    """
+
+    kind: Lost
+    at_s: float | None = None
+    lasts_s: float | None = None
+    why: str = ""
+
+
+def placed(losses: Iterable[Loss], last_s: float) -> tuple[Loss, ...]:
+    """The losses; a cut comes after the last message, at `last_s` [s]."""
+    return tuple(replace(one, at_s=last_s) if one.kind is Lost.CUT else one for one in losses)
+
+
 @dataclass(frozen=True)
 class RecordKind:
     """How records of a kind are read.  Their libraries are imported by these functions.
 
     Attributes:
-        read: (path, sources, timing) -> the series of each source; raises InputError: the record cannot be read, is too
-            large, or lacks a source, or a value is no finite number.
-        fields: (path) -> what the record has; raises InputError: it cannot be read.
+        read: (path, sources, timing) -> the series of each source, and what the record lost; raises InputError: the
+            record cannot be read, is too large, or lacks a source, or a value is no finite number.
+        fields: (path) -> what the record has, and what it lost; raises InputError: it cannot be read.
     """
 
-    read: Callable[[Path, Sequence[MappedSignal], Timing], Mapping[MappedSignal, Series]]
-    fields: Callable[[Path], Sequence[RecordedField]]
+    read: Callable[[Path, Sequence[MappedSignal], Timing], tuple[Mapping[MappedSignal, Series], Sequence[Loss]]]
+    fields: Callable[[Path], tuple[Sequence[RecordedField], Sequence[Loss]]]
 
 
 RECORDS = Registry[RecordKind]("kind of record")
@@ -243,7 +282,8 @@ UNITS: Mapping[str, tuple[float, float]] = {
 }
 """Factor and offset by name of the conversion."""
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-Held = Annotated[float, Bounds(least=0.0, most=86_400.0)]
+LONGEST_HELD_S = 86_400.0
+Held = Annotated[float, Bounds(least=0.0, most=LONGEST_HELD_S)]
 """How long a value may be held [s]."""
 GAP_S = 5.0
 """A value is held for this long where the mapping says nothing [s]: an assumption; position and attitude come at 1 Hz
@@ -449,7 +489,7 @@ class RecordMap:
         kept = {
             name: entry
             for name, entry in self.signals.items()
-            if entry.constant is not None or entry.column in there or f"{entry.topic}: {entry.field}" in there
+            if entry.constant is not None or (entry.column or f"{entry.topic}: {entry.field}") in there
         }
         return replace(self, signals=kept)
 
@@ -740,6 +780,7 @@ class RecordedFlight:
         gaps: of each signal that was read.
         stale: (T,) by name of the signal, whether its value is older than it may be held.
         between: (T,) by name of the signal, least and greatest value of the messages since the last sample.
+        losses: what the record lost.
     """
 
     log: FlightLog
@@ -748,6 +789,7 @@ class RecordedFlight:
     gaps: tuple[Gap, ...]
     stale: Mapping[str, NDArray[np.bool_]]
     between: Mapping[str, tuple[Array, ...]]
+    losses: tuple[Loss, ...] = ()
 
 
 def flight_log(
@@ -784,9 +826,13 @@ def flight_log(
     entries = {name: mapping.signals[name] for name in names}
     beside = filter(None, (mapping.start, mapping.end, mapping.altered, mapping.carried))
     sources = dict.fromkeys(entry for entry in (*entries.values(), *beside) if entry.constant is None)
-    series = read_apart(path, lambda: kind.read(path, list(sources), mapping.timing))
-    start_s, end_s, waits_for = _span(path, mapping, entries, series)
-    at_s = instants(path, start_s, end_s)
+    series, losses = read_apart(path, lambda: kind.read(path, list(sources), mapping.timing))
+    try:
+        start_s, end_s, waits_for = _span(path, mapping, entries, series)
+        at_s = instants(path, start_s, end_s)
+    except InputError as error:
+        cut = next((f"; the record is cut: {one.why}" for one in losses if one.kind is Lost.CUT), "")
+        raise InputError(f"{error}{cut}") from error
 
     def of(name: str, entry: MappedSignal) -> Array:
         return sampled(path, name, entry, series.get(entry), start_s, at_s)
@@ -830,7 +876,8 @@ def flight_log(
         name: tuple(sampled(path, name, replace(e, keep=k), series[e], start_s, at_s) for k in (Keep.LEAST, Keep.MOST))
         for name, e in told.items()
     }
-    return RecordedFlight(log, start_s, waits_for, gaps, stale, between)
+    last_s = max((float(one.times_s[-1]) for one in series.values() if len(one.times_s)), default=math.nan)
+    return RecordedFlight(log, start_s, waits_for, gaps, stale, between, placed(losses, last_s))
 
 
 def stale_at(entry: MappedSignal, series: Series, gap_s: float, at_s: Array) -> NDArray[np.bool_]:
@@ -939,14 +986,15 @@ def _struck(signals: Mapping[str, Array], known: Known) -> str:
     return nearest if nearest and signals[clearance_name(nearest)][-1] <= 0.0 else ""
 
 
-def fields_of(path: Path) -> Sequence[RecordedField]:
-    """What a record has.
+def fields_of(path: Path) -> tuple[Sequence[RecordedField], tuple[Loss, ...]]:
+    """What a record has, and what it lost.
 
     Raises:
         InputError: it cannot be read.
     """
     kind = kind_of(path)
-    return read_apart(path, lambda: kind.fields(path))
+    fields, losses = read_apart(path, lambda: kind.fields(path))
+    return fields, placed(losses, max((one.last_s for one in fields if one.last_s is not None), default=math.nan))
 
 
 def names_of(path: Path) -> Sequence[str]:
@@ -955,7 +1003,7 @@ def names_of(path: Path) -> Sequence[str]:
     Raises:
         InputError: it cannot be read.
     """
-    return [one.name for one in fields_of(path)]
+    return [one.name for one in fields_of(path)[0]]
 
 
 DRAFTED = (*PLACE, "vx_mps", "vy_mps", "vz_mps", "qx", "qy", "qz", "qw", LANDED, CLEARANCE)
@@ -976,22 +1024,35 @@ def draft(fields: Sequence[RecordedField]) -> str:
                 more = f", factor: {entry.factor!r}" if entry.factor != 1.0 else ""
                 more += f", offset: {entry.offset!r}" if entry.offset else ""
                 more += f", unknown: {entry.unknown!r}" if entry.unknown is not None else ""
+                more += f", gap_s: {min(entry.gap_s, LONGEST_HELD_S)!r}" if entry.gap_s is not None else ""
                 lines.append(f'  {signal}: {{topic: {entry.topic}, field: "{entry.field}"{more}}}')
             return "\n".join(lines)
     lines = ["signals:"]
     short = {one.name: re.split(r"[./: ]+", one.field.lower())[-1] for one in fields}
-    clocks = (found for one in fields if not one.topic and (found := TIME_COLUMN.fullmatch(one.field)))
+    clocks = ((one, found) for one in fields if not one.topic and (found := TIME_COLUMN.fullmatch(one.field)))
     if clock := next(clocks, None):
-        lines = [f'time: {{column: "{clock[0]}", unit: {(clock[1] or "s").lower()}}}', *lines]
+        unit, guessed = (clock[1][1].lower(), "") if clock[1][1] else (_likely_unit(clock[0]), "  # a guess")
+        lines = [f'time: {{column: "{clock[0].field}", unit: {unit}}}{guessed}', *lines]
     for signal in DRAFTED:
         stem = signal.removesuffix("_mps").removesuffix("_m").lower()
-        one = next((there[name] for name, last in short.items() if last in (stem, signal)), None)
+        alike = re.compile(ALIKE[stem[0]].format(stem[-1]) if stem[:-1] in ("", "v") else f"{stem}|{signal}")
+        one = next((there[name] for name, last in short.items() if alike.fullmatch(last)), None)
         if one is None:
             lines.append(f"  # {signal}: {{...}}")
         else:
             where = f'topic: {one.topic}, field: "{one.field}"' if one.topic else f'column: "{one.field}"'
             lines.append(f"  {signal}: {{{where}}}")
     return "\n".join(lines)
+
+
+ALIKE = {**dict.fromkeys("xyz", r"(?:p|pos|position)?_?{0}(?:_m)?"), "v": r"(?:v|vel|velocity)_?{0}(?:_mps)?"}
+"""The names of columns that are taken for a position or a velocity, by the first letter of the signal."""
+
+
+def _likely_unit(clock: RecordedField) -> str:
+    """The unit of a time that does not say it, and was read as seconds: the longest with a row in two seconds."""
+    rate_hz = clock.rate_hz or 1.0
+    return next((unit for unit, unit_s in TIME_UNITS.items() if rate_hz / unit_s >= 0.5), "s")
 
 
 TIME_COLUMN = re.compile(r"(?:t|time|timestamp|elapsed)(?:_(s|ms|us|ns))?", re.IGNORECASE)

@@ -13,7 +13,7 @@ import click
 from scaloft_fi.campaign.flights.command import JudgedRecord, JudgedRequirement, judged_record, known_of, mapping_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.requirement import Compliance, measured_rho
-from scaloft_fi.outside.records import READY, Gap, draft, fields_of
+from scaloft_fi.outside.records import READY, Gap, Loss, Lost, draft, fields_of
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import situations
@@ -153,6 +153,54 @@ class FieldOfRecord:
 
 
 @dataclass(frozen=True)
+class RecordLoss:
+    """Something that a record lost.
+
+    Attributes:
+        file: path of the record.
+        kind: cut: nothing is read from then on; drop-out: its writer says that it was too slow; damaged: bytes that are
+            no message are skipped; unread: the messages of a topic cannot be read.
+        at_s: when [s, time of the record]: of a cut, the last message that is read; null: not known.
+        lasts_s: how long [s]; null: to the end, or not known.
+        why: how it is known, in words.
+    """
+
+    file: Path
+    kind: Lost
+    at_s: float | None
+    lasts_s: float | None
+    why: str
+
+    @classmethod
+    def of(cls, file: Path, loss: Loss) -> RecordLoss:
+        """What is told of a loss."""
+        return cls(file, loss.kind, rounded(loss.at_s), rounded(loss.lasts_s), loss.why)
+
+
+def notes_on(losses: Sequence[RecordLoss], begins_s: float | None = None) -> Iterator[str]:
+    """What a record lost, at the times of its flight, which begins at `begins_s` of the record, else of the record."""
+
+    def at(loss: RecordLoss) -> str:
+        if loss.at_s is None:
+            return ""
+        return f" at {loss.at_s:.2f} s of the record" if begins_s is None else f" at {loss.at_s - begins_s:.2f} s"
+
+    drops = [one for one in losses if one.kind is Lost.DROPOUT]
+    if drops:
+        longest = sorted(drops, key=lambda one: -(one.lasts_s or 0.0))[:SHOWN_DROPS]
+        each = ", ".join(f"{one.lasts_s:.3f} s{at(one)}" for one in longest)
+        shown, all_s = "" if len(drops) == len(longest) else "the longest ", sum(one.lasts_s or 0.0 for one in drops)
+        yield f"{drops[0].file}: drop-outs of its writer: {len(drops)}, {all_s:.3f} s in all: {shown}{each}"
+    for one in losses:
+        if one.kind is Lost.CUT:
+            yield f"{one.file}: the record is cut; its last message is{at(one)}: {one.why}"
+        elif one.kind is Lost.DAMAGED:
+            yield f"{one.file}: the record is damaged{at(one)}, and read without the damaged part: {one.why}"
+        elif one.kind is Lost.UNREAD:
+            yield f"{one.file}: messages of a topic cannot be read: {one.why}"
+
+
+@dataclass(frozen=True)
 class JudgedRecords:
     """What the study's requirements say of records of flights, or with --fields what the records hold.
 
@@ -160,6 +208,7 @@ class JudgedRecords:
         readings: what each requirement says of each record.
         records: the records.
         unread: the records that cannot be judged.
+        losses: what the records lost.
         fields: what the records hold.
         mappings: a drafted mapping of each record, as YAML.
     """
@@ -167,12 +216,15 @@ class JudgedRecords:
     readings: tuple[RecordReading, ...]
     records: tuple[FlightRecord, ...]
     unread: tuple[UnreadRecord, ...]
+    losses: tuple[RecordLoss, ...] = ()
     fields: tuple[FieldOfRecord, ...] = ()
     mappings: tuple[str, ...] = ()
 
 
 HEADERS = ("file", "requirement", "verdict", "robustness", "violated_at_s", "x", "y", "z")
 JUDGE = Output("judge", "2.0", JudgedRecords, rows="readings")
+SHOWN_DROPS = 5
+"""Most drop-outs that a note tells."""
 
 
 def judged_table(told: JudgedRecords) -> Table:
@@ -182,7 +234,11 @@ def judged_table(told: JudgedRecords) -> Table:
         for one in told.readings
     )
     verdicts = [one.verdict for one in told.readings]
-    notes = [note for one in told.records for note in one.notes]
+    notes = [
+        note
+        for one in told.records
+        for note in (*one.notes, *notes_on([loss for loss in told.losses if loss.file == one.file], one.begins_s))
+    ]
     notes += [
         f"{one.file}: {one.requirement} holds in the samples (20 Hz), and messages between them violate it at "
         f"{one.between_s:.2f} s"
@@ -233,12 +289,18 @@ def held(files: Sequence[Path]) -> Answer:
     found = [(path, fields_of(path)) for path in files]
     fields = tuple(
         FieldOfRecord(path, one.name, one.messages, rounded(one.rate_hz), rounded(one.first_s), rounded(one.last_s))
-        for path, own in found
+        for path, (own, _) in found
         for one in own
     )
-    told = JudgedRecords((), (), (), fields, tuple(draft(own) for _, own in found))
+    losses = tuple(RecordLoss.of(path, loss) for path, (_, own) in found for loss in own)
+    told = JudgedRecords((), (), (), losses, fields, tuple(draft(own) for _, (own, _) in found))
     tables = [
-        Table(f"What {path} holds", FIELD_HEADERS, tuple(astuple(one)[1:] for one in fields if one.file == path))
+        Table(
+            f"What {path} holds",
+            FIELD_HEADERS,
+            tuple(astuple(one)[1:] for one in fields if one.file == path),
+            tuple(notes_on([loss for loss in losses if loss.file == path])),
+        )
         for path, _ in found
     ]
 
@@ -288,6 +350,7 @@ def judge(
         tuple(RecordReading.of(one.path, finding) for one in records for finding in one.findings),
         tuple(FlightRecord.of(one, limited=known.limit_s is not None) for one in records),
         tuple(unread),
+        tuple(RecordLoss.of(one.path, loss) for one in records for loss in one.flight.losses),
     )
     errors = [one.error for one in unread]
     return Answer(JUDGE, lambda: told, lambda: (judged_table(told),) if records else (), errors=errors)

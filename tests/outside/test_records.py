@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import struct
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +17,7 @@ from scaloft_fi.outside.records import (
     DERIVED,
     READY,
     Known,
+    Lost,
     MappedSignal,
     RecordedFlight,
     Series,
@@ -33,6 +35,7 @@ from scaloft_fi.sim.log import Ending, FlightLog
 KNOWN = Known(("wall",), (0.0, 0.0))
 NEEDED = {"clearance_m": "requirement SR1", "speed_mps": "requirement SR2"}
 COLUMNS = ("{column: t_s}", "{column: x}", "{column: clear}")
+JSON = ("{topic: /x, field: data}", "{topic: /clear, field: data}")
 ROS = ("{topic: /point, field: point.x, unit: mm to m}", "{topic: /clear, field: data}")
 
 KINDS: dict[str, tuple[Callable[[Path], Path], tuple[str, str, str]]] = {
@@ -79,15 +82,126 @@ def test_a_topic_or_field_that_is_not_there_is_named_with_the_nearest(kind: str,
         _log(write(tmp_path), records.mapping(tmp_path, words[0], words[1], near))
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "csv"])
-def test_half_a_record_is_one_sentence(kind: str, tmp_path: Path) -> None:
-    write, words = KINDS[kind]
-    path = write(tmp_path)
+def _cut(path: Path, share: float) -> None:
     file = path if path.is_file() else next(path.glob("*.db3"))
     content = file.read_bytes()
-    file.write_bytes(content[: len(content) // 2] if kind != "ulog" else content[:30])
-    with pytest.raises(InputError, match=r"damaged|incomplete|does not have"):
+    file.write_bytes(content[: round(len(content) * share)])
+
+
+@pytest.mark.parametrize("kind", ["rosbag2", "db3", "rosbag1"])
+def test_half_a_record_that_cannot_be_read_is_refused_with_its_remedy(kind: str, tmp_path: Path) -> None:
+    write, words = KINDS[kind]
+    path = write(tmp_path)
+    _cut(path, 0.5)
+    with pytest.raises(InputError, match=r"the record cannot be read: .*(malformed|index)") as refused:
         _log(path, records.mapping(tmp_path, *words))
+    assert kind == "rosbag2" or "mends" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "share"), [("ulog", 0.701), ("csv", 0.7), ("mcap", 0.35), ("mcap", 0.5), ("ulog", 0.9)]
+)
+def test_a_record_that_is_cut_is_judged_up_to_there_and_says_when(kind: str, share: float, tmp_path: Path) -> None:
+    write, words = KINDS[kind]
+    path = write(tmp_path) if kind != "mcap" else records.mcap_of_many_chunks(tmp_path)
+    _cut(path, share)
+    mapping = records.mapping(tmp_path, *(words if kind != "mcap" else ("", *JSON)))
+    flight = flight_log(path, load_record_map(mapping), KNOWN, needed=NEEDED)
+    (loss,) = flight.losses
+    assert loss.kind is Lost.CUT
+    assert loss.at_s is not None
+    assert 1.0 < loss.at_s - flight.begins_s < 4.0
+    assert loss.at_s - flight.begins_s == pytest.approx(flight.log.duration_s, abs=0.05)
+    assert [one.kind for one in fields_of(path)[1]] == [Lost.CUT]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_whole_record_lost_nothing(kind: str, tmp_path: Path) -> None:
+    write, words = KINDS[kind]
+    path = write(tmp_path)
+    assert flight_log(path, load_record_map(records.mapping(tmp_path, *words)), KNOWN, needed=NEEDED).losses == ()
+    assert fields_of(path)[1] == ()
+
+
+@pytest.mark.parametrize("ending", ["tlog", "bin"])
+@pytest.mark.parametrize("bytes_less", [0, 3, 12, 30])
+def test_a_log_of_an_autopilot_says_whether_it_is_cut(ending: str, bytes_less: int, tmp_path: Path) -> None:
+    pytest.importorskip("pymavlink")
+    path = records.tlog(tmp_path) if ending == "tlog" else records.dataflash(tmp_path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) - bytes_less])
+    name = "mavlink" if ending == "tlog" else "ardupilot"
+    mapping = ready_map(name, frozenset(names_of(path)))
+    flight = flight_log(path, mapping, KNOWN, needed={"tilt_rad": "requirement A"})
+    assert [one.kind for one in flight.losses] == ([Lost.CUT] if bytes_less else [])
+    assert flight.log.duration_s == pytest.approx(2.0, abs=0.11)
+
+
+def test_bytes_that_are_no_message_are_counted(tmp_path: Path) -> None:
+    pytest.importorskip("pymavlink")
+    path = records.dataflash(tmp_path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-60] + b"garbage" * 3 + whole[-60:])  # a row has 30 bytes
+    (loss,) = fields_of(path)[1]
+    assert (loss.kind, loss.why) == (Lost.DAMAGED, "21 bytes are no message")
+
+
+def test_zeros_after_the_last_message_of_a_flash_chip_are_no_cut(tmp_path: Path) -> None:
+    pytest.importorskip("pymavlink")
+    path = records.dataflash(tmp_path)
+    path.write_bytes(path.read_bytes() + bytes(400))
+    assert fields_of(path)[1] == ()
+
+
+def test_the_vehicles_of_a_log_of_mavlink_are_told_apart(tmp_path: Path) -> None:
+    pytest.importorskip("pymavlink")
+    path = records.tlog(tmp_path, systems=(1, 2, 255))
+    counts = {one.topic: one.messages for one in fields_of(path)[0]}
+    assert counts == {"LOCAL_POSITION_NED": 42, "ATTITUDE": 42, "LOCAL_POSITION_NED@2": 21, "ATTITUDE@2": 21}
+
+
+def test_drop_outs_of_a_log_of_px4_are_told_with_time_and_duration(tmp_path: Path) -> None:
+    path = records.ulog(tmp_path, dropouts_ms={10: 80, 30: 7})
+    flight = flight_log(path, load_record_map(records.mapping(tmp_path, *KINDS["ulog"][1])), KNOWN, needed=NEEDED)
+    told = [(one.kind, one.at_s, one.lasts_s) for one in flight.losses]
+    assert told == [(Lost.DROPOUT, pytest.approx(2.0), 0.08), (Lost.DROPOUT, pytest.approx(4.0), 0.007)]
+
+
+def test_a_damaged_message_of_px4_is_left_out_and_told(tmp_path: Path) -> None:
+    path = records.ulog(tmp_path)
+    content = path.read_bytes()
+    path.write_bytes(content.replace(struct.pack("<HBH", 26, ord("D"), 7), struct.pack("<HBH", 26, ord("D"), 8), 1))
+    flight = flight_log(path, load_record_map(records.mapping(tmp_path, *KINDS["ulog"][1])), KNOWN, needed=NEEDED)
+    assert [one.kind for one in flight.losses] == [Lost.DAMAGED]
+    assert flight.log.duration_s == pytest.approx(3.9)
+
+
+def test_a_topic_that_cannot_be_read_does_not_hide_the_others(tmp_path: Path) -> None:
+    path = records.mcap_of_many_chunks(tmp_path, odd="protobuf")
+    fields, losses = fields_of(path)
+    assert {one.name for one in fields} == {"/x: data", "/clear: data", "/odd: "}
+    assert [one.kind for one in losses] == [Lost.UNREAD]
+    assert "'/odd' has messages in 'protobuf'" in losses[0].why
+    flight = flight_log(path, load_record_map(records.mapping(tmp_path, "", *JSON)), KNOWN, needed=NEEDED)
+    assert flight.log.duration_s == 4.0
+    with pytest.raises(InputError, match=r"own\.mcap: topic '/odd' has messages in 'protobuf'"):
+        _log(path, records.mapping(tmp_path, "", "{topic: /odd, field: data}", JSON[1]))
+
+
+def test_an_mcap_without_a_summary_is_read(tmp_path: Path) -> None:
+    path = records.mcap_of_many_chunks(tmp_path, summary=False)
+    flight = flight_log(path, load_record_map(records.mapping(tmp_path, "", *JSON)), KNOWN, needed=NEEDED)
+    assert (flight.log.duration_s, flight.losses) == (4.0, ())
+
+
+def test_a_folder_of_rosbag2_with_files_of_mcap_is_read(tmp_path: Path) -> None:
+    path = records.rosbag2(tmp_path, "MCAP")
+    assert _log(path, records.mapping(tmp_path, "{clock: /clock}", *ROS)).duration_s == 4.0
+
+
+def test_a_table_without_names_of_columns_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"own\.csv:1: the first line must have the names .* and has the number -0\.5"):
+        _table(tmp_path, "0,-0.5,1\n1,2,3\n")
 
 
 def test_messages_may_have_the_time_of_their_stamps(tmp_path: Path) -> None:
@@ -347,7 +461,7 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_a_record_holds_is_told_with_number_and_times(kind: str, tmp_path: Path) -> None:
     write, words = KINDS[kind]
-    fields = {one.name: one for one in fields_of(write(tmp_path))}
+    fields = {one.name: one for one in fields_of(write(tmp_path))[0]}
     entry = load_record_map(records.mapping(tmp_path, *words)).signals["x_m"]
     one = fields[entry.column or f"{entry.topic}: {entry.field}"]
     assert one.messages > 20
@@ -360,7 +474,7 @@ def test_a_drafted_mapping_is_a_mapping_and_reads_the_record(tmp_path: Path) -> 
     path = tmp_path / "own.csv"
     path.write_text("Time_ms,X,y,z,vx,clearance\n0,0,0,1,2,3\n1000,0,0,1,2,3\n")
     mapping = tmp_path / "drafted.yaml"
-    mapping.write_text(draft(fields_of(path)))
+    mapping.write_text(draft(fields_of(path)[0]))
     drafted = load_record_map(mapping)
     assert {*drafted.signals} == {"x_m", "y_m", "z_m", "vx_mps", "clearance_m"}
     assert (drafted.timing.column, drafted.timing.unit_s) == ("Time_ms", 1e-3)
@@ -371,9 +485,31 @@ def test_a_drafted_mapping_is_a_mapping_and_reads_the_record(tmp_path: Path) -> 
 def test_the_draft_for_a_log_of_an_autopilot_is_its_ready_mapping(tmp_path: Path) -> None:
     pytest.importorskip("pymavlink")
     path, mapping = records.tlog(tmp_path), tmp_path / "drafted.yaml"
-    mapping.write_text(draft(fields_of(path)))
+    mapping.write_text(draft(fields_of(path)[0]))
     drafted, ready = load_record_map(mapping), ready_map("mavlink", frozenset(names_of(path)))
     assert dict(drafted.signals) == dict(ready.signals)
+
+
+def test_a_column_without_a_name_is_no_field_of_an_autopilot(tmp_path: Path) -> None:
+    path = tmp_path / "own.csv"
+    path.write_text(",timestamp,p_x,pos_y,position_z,v_x\n0,0,0,0,0,0\n1,10000,0,0,0,0\n2,20000,0,0,0,0\n")
+    mapping = tmp_path / "drafted.yaml"
+    mapping.write_text(draft(fields_of(path)[0]))
+    drafted = load_record_map(mapping)
+    assert {name: entry.column for name, entry in drafted.signals.items()} == {
+        "x_m": "p_x",
+        "y_m": "pos_y",
+        "z_m": "position_z",
+        "vx_mps": "v_x",
+    }
+    assert drafted.timing.unit_s == 1e-6  # 100 Hz
+
+
+@pytest.mark.parametrize(("step", "unit"), [(0.02, "s"), (1.0, "s"), (20, "ms"), (4000, "us"), (1e7, "ns")])
+def test_the_unit_of_a_time_is_guessed_from_its_steps(step: float, unit: str, tmp_path: Path) -> None:
+    path = tmp_path / "own.csv"
+    path.write_text("t,x\n" + "".join(f"{step * row},0\n" for row in range(9)))
+    assert f'time: {{column: "t", unit: {unit}}}' in draft(fields_of(path)[0])
 
 
 def test_a_table_of_200_000_columns_is_read(tmp_path: Path) -> None:

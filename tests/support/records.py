@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+import json
 import struct
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -76,8 +80,28 @@ def rosbag1(folder: Path) -> Path:
     return path
 
 
-def ulog(folder: Path) -> Path:
-    """A log of PX4."""
+def mcap_of_many_chunks(folder: Path, *, summary: bool = True, odd: str = "") -> Path:
+    """An MCAP of JSON in many chunks; `odd`: the encoding of a further topic."""
+    from mcap.writer import IndexType, Writer
+
+    path = folder / "own.mcap"
+    with path.open("wb") as file:
+        index = {} if summary else {"index_types": IndexType.NONE, "repeat_channels": False, "repeat_schemas": False}
+        writer = Writer(file, chunk_size=200, use_statistics=summary, use_summary_offsets=summary, **index)
+        writer.start()
+        topics = [writer.register_channel(name, "json", 0) for name in ("/x", "/clear")]
+        if odd:
+            writer.add_message(writer.register_channel("/odd", odd, 0), 7_000_000_000, b"?", 7_000_000_000)
+        for t_s, *values in zip(TIMES_S.tolist(), X_M.tolist(), CLEAR_M.tolist(), strict=True):
+            at_ns = 7_000_000_000 + round(t_s * 1e9)
+            for topic, value in zip(topics, values, strict=True):
+                writer.add_message(topic, at_ns, json.dumps({"data": value}).encode(), at_ns)
+        writer.finish()
+    return path
+
+
+def ulog(folder: Path, dropouts_ms: Mapping[int, int] = MappingProxyType({})) -> Path:
+    """A log of PX4; `dropouts_ms`: how long a drop-out is, by the row that it follows."""
 
     def message(kind: bytes, data: bytes) -> bytes:
         return struct.pack("<HB", len(data), kind[0]) + data
@@ -88,22 +112,46 @@ def ulog(folder: Path) -> Path:
         message(b"F", b"place:uint64_t timestamp;float[3] at;float clear;"),
         message(b"A", struct.pack("<BH", 0, 7) + b"place"),
     ]
-    for t_s, x_m, clear_m in zip(TIMES_S.tolist(), X_M.tolist(), CLEAR_M.tolist(), strict=True):
+    for place, (t_s, x_m, clear_m) in enumerate(zip(TIMES_S.tolist(), X_M.tolist(), CLEAR_M.tolist(), strict=True)):
         row = struct.pack("<HQ4f", 7, 1_000_000 + round(t_s * 1e6), x_m, 0.0, 0.0, clear_m)
         parts.append(message(b"D", row))
+        if place in dropouts_ms:
+            parts.append(message(b"O", struct.pack("<H", dropouts_ms[place])))
     path = folder / "flight.ulg"
     path.write_bytes(b"".join(parts))
     return path
 
 
-def tlog(folder: Path) -> Path:
+def dataflash(folder: Path) -> Path:
+    """A log of ArduPilot of two seconds: 5 m/s, at rest in attitude."""
+    path, rows = folder / "own.bin", []
+    formats = {
+        128: ("FMT", "BBnNZ", "Type,Length,Name,Format,Columns", "<BB4s16s64s"),
+        129: ("XKF1", "Qffffff", "TimeUS,PN,PE,PD,VN,VE,VD", "<Q6f"),
+        130: ("ATT", "Qccc", "TimeUS,Roll,Pitch,Yaw", "<Qhhh"),
+    }
+
+    def row(kind: int, *values: object) -> bytes:
+        return struct.pack("<BBB", 0xA3, 0x95, kind) + struct.pack(formats[kind][3], *values)
+
+    for kind, (name, letters, columns, form) in formats.items():
+        told = (kind, 3 + struct.calcsize(form), name.encode(), letters.encode(), columns.encode())
+        rows.append(row(128, *told))
+    for tick in range(21):
+        at_us, share = 1_000_000 + tick * 100_000, tick / 20.0
+        rows += [row(130, at_us, 0, 0, 0), row(129, at_us, 4.0 * share, 0.0, -3.0 * share, 3.0, 4.0, 0.0)]
+    path.write_bytes(b"".join(rows))
+    return path
+
+
+def tlog(folder: Path, systems: Sequence[int] = (1,)) -> Path:
     """A log of MAVLink of two seconds: north 4, east 2, down -3 [m] at the end, at 5 m/s, rolled by 0.1 rad."""
     from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
     path = folder / "own.tlog"
-    link = mavlink.MAVLink(None, srcSystem=1)
     with path.open("wb") as file:
-        for tick in range(21):
+        for tick, system in itertools.product(range(21), systems):
+            link = mavlink.MAVLink(None, srcSystem=system)
             share = tick / 20.0
             for message in (
                 link.local_position_ned_encode(tick * 100, 4.0 * share, 2.0 * share, -3.0 * share, 3.0, 4.0, 0.0),

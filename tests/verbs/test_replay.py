@@ -10,6 +10,7 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
+import records
 from click.testing import CliRunner, Result
 from mcap.reader import make_reader
 from printed import STUDY, Call, no_terms, of_form
@@ -230,6 +231,26 @@ def test_what_breaks_a_requirement_between_samples_is_told(tmp_path: Path) -> No
         done = judge(tmp_path / "own.csv", "--record", mapping, "--format", "json", study=study)
         (reading,) = of_form("judge", done.stdout)["readings"]
         assert (reading["verdict"], reading["between_s"]) == ("held", between_s)
+
+
+def test_what_a_record_lost_is_told_at_the_times_of_its_flight(tmp_path: Path) -> None:
+    study, mapping = (
+        copied(tmp_path / "study"),
+        records.mapping(tmp_path, "", "{topic: place, field: 'at[0]'}", "{constant: 1}"),
+    )
+    (study / "sim" / "requirements.yaml").write_text("requirements: {A: {kind: safety, formula: always(x_m < 20)}}")
+    path = records.ulog(tmp_path, {place: place for place in range(10, 20)})
+    path.write_bytes(path.read_bytes()[:-40])
+    noted = " ".join(judge(path, "--record", mapping, study=study).stdout.split())
+    assert "drop-outs of its writer: 10, 0.145 s in all: the longest 0.019 s at 1.90 s, 0.018 s at 1.80 s," in noted
+    assert "the record is cut; its last message is at 3.80 s: the file ends in the middle of a message" in noted
+    told = of_form("judge", judge(path, "--record", mapping, "--format", "json", study=study).stdout)
+    assert [(one["kind"], one["at_s"], one["lasts_s"]) for one in told["losses"][-2:]] == [
+        ("drop-out", 2.9, 0.019),
+        ("cut", 4.8, None),
+    ]
+    held = " ".join(judge(path, "--fields", study=study).stdout.split())
+    assert "its last message is at 4.80 s of the record" in held
 
 
 def test_a_ready_mapping_is_named_with_the_nearest(tmp_path: Path) -> None:
