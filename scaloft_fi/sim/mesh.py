@@ -328,8 +328,13 @@ BY_LIBRARY = (".stl", ".ply", ".glb", ".gltf", ".dae", ".off")
 """The endings of the files that `trimesh` reads; any other file is read as OBJ."""
 
 
-_LINE = re.compile(r"^[^\S\n]*([vfog])(?![^\s#])([^\n]*)", re.MULTILINE)
-"""A line that counts; texture coordinates, normals, materials and comments do not."""
+_CONTINUED = r"\\[^\S\n]*\n"
+_LINE = re.compile(
+    rf"^[^\S\n]*([vfog])(?![^\s#])((?:(?<=[vf])(?:[^#\n]*{_CONTINUED})*)?[^\n]*)",
+    re.MULTILINE,
+)
+"""A line that counts; texture coordinates, normals, materials and comments do not.  A backslash at the end of a line
+of a vertex or a face joins the next line to it, but not one in a comment, which may be a path of Windows."""
 
 
 @dataclass(frozen=True)
@@ -435,7 +440,8 @@ def read_obj(path: Path, place: str, scale: float, limits: MeshLimits | None = N
     for line in _LINE.finditer(text):
         number, counted = number + text.count("\n", counted, line.start(1)), line.start(1)
         # One word more than is allowed shows that there are too many; the rest of a long line is not split.
-        word, rest = line[1], line[2].split("#", 1)[0].split(None, max(3, limits.corners))
+        whole = re.sub(_CONTINUED, " ", line[2]) if "\n" in line[2] else line[2]
+        word, rest = line[1], whole.split("#", 1)[0].split(None, max(3, limits.corners))
         try:
             if word == "v":
                 x, y, z = (float(value) * scale for value in rest[:3])

@@ -318,3 +318,26 @@ def test_a_turned_mesh_keeps_its_lengths_and_its_winding(yaw_deg, x_m, y_m):
     assert volumes[0] == pytest.approx(volumes[1])
     direction = before.vertices[:, :2] @ np.exp(1j * np.array([0.0, np.pi / 2])) * np.exp(1j * math.radians(yaw_deg))
     assert after.vertices[:, 0] + 1j * after.vertices[:, 1] == pytest.approx(direction)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        SQUARE.replace("f 1 2 3 4", "f 1 2 \\\n3 4"),
+        SQUARE.replace("f 1 2 3 4", "f 1\\\r\n 2\\ \r\n 3 4 # one \\"),
+        SQUARE.replace("v 1 0 0", "v 1 \\\n 0 \\\n 0"),
+        SQUARE.replace("# two triangles", "# C:\\mines\\"),
+        SQUARE.replace("v 0 1 0", "v 0 1 0 # C:\\mines\\"),
+        SQUARE.replace("# two triangles", "usemtl C:\\mines\\\no C:\\mines\\"),
+    ],
+)
+def test_a_backslash_at_the_end_of_a_vertex_or_a_face_joins_the_next_line_to_it(read, text):
+    form, _, lines, _ = read(text)
+    assert np.array_equal(form.triangles, read(SQUARE).mesh.triangles)
+    assert lines[0] == 1 + text[: text.index("f 1")].count("\n")
+
+
+@pytest.mark.parametrize("text", [SQUARE.replace("1 2 3", "1\\2\\3"), SQUARE.replace("4\n", "4 \\\nv 0 0 0\n")])
+def test_a_backslash_elsewhere_is_no_white_space(read, text):
+    with pytest.raises(InputError, match="must be a vertex"):
+        read(text)
