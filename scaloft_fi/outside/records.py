@@ -221,8 +221,8 @@ class Loss:
     why: str = ""
 
 
-def placed(losses: Iterable[Loss], last_s: float) -> tuple[Loss, ...]:
-    """The losses; a cut comes after the last message, at `last_s` [s]."""
+def placed(losses: Iterable[Loss], last_s: float | None) -> tuple[Loss, ...]:
+    """The losses; a cut comes after the last message, at `last_s` [s], where there is one."""
     return tuple(replace(one, at_s=last_s) if one.kind is Lost.CUT else one for one in losses)
 
 
@@ -462,6 +462,7 @@ class RecordMap:
         name: where the mapping stands, for errors.
         loose: whether a record may lack signals of it.
         ours: whether the records are those of our own simulator, whose signals have caps.
+        there: what the record has, where that is known already: its columns, or its fields after their topics.
         signals: where the signals stand, by name; `scaloft-fi signals` says which follow from others.
         timing: which time the values have; left out: at which messages were received.
         start: when the flight starts: at the first message of at least `least`; left out: the first of x_m.
@@ -474,6 +475,7 @@ class RecordMap:
     name: Annotated[str, Given(lambda item: item.place.rpartition(":")[0])]
     loose: Annotated[bool, Given(lambda _item: False)]
     ours: Annotated[bool, Given(lambda _item: False)]
+    there: Annotated[frozenset[str] | None, Given(lambda _item: None)]
     signals: Annotated[Mapping[str, Entry], Size(0, MOST)]
     timing: Annotated[
         Timing, Called("time"), _told(Annotated[TimeColumn | TimeOfMessages | TimeOfClock, _TIMES], _timing)
@@ -497,7 +499,7 @@ class RecordMap:
 def own_map(signals: Sequence[str]) -> RecordMap:
     """The mapping of the records that `replay --output` writes: every signal by its own name."""
     entries = {name: MappedSignal(name, name, OWN_TOPIC, name) for name in signals}
-    return RecordMap("the mapping of our own records", True, True, entries, Timing(column=OWN_TIME))
+    return RecordMap("the mapping of our own records", True, True, None, entries, Timing(column=OWN_TIME))
 
 
 def _ready(name: str, topic: str, north_east_down: str, beside: Mapping[str, MappedSignal]) -> RecordMap:
@@ -508,7 +510,7 @@ def _ready(name: str, topic: str, north_east_down: str, beside: Mapping[str, Map
         signal: MappedSignal(signal, topic=topic, field=field, factor=-1.0 if "z" in signal else 1.0)
         for signal, field in fields.items()
     }
-    return RecordMap(f"the mapping {name}", True, False, {**entries, **beside})
+    return RecordMap(f"the mapping {name}", True, False, None, {**entries, **beside})
 
 
 def _turn(signal: str, topic: str, field: str, unit: str = "") -> MappedSignal:
@@ -553,7 +555,7 @@ EKF3, `NKF1` of EKF2, `EKF1`, `ATT` (ardupilot.org, log messages); MAVLink's LOC
 def ready_map(name: str, there: Collection[str]) -> RecordMap:
     """The ready mapping `name` for a record that has the fields `there`, each after its topic."""
     fitting = (one for one in READY[name] if "x_m" in one.within(there).signals)
-    return next(fitting, READY[name][0])
+    return replace(next(fitting, READY[name][0]), there=frozenset(there))
 
 
 def load_record_map(path: Path) -> RecordMap:
@@ -820,7 +822,7 @@ def flight_log(
     """
     kind, whole = kind_of(path), mapping
     if mapping.loose:
-        mapping = mapping.within(frozenset(names_of(path)))
+        mapping = mapping.within(frozenset(names_of(path)) if mapping.there is None else mapping.there)
     position = dict.fromkeys(PLACE, "the place of a violation")
     names = _direct(path, mapping, whole, known, {**position, **needed}, wanted)
     entries = {name: mapping.signals[name] for name in names}
@@ -876,7 +878,7 @@ def flight_log(
         name: tuple(sampled(path, name, replace(e, keep=k), series[e], start_s, at_s) for k in (Keep.LEAST, Keep.MOST))
         for name, e in told.items()
     }
-    last_s = max((float(one.times_s[-1]) for one in series.values() if len(one.times_s)), default=math.nan)
+    last_s = max((float(one.times_s[-1]) for one in series.values() if len(one.times_s)), default=None)
     return RecordedFlight(log, start_s, waits_for, gaps, stale, between, placed(losses, last_s))
 
 
@@ -994,7 +996,7 @@ def fields_of(path: Path) -> tuple[Sequence[RecordedField], tuple[Loss, ...]]:
     """
     kind = kind_of(path)
     fields, losses = read_apart(path, lambda: kind.fields(path))
-    return fields, placed(losses, max((one.last_s for one in fields if one.last_s is not None), default=math.nan))
+    return fields, placed(losses, max((one.last_s for one in fields if one.last_s is not None), default=None))
 
 
 def names_of(path: Path) -> Sequence[str]:

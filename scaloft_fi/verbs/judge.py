@@ -193,7 +193,8 @@ def notes_on(losses: Sequence[RecordLoss], begins_s: float | None = None) -> Ite
         yield f"{drops[0].file}: drop-outs of its writer: {len(drops)}, {all_s:.3f} s in all: {shown}{each}"
     for one in losses:
         if one.kind is Lost.CUT:
-            yield f"{one.file}: the record is cut; its last message is{at(one)}: {one.why}"
+            last = "its last message is" if one.at_s is not None else "nothing of it can be read"
+            yield f"{one.file}: the record is cut; {last}{at(one)}: {one.why}"
         elif one.kind is Lost.DAMAGED:
             yield f"{one.file}: the record is damaged{at(one)}, and read without the damaged part: {one.why}"
         elif one.kind is Lost.UNREAD:
