@@ -626,7 +626,8 @@ def _rosbag(path: Path) -> Iterator[MessageLog]:
             store = types.get_typestore(types.Stores.LATEST)
             reader = stack.enter_context(bags.AnyReader([path], default_typestore=store))
         except Exception as error:
-            raise damaged(path, error, MENDED.get(path.suffix.lower(), "")) from error
+            remedy = MENDED.get(path.suffix.lower(), "") if path.stat().st_size else ""
+            raise damaged(path, error, remedy) from error
 
         def messages(topics: Sequence[str]) -> Iterator[Message]:
             connections = [connection for connection in reader.connections if connection.topic in topics]

@@ -137,7 +137,7 @@ def damaged(path: Path, error: Exception, remedy: str = "") -> InputError:
 
 def said_by(error: Exception) -> str:
     """What a library says, in one line of at most `SAID` characters."""
-    said = " ".join(str(error).split()) or type(error).__name__
+    said = " ".join(str(error).split()).rstrip(".") or type(error).__name__
     return said if len(said) <= SAID else f"{said[:SAID]}…"
 
 
@@ -465,8 +465,9 @@ class RecordMap:
         there: what the record has, where that is known already: its columns, or its fields after their topics.
         signals: where the signals stand, by name; `scaloft-fi signals` says which follow from others.
         timing: which time the values have; left out: at which messages were received.
-        start: when the flight starts: at the first message of at least `least`; left out: the first of x_m.
-        end: when the flight ends: at the first message of at least `least`; left out: the last of x_m.
+        start: when the flight starts: at the first message of at least `least`; left out: the first of x_m, or of any
+            signal where x_m is a constant.
+        end: when the flight ends: at the first message of at least `least`; left out: the last of the same.
         altered: how many samples a fault has altered up to then.
         carried: how many samples the fault's seam has carried up to then.
         gap_s: longest time for which a value is held [s]; from then on the signal is unknown, up to its next message.
@@ -522,11 +523,12 @@ def _turn(signal: str, topic: str, field: str, unit: str = "") -> MappedSignal:
     )
 
 
+# PX4 begins a log on the ground, and tells of land once a second: what is not known yet is no touch-down.
 _PX4 = (
     MappedSignal("attitude_x", topic="vehicle_attitude", field="q[1]"),
     MappedSignal("attitude_y", topic="vehicle_attitude", field="q[2]"),
     _turn("yaw_rad", "vehicle_local_position", "heading"),
-    MappedSignal(LANDED, topic="vehicle_land_detected", field="landed", unknown=0.0, gap_s=math.inf),
+    MappedSignal(LANDED, topic="vehicle_land_detected", field="landed", unknown=1.0, gap_s=math.inf),
 )
 _ARDUPILOT = tuple(_turn(f"{name.lower()}_rad", "ATT", name, "deg to rad") for name in ("Roll", "Pitch", "Yaw"))
 _MAVLINK = tuple(_turn(f"{name}_rad", "ATTITUDE", name) for name in ("roll", "pitch", "yaw"))
@@ -950,11 +952,18 @@ def _direct(
 def _span(
     path: Path, mapping: RecordMap, entries: Mapping[str, MappedSignal], series: Mapping[MappedSignal, Series]
 ) -> tuple[float, float, str]:
-    """Start and end of the flight [s], and the signal whose first message it waits for."""
-    track = series.get(mapping.signals["x_m"])
-    if track is None or not len(track.times_s):
-        raise InputError(f"{path}: signal 'x_m' has no message, so the flight has no start")
-    start_s, end_s, waits_for = float(track.times_s[0]), float(track.times_s[-1]), ""
+    """Start and end of the flight [s], and the signal whose first message it waits for.
+
+    They are those of the messages of x_m; where that is a constant, those of all.
+    """
+    x = mapping.signals["x_m"]
+    own = [x] if x.constant is None else [entry for entry in entries.values() if entry.constant is None]
+    tracks = [series[entry].times_s for entry in own if len(series[entry].times_s)]
+    if not tracks:
+        raise InputError(
+            f"{path}: signal {own[0].signal if own else 'x_m'!r} has no message, so the flight has no start"
+        )
+    start_s, end_s, waits_for = float(min(t[0] for t in tracks)), float(max(t[-1] for t in tracks)), ""
     for name, entry in entries.items() if mapping.start is None else ():
         known = entry.constant is not None or entry.unknown is not None or not len(series[entry].times_s)
         if not known and series[entry].times_s[0] > start_s + NEAR_S:

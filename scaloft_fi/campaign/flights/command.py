@@ -45,7 +45,6 @@ from scaloft_fi.outside.records import (
     Known,
     RecordedFlight,
     RecordMap,
-    derivation,
     flight_log,
     kind_of,
     lacking,
@@ -302,7 +301,7 @@ def judged_record(study: Study, path: Path, mapping: RecordMap, known: Known) ->
     Raises:
         InputError: the record cannot be read, or lacks what a requirement needs.
     """
-    recorded = [*mapping.signals, *(name for name in DERIVED if derivation(mapping, known, name))]
+    recorded = [*mapping.signals, *DERIVED]
     requirements = study.requirements if mapping.ours else study.requirements_over(recorded)
     needed = needed_by(requirements, {*study.signals, *recorded})
     flight = flight_log(path, mapping, known, needed=needed, beliefs=study.stack.belief_names)
