@@ -183,7 +183,10 @@ def notes_on(losses: Sequence[RecordLoss], begins_s: float | None = None) -> Ite
     def at(loss: RecordLoss) -> str:
         if loss.at_s is None:
             return ""
-        return f" at {loss.at_s:.2f} s of the record" if begins_s is None else f" at {loss.at_s - begins_s:.2f} s"
+        if begins_s is None:
+            return f" at {loss.at_s:.2f} s of the record"
+        since_s = loss.at_s - begins_s
+        return f" at {since_s:.2f} s" if since_s >= 0.0 else f" {-since_s:.2f} s before the flight begins"
 
     drops = [one for one in losses if one.kind is Lost.DROPOUT]
     if drops:
