@@ -110,6 +110,7 @@ GROUPS: dict[str, dict[str, str]] = {
         "map": "show mine, bodies and route of one situation",
         "schema": "print the JSON Schema of a YAML document, for editors",
         "check": "check the whole study without flying",
+        "hazop": "bring a HAZOP or STPA sheet in, and what people edited",
     },
     "Fly": {
         "run": "fly baseline and mutants over the grid, then score",

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import difflib
 import hashlib
+import json
 import math
 import os
 import re
 import stat
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from datetime import date
 from functools import lru_cache
@@ -311,6 +312,8 @@ _TOO_DEEP = f"the file must be nested at most {DEPTH} deep"
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _TEXT = "tag:yaml.org,2002:str"
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+_NOBODY_MEANS = re.compile(r"[-+]?0[0-9_]|.*:")
+"""Numbers to the base of 8 or 60, which look like other numbers, or like times."""
 
 
 def load(path: Path) -> Item:
@@ -442,6 +445,9 @@ class _Document:
             value = self._loader.construct_object(yaml.ScalarNode(tag, text, event.start_mark, event.end_mark))
         except ValueError as error:  # a value that looks like a date but is none
             raise self._error(event, f"{name}={shown(text)} cannot be read: {error}") from error
+        if tag in _NUMBERS and _NOBODY_MEANS.match(text):
+            allowed = f"a number in decimal digits: YAML 1.1 takes it for {value}; write {value}, or the text in quotes"
+            raise self._error(event, f"{name}={text} must be {allowed}")
         return value if value is None or isinstance(value, int | float) else text
 
     def _copy(self, event: Any, item: Item, name: str, key_line: int, depth: int) -> Item:
@@ -472,3 +478,84 @@ class _Document:
 def _line(event: Any) -> int:
     line: int = event.start_mark.line + 1
     return line
+
+
+Steps = Sequence[str | int]
+"""The way to a value of a document: keys, and numbers of list entries."""
+
+
+def edited(text: str, steps: Steps, value: str | None, place: str) -> str:
+    """A document with one text changed in place, added to its mapping or its list, or taken out (None).
+
+    Everything else stays as people wrote it, comments and folds included.
+
+    Args:
+        text: the document.
+        steps: the way to the value; an entry after the last one is added.
+        value: the text.
+        place: names the document in errors.
+
+    Raises:
+        InputError: the change cannot be made without touching something else.
+    """
+    wanted = _parsed(text, Path(place)).plain()
+    _set(wanted, steps, value)
+    for form in (value, json.dumps(value, ensure_ascii=False)) if value is not None else (None,):
+        with suppress(_FlawError, InputError, yaml.YAMLError, LookupError):
+            changed = _changed(text, yaml.compose(text, Loader=yaml.SafeLoader), steps, form, 0)
+            if _parsed(changed, Path(place)).plain() == wanted:
+                return changed
+    raise InputError(f"{place}: {'.'.join(map(str, steps))} cannot be changed in place; edit it by hand")
+
+
+def _set(whole: Any, steps: Steps, value: str | None) -> None:
+    *outer, last = steps
+    for step in outer:
+        whole = whole.setdefault(step, {}) if isinstance(whole, dict) else whole[step]
+    if value is None:
+        del whole[last]
+    elif isinstance(whole, list) and last == len(whole):
+        whole.append(value)
+    else:
+        whole[last] = value
+
+
+def _changed(text: str, node: Any, steps: Steps, form: str | None, column: int) -> str:
+    """The text with the value at `steps` below `node` changed; `column`: where the collection around `node` begins."""
+    if not steps:
+        begin, end = int(node.start_mark.index), _end(text, node, column)
+        return text[:begin] + str(form) + text[end:]
+    step, own = steps[0], int(node.start_mark.column)
+    pairs = node.value if isinstance(node, yaml.MappingNode) else [(entry, entry) for entry in node.value]
+    names = [key.value for key, _ in pairs] if isinstance(node, yaml.MappingNode) else list(range(len(pairs)))
+    if step in names:
+        key, inner = pairs[names.index(step)]
+        if form is None and len(steps) == 1:
+            begin = text.rindex("\n", 0, int(key.start_mark.index)) + 1
+            return text[:begin] + text[_line_end(text, _end(text, inner, own)) :]
+        return _changed(text, inner, steps[1:], form, own)
+    words = "".join(f"{name}: " + "{" * (k < len(steps) - 1) for k, name in enumerate(steps) if isinstance(name, str))
+    added = words + str(form) + "}" * (len(steps) - 1)
+    last = _end(text, pairs[-1][1], own)
+    if node.flow_style:
+        return f"{text[:last]}, {added}{text[last:]}"
+    at, mark = _line_end(text, last), "" if isinstance(step, str) else "- "
+    return text[:at] + "\n" * (text[at - 1] != "\n") + " " * own + mark + added + "\n" + text[at:]
+
+
+def _line_end(text: str, at: int) -> int:
+    """Where the line after that of a place begins."""
+    return len(text) if (found := text.find("\n", at)) < 0 else found + 1
+
+
+def _end(text: str, node: Any, column: int) -> int:
+    """Where the text of a value ends, without the comments and blank lines that the parser counts to it."""
+    if isinstance(node, yaml.CollectionNode) and not node.flow_style and node.value:
+        last = node.value[-1][1] if isinstance(node, yaml.MappingNode) else node.value[-1]
+        return _end(text, last, node.start_mark.column)
+    begin, end = node.start_mark.index, int(node.end_mark.index)
+    if isinstance(node, yaml.ScalarNode) and node.style in ("|", ">"):
+        lines = text[begin:end].splitlines(keepends=True)
+        body = [k for k, line in enumerate(lines) if k and line.strip() and len(line) - len(line.lstrip()) > column]
+        return int(begin + len("".join(lines[: (body[-1] if body else 0) + 1]).rstrip("\n")))
+    return end

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from enum import IntEnum
 from itertools import islice
 
@@ -93,13 +92,18 @@ class Faults:
         """Whether something is wrong."""
         return bool(self._found)
 
-    @contextmanager
-    def collecting(self) -> Iterator[None]:
-        """Keep the error that ends the block."""
-        try:
-            yield
-        except InputError as error:
+    def collecting(self) -> Faults:
+        """As `with faults.collecting():` keep the error that ends the block."""
+        return self
+
+    def __enter__(self) -> None:
+        """Begin a block."""
+
+    def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> bool:
+        """Keep the error of the block."""
+        if isinstance(error, InputError):
             self.add(error)
+        return isinstance(error, InputError)
 
     def add(self, *errors: InputError) -> None:
         """Keep errors, the same sentence once."""

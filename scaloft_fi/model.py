@@ -27,10 +27,10 @@ import difflib
 import math
 import re
 import types
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache
+from functools import cache, cached_property
 from inspect import cleandoc, get_annotations
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
@@ -63,6 +63,11 @@ class Field:
     about: str
     given: marks.Given | None
     """How the field is found where no key has it."""
+
+    @cached_property
+    def reader(self) -> Reader:
+        """What reads it."""
+        return _reader(self.hint)
 
 
 def is_model(hint: Any) -> bool:
@@ -192,15 +197,18 @@ def read(
         InputError: all that is wrong: each value that is not allowed, each missing and unknown key, and what
             `contradictions` of the model yields.
     """
-    faults, entries, values = Faults(), item.mapping(), dict(fixed or {})
-    fields = [field for field in fields_of(cast(Any, cls)) if field.name not in values]
-    faults.add(*_wrong_keys(item, fields, beside))
+    faults, entries, values, fields = Faults(), item.mapping(), dict(fixed or {}), fields_of(cast(Any, cls))
+    allowed, needed = _keys(cast(Any, cls))
+    if values:
+        fields = tuple(field for field in fields if field.name not in values)
+    if values or not needed <= entries.keys() <= allowed:
+        faults.add(*_wrong_keys(item, fields, beside))
     for field in fields:
         if field.given is not None:
             values[field.name] = field.given.find(item)
         elif field.key in entries:
             with faults.collecting():
-                values[field.name] = _reader(field.hint)(entries[field.key], names)
+                values[field.name] = field.reader(entries[field.key], names)
         elif field.optional:
             values[field.name] = field.default
     model = _partly(cls, values) if faults else cls(**values)
@@ -234,7 +242,14 @@ def _contradictions(model: Any, item: Item, *, partly: bool) -> Iterator[InputEr
         yield error
 
 
-def _wrong_keys(item: Item, fields: Iterable[Field], beside: Collection[str]) -> Iterator[InputError]:
+@cache
+def _keys(cls: type) -> tuple[frozenset[str], frozenset[str]]:
+    """The keys that a model may have, and those that it must have."""
+    found = [field for field in fields_of(cls) if field.given is None]
+    return frozenset(field.key for field in found), frozenset(field.key for field in found if not field.optional)
+
+
+def _wrong_keys(item: Item, fields: tuple[Field, ...], beside: Collection[str]) -> Iterator[InputError]:
     """An error for each key that is missing, and each that is unknown; one for both where one is misspelled."""
     entries = item.mapping()
     by_key = {field.key: field for field in fields if field.given is None}
@@ -275,7 +290,7 @@ def _reader(hint: Any) -> Reader:
         return lambda item, _names: reads.read(item)
     kinds = _present(hint)
     if set(kinds) <= {str, int, float, bool} and len(kinds) > 1:
-        return lambda item, names: _scalar(hint, kinds, item, names)
+        return _scalar(hint, kinds)
     if len(kinds) > 1:
         return lambda item, names: read(_form(hint, kinds, item), item, names)
     (kind,) = kinds
@@ -287,9 +302,9 @@ def _reader(hint: Any) -> Reader:
         return lambda item, names: read(kind, item, names)
     origin = get_origin(kind)
     if origin in (tuple, frozenset):
-        return lambda item, names: _several(hint, kind, item, names)
+        return _several(hint, kind)
     if origin is Mapping:
-        return lambda item, names: _by_name(hint, get_args(kind)[1], item, names)
+        return _by_name(hint, get_args(kind)[1])
     if origin is Literal:
         return lambda item, _names: _literal(get_args(kind), item)
     if issubclass(kind, Enum):
@@ -303,34 +318,45 @@ def _reader(hint: Any) -> Reader:
         return lambda item, _names: item.number(least=least, most=most, above=above, infinite=infinite)
     if kind is int:
         return lambda item, _names: item.whole(least=int(least), most=int(most))
-    return lambda item, names: _text(hint, item, names)
+    return _text(hint)
 
 
-def _text(hint: Any, item: Item, names: Names) -> str:
+def _text(hint: Any) -> Reader:
     choices, pattern = _mark(hint, marks.Choices), _mark(hint, marks.Pattern)
-    if choices is not None and (among := choices.among(names)):
-        for text, install in choices.elsewhere:
-            if item.value == text and text not in among:
-                raise InputError(f"{item.place}: {item.name}={text!r} is of a package that is not installed: {install}")
-        return item.choice(tuple(among))
-    if pattern is None:
-        return item.text()
-    if not isinstance(item.value, str) or not re.fullmatch(pattern.text, item.value):
-        raise item.error(pattern.allowed)
-    return item.value
+
+    def reader(item: Item, names: Names) -> str:
+        if choices is not None and (among := choices.among(names)):
+            for text, install in choices.elsewhere:
+                if item.value == text and text not in among:
+                    package = f"is of a package that is not installed: {install}"
+                    raise InputError(f"{item.place}: {item.name}={text!r} {package}")
+            return item.choice(tuple(among))
+        if pattern is None:
+            return item.text()
+        if not isinstance(item.value, str) or not re.fullmatch(pattern.text, item.value):
+            raise item.error(pattern.allowed)
+        return item.value
+
+    return reader
 
 
-def _scalar(hint: Any, kinds: Collection[type], item: Item, names: Names) -> Any:
-    """A value of several plain types; a text obeys the pattern, a number the bounds."""
-    value = item.value
-    if isinstance(value, bool) and bool in kinds:
-        return value
-    if isinstance(value, str) and str in kinds:
-        return _text(hint, item, names)
-    if isinstance(value, int | float) and not isinstance(value, bool) and {int, float} & set(kinds):
-        return _reader(_marked(float, hint))(item, names)
-    told = {str: "a text", float: "a number", int: "a number", bool: "true or false"}
-    raise item.error(" or ".join(dict.fromkeys(told[kind] for kind in kinds)))
+def _scalar(hint: Any, kinds: Collection[type]) -> Reader:
+    """Of a value of several plain types; a text obeys the pattern, a number the bounds."""
+    text, number = _text(hint), _reader(_marked(float, hint))
+    numbers = bool({int, float} & set(kinds))
+
+    def reader(item: Item, names: Names) -> Any:
+        value = item.value
+        if isinstance(value, bool) and bool in kinds:
+            return value
+        if isinstance(value, str) and str in kinds:
+            return text(item, names)
+        if isinstance(value, int | float) and not isinstance(value, bool) and numbers:
+            return number(item, names)
+        told = {str: "a text", float: "a number", int: "a number", bool: "true or false"}
+        raise item.error(" or ".join(dict.fromkeys(told[kind] for kind in kinds)))
+
+    return reader
 
 
 def _marked(kind: type, hint: Any) -> Any:
@@ -348,45 +374,54 @@ def _literal(allowed: tuple[Any, ...], item: Item) -> Any:
     raise item.error(" or ".join("true" if one is True else f"{one!r}" for one in allowed))
 
 
-def _entries(hint: Any, item: Item, kind: str) -> Any:
+def _entries(size: marks.Size | None, item: Item, kind: str) -> Any:
     """The entries of a list or mapping, as many as its size allows."""
-    size = _mark(hint, marks.Size) or marks.Size(most=ITEMS)
+    size = size or marks.Size(most=ITEMS)
     entries: Any = item.items(most=max(size.most, size.least)) if kind == "list" else item.mapping(most=size.most)
     if len(entries) < size.least:
         raise item.error(size.allowed or f"a {kind} of at least {'one' if size.least == 1 else size.least}")
     return entries
 
 
-def _several(hint: Any, kind: Any, item: Item, names: Names) -> Any:
-    inner, faults, values = get_args(kind), Faults(), []
+def _several(hint: Any, kind: Any) -> Reader:
+    inner, size, made = get_args(kind), _mark(hint, marks.Size), get_origin(kind)
     if _mark(hint, marks.ByName) is not None:
-        return tuple(_by_name(hint, inner[0], item, names).values())
-    exact = get_origin(kind) is tuple and inner[-1] is not Ellipsis
-    if exact and len(item.items()) != len(inner):
-        size = _mark(hint, marks.Size)
-        noun = "numbers" if all(_present(one)[0] in (float, int) for one in inner) else "values"
-        raise item.error((size.allowed if size else "") or f"a list of {len(inner)} {noun}")
-    entries = item.items() if exact else _entries(hint, item, "list")
-    for place, entry in enumerate(entries):
-        with faults.collecting():
-            values.append(_reader(inner[place] if exact else inner[0])(entry, names))
-    faults.end()
-    return get_origin(kind)(values)
+        by_name = _by_name(hint, inner[0])
+        return lambda item, names: tuple(by_name(item, names).values())
+    exact = made is tuple and inner[-1] is not Ellipsis
+    readers = tuple(map(_reader, inner if exact else inner[:1]))
 
-
-def _by_name(hint: Any, inner: Any, item: Item, names: Names) -> dict[str, Any]:
-    pattern, choices, faults, values = _mark(hint, marks.Pattern), _mark(hint, marks.Choices), Faults(), {}
-    reader = _reader(inner)
-    for key, entry in _entries(hint, item, "mapping").items():
-        if pattern is not None and not re.fullmatch(pattern.text, key):
-            faults.add(InputError(f"{entry.place}: name {key!r} must be {pattern.allowed}"))
-        elif choices is not None and (among := choices.among(names)) and key not in among:
-            faults.add(InputError(f"{entry.place}: {item.name} {key!r} is not known{did_you_mean(key, among)}"))
-        else:
+    def reader(item: Item, names: Names) -> Any:
+        if exact and len(item.items()) != len(inner):
+            noun = "numbers" if all(_present(one)[0] in (float, int) for one in inner) else "values"
+            raise item.error((size.allowed if size else "") or f"a list of {len(inner)} {noun}")
+        faults, values = Faults(), []
+        for place, entry in enumerate(item.items() if exact else _entries(size, item, "list")):
             with faults.collecting():
-                values[key] = reader(entry, names)
-    faults.end()
-    return values
+                values.append(readers[place if exact else 0](entry, names))
+        faults.end()
+        return made(values)
+
+    return reader
+
+
+def _by_name(hint: Any, inner: Any) -> Reader:
+    pattern, choices, size = _mark(hint, marks.Pattern), _mark(hint, marks.Choices), _mark(hint, marks.Size)
+
+    def reader(item: Item, names: Names) -> dict[str, Any]:
+        faults, values, read_one = Faults(), dict[str, Any](), _reader(inner)
+        for key, entry in _entries(size, item, "mapping").items():
+            if pattern is not None and not re.fullmatch(pattern.text, key):
+                faults.add(InputError(f"{entry.place}: name {key!r} must be {pattern.allowed}"))
+            elif choices is not None and (among := choices.among(names)) and key not in among:
+                faults.add(InputError(f"{entry.place}: {item.name} {key!r} is not known{did_you_mean(key, among)}"))
+            else:
+                with faults.collecting():
+                    values[key] = read_one(entry, names)
+        faults.end()
+        return values
+
+    return reader
 
 
 def _form(hint: Any, models: tuple[Any, ...], item: Item) -> Any:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from studies import keys_of
 
-from scaloft_fi.document import ITEMS, load
+from scaloft_fi.document import ITEMS, edited, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.reference import yaml_keys_page
 from scaloft_fi.verbs.schema import DOCUMENTS, declared_names
@@ -116,7 +116,7 @@ def test_a_row_has_type_range_default_and_example() -> None:
         in page
     )
     assert (
-        "| `mine.mesh_limits?.corners?` | whole number from 1 to 1e+06; left out: 1000 | most corners of one polygon |"
+        "| `mine.scale_m?` | number above 0; left out: 1 | metres per unit of the file \\[m\\]  Such as `0.01`. |"
         in page
     )
     assert "| `name` | reference |" in page
@@ -125,3 +125,64 @@ def test_a_row_has_type_range_default_and_example() -> None:
 def test_the_settings_for_an_editor_are_json_and_name_every_document() -> None:
     settings = json.loads(re.search(r"```json\n(.*?)```", yaml_keys_page(), re.DOTALL)[1])  # type: ignore[index]
     assert set(settings["yaml.schemas"].values()) == {one.files for one in DOCUMENTS.values()}
+
+
+WRITTEN = """# head
+LATE:
+  status: credible   # why
+  deviation: Late, by
+    two lines.
+  effect: >-
+    a folded
+    text
+  # a comment
+  causes:
+    - one  # c1
+    - "two"
+  team: {safeguards: none}
+
+NO:
+  effect: x
+"""
+
+
+@pytest.mark.parametrize(
+    ("steps", "value", "before", "after"),
+    [
+        (("LATE", "effect"), "new: text", "  effect: >-\n    a folded\n    text\n", '  effect: "new: text"\n'),
+        (("LATE", "deviation"), "Later", "  deviation: Late, by\n    two lines.\n", "  deviation: Later\n"),
+        (("LATE", "causes", 0), "1st # c", "    - one  # c1\n", '    - "1st # c"  # c1\n'),
+        (("LATE", "causes", 2), "three", '    - "two"\n', '    - "two"\n    - three\n'),
+        (("LATE", "team", "safeguards"), "a, b", "{safeguards: none}", '{safeguards: "a, b"}'),
+        (("LATE", "team", "due"), "soon", "{safeguards: none}", "{safeguards: none, due: soon}"),
+        (("LATE", "severity"), "no", "{safeguards: none}\n", '{safeguards: none}\n  severity: "no"\n'),
+        (("NO", "team", "due"), "2027", "  effect: x\n", '  effect: x\n  team: {due: "2027"}\n'),
+        (("LATE", "effect"), None, "  effect: >-\n    a folded\n    text\n", ""),
+    ],
+)
+def test_an_edit_changes_one_value_and_nothing_else(
+    steps: tuple[str | int, ...], value: str | None, before: str, after: str
+) -> None:
+    assert edited(WRITTEN, steps, value, "a.yaml") == WRITTEN.replace(before, after)
+
+
+def test_what_would_change_something_else_too_is_not_edited() -> None:
+    with pytest.raises(InputError, match="edit it by hand"):
+        edited("a: &x one\nb: *x\n", ("a",), "two", "a.yaml")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("1_000", 1000), ("0x1F", 31), ("0.5", 0.5), ("0", 0), ("'017'", "017"), ("1:30 h", "1:30 h")]
+)
+def test_numbers_that_people_mean_are_read(tmp_path: Path, text: str, value: object) -> None:
+    (tmp_path / "a.yaml").write_text(f"a: {text}\n")
+    assert load(tmp_path / "a.yaml").need("a").value == value
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("1:30", "90"), ("017", "15"), ("190:20:30", "685230"), ("1:30.5", "90.5")]
+)
+def test_a_number_of_another_base_is_refused_with_what_it_is(tmp_path: Path, text: str, value: str) -> None:
+    (tmp_path / "a.yaml").write_text(f"a: {text}\n")
+    with pytest.raises(InputError, match=rf"a\.yaml:1: a={text} must .* takes it for {value}; write {value}"):
+        load(tmp_path / "a.yaml")

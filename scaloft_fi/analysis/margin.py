@@ -16,7 +16,7 @@ from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.survivor import FAILING, PhasedFault, Reaction, Tried, detection_of, steady_of, tried_in
-from scaloft_fi.hazop.matrix import CellStatus, Magnitude, Matrix, Worse, neutral, parse, worse
+from scaloft_fi.hazop.matrix import Magnitude, Matrix, Worse, neutral, parse, worse
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import apart
@@ -170,7 +170,6 @@ def margins(
     scales = {
         (cell.name, fault.magnitude.unit): Scale.of(fault.magnitude)
         for cell in matrix
-        if cell.status is not CellStatus.NOT_MEANINGFUL
         for fault in cell.faults
         if fault.magnitude
     }

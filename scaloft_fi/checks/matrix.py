@@ -294,9 +294,13 @@ def _check_faults(cell: Cell, words: Iterable[Guideword], parameters: Iterable[P
             findings.add(replace(found, remedy=found.remedy or takes))
 
 
-def _check_controls(study: Study, cells: Iterable[Cell], stack: Declaration | None, findings: Findings) -> None:
+def _check_controls(study: Study, cells: Sequence[Cell], stack: Declaration | None, findings: Findings) -> None:
     controls = [cell for cell in cells if cell.status is CellStatus.CONTROL]
     place = str(study.folder / "hazop" / SHEETS)
+    if to_do := [cell.name for cell in cells if cell.status is CellStatus.TO_DO]:
+        what = f"cells to do, without a mutant: {_some(to_do)}"
+        remedy = "give each faults and requirements with status credible, or a reason with status not_meaningful"
+        findings.add(Finding(Severity.NOTE, place, None, what, remedy=remedy))
     if not controls:
         what = "no cell is a control, so no flight proves that faults reach the drone"
         remedy = "give a cell `status: control` whose fault no drone survives, such as velocity commands turned round"

@@ -15,6 +15,7 @@ from scaloft_fi.document import Item, is_folder, is_there, load
 from scaloft_fi.errors import Faults, InputError, did_you_mean
 from scaloft_fi.hazop.matrix import (
     MOST_ENTRIES,
+    NO_TEAM,
     SEVERITIES,
     SEVERITY,
     Cell,
@@ -24,6 +25,7 @@ from scaloft_fi.hazop.matrix import (
     Matrix,
     Parameter,
     SeverityClass,
+    Team,
     load_severities,
 )
 from scaloft_fi.marks import ByName, Choices, Either, Examples, Pattern, Size
@@ -105,10 +107,37 @@ class NotMeaningful:
     Attributes:
         status: the guideword makes no sense for this parameter.
         reason: why it makes no sense.
+        team: what only people can fill in.
     """
 
     status: Literal["not_meaningful"]
     reason: str
+    team: Team = NO_TEAM
+
+
+@dataclass(frozen=True)
+class ToDo:
+    """A draft of a cell, as of a row of somebody's sheet; it is counted, and never flown.
+
+    Attributes:
+        status: somebody has to give the cell faults and requirements, or a reason why it is not meaningful.
+        deviation: how the parameter deviates.
+        causes: what could bring the deviation about.
+        effect: the consequence.
+        severity: severity, in any words.
+        faults: what its names suggest as faults.
+        team: what only people can fill in.
+        source: the file, and the rows, that it was drafted from.
+    """
+
+    status: Literal["to_do"]
+    deviation: str = ""
+    causes: Annotated[tuple[str, ...], Size(0, MOST_ENTRIES)] = ()
+    effect: str = ""
+    severity: str = ""
+    faults: Annotated[tuple[Fault, ...], Size(0, MOST_ENTRIES)] = ()
+    team: Team = NO_TEAM
+    source: str = ""
 
 
 @dataclass(frozen=True)
@@ -124,6 +153,8 @@ class Tested:
         faults: what produces the deviation; the first is the default, and with several each needs a unit of its own.
         severity: of a credible cell: a class of hazop/severities.yaml.
         predicted: what the study expects of the flights, written before they are flown.
+        team: what only people can fill in.
+        source: the file, and the rows, that the cell was drafted from.
     """
 
     status: Literal["credible", "control"]
@@ -136,6 +167,8 @@ class Tested:
         ""
     )
     predicted: str = ""
+    team: Team = NO_TEAM
+    source: str = ""
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
         """Refuse a severity of a cell that is not credible, and two faults whose magnitudes have the same unit."""
@@ -149,7 +182,7 @@ class Tested:
             units.append(fault.magnitude.unit if fault.magnitude else "")
 
 
-CellModel = Annotated[NotMeaningful | Tested, Either(by="status")]
+CellModel = Annotated[NotMeaningful | Tested | ToDo, Either(by="status")]
 
 
 def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
@@ -252,18 +285,24 @@ def read_cell(
     if item is None or item.value is None:
         blank = f"the cell {guideword}-{parameter} is blank"
         raise InputError(
-            f"{(item or sheet).place}: {blank}; it must be credible, a control, or not_meaningful with a reason"
+            f"{(item or sheet).place}: {blank}; it must be credible, a control, not_meaningful with a reason, or to_do"
         )
     names = {"classes": [one.id for one in classes], **({"seams": sorted(seams)} if seams else {})}
-    model: NotMeaningful | Tested = value_of(CellModel, item, names)
-    status = CellStatus(model.status)
+    model: NotMeaningful | Tested | ToDo = value_of(CellModel, item, names)
+    status, team = CellStatus(model.status), model.team
     if isinstance(model, NotMeaningful):
-        return Cell(guideword, parameter, status, reason=model.reason, place=item.place), None
+        return Cell(guideword, parameter, status, reason=model.reason, team=team, place=item.place), None
     severity = next((one for one in classes if one.id == model.severity), None)
+    if isinstance(model, ToDo):
+        drafted, said = "" if severity else model.severity, (model.deviation, model.causes, model.effect)
+        draft = Cell(guideword, parameter, status, *said, team=team, drafted=drafted, proposed=model.faults)
+        return replace(draft, place=item.place), severity
     if model.severity and severity is None:
         raise item.need("severity").error(f"left out in a study without classes: hazop/{SEVERITIES} lists them")
     faults = model.faults
     if seams is not None:
         faults = tuple(replace(fault, message=seams[fault.seam].message) for fault in faults)
-    told = model.deviation, model.causes, model.effect, model.requirements, faults, "", model.predicted
-    return Cell(guideword, parameter, status, *told, item.place, item.need("requirements").place), severity
+    told = model.deviation, model.causes, model.effect, model.requirements, faults, "", model.predicted, team
+    place, requirements_place = item.place, item.need("requirements").place
+    cell = Cell(guideword, parameter, status, *told, place=place, requirements_place=requirements_place)
+    return cell, severity

@@ -268,6 +268,8 @@ class CellStatus(StrEnum):
     CREDIBLE = "credible"
     CONTROL = "control"
     NOT_MEANINGFUL = "not_meaningful"
+    TO_DO = "to_do"
+    """A draft, as of a row of somebody's sheet: it is counted, and never flown."""
 
 
 class Worse(StrEnum):
@@ -454,13 +456,37 @@ class Fault:
 
 
 @dataclass(frozen=True)
+class Team:
+    """What only people can fill in.
+
+    Attributes:
+        safeguards: existing safeguards.
+        likelihood: likelihood.
+        recommendation: recommendation.
+        responsible: responsible.
+        due: due date.
+        action_status: action status.
+    """
+
+    safeguards: str | None = None
+    likelihood: str | None = None
+    recommendation: str | None = None
+    responsible: str | None = None
+    due: str | None = None
+    action_status: str | None = None
+
+
+NO_TEAM = Team()
+
+
+@dataclass(frozen=True)
 class Cell:
     """One guideword applied to one parameter.
 
     Attributes:
         guideword: the guideword.
         parameter: the parameter.
-        status: credible, a control, or not meaningful.
+        status: credible, a control, not meaningful, or to do.
         deviation: how the parameter differs from the design intent.  A cell that is not meaningful has no deviation,
             and its attributes below are empty too.
         causes: what could cause the deviation in this stack.
@@ -469,6 +495,9 @@ class Cell:
         faults: the faults that produce the deviation; the first is the default.
         reason: why the cell is not meaningful (empty otherwise).
         predicted: the effect that the study predicts, free text.
+        team: what only people can fill in.
+        drafted: of a cell that is to do, the severity in the words of its sheet.
+        proposed: of a cell that is to do, faults that its names suggest, which nobody has looked at.
         place: file:line of the cell.
         requirements_place: file:line of the requirements.
     """
@@ -483,6 +512,9 @@ class Cell:
     faults: tuple[Fault, ...] = ()
     reason: str = ""
     predicted: str = ""
+    team: Team = NO_TEAM
+    drafted: str = ""
+    proposed: tuple[Fault, ...] = ()
     place: str = field(default="", compare=False)
     requirements_place: str = field(default="", compare=False)
 
@@ -494,7 +526,12 @@ class Cell:
     @property
     def told(self) -> str:
         """The deviation, or the reason why there is none."""
-        return self.deviation or self.reason
+        return self.deviation or self.reason or "to do"
+
+    @property
+    def flown(self) -> bool:
+        """Whether it has mutants."""
+        return self.status in (CellStatus.CREDIBLE, CellStatus.CONTROL)
 
     @property
     def default_id(self) -> str:

@@ -14,11 +14,18 @@ LEGEND = (
     "-        not meaningful: the guideword makes no new deviation of this parameter",
 )
 
+TO_DO = "to do    a draft that is never flown: it lacks faults and requirements, or the reason why it has none"
+
 BESIDE = 40
 """The deviation stands beside its guideword where it has this room, else below it [characters]."""
 MARK_COLUMNS = 9
 """Where the meanings begin in the legend [characters]."""
-MARKS = {CellStatus.CREDIBLE: "yes", CellStatus.CONTROL: "CONTROL", CellStatus.NOT_MEANINGFUL: "-"}
+MARKS = {
+    CellStatus.CREDIBLE: "yes",
+    CellStatus.CONTROL: "CONTROL",
+    CellStatus.NOT_MEANINGFUL: "-",
+    CellStatus.TO_DO: "to do",
+}
 
 
 def mark(cell: Cell) -> str:
@@ -32,7 +39,8 @@ def tally(matrix: Matrix) -> str:
     >>> tally(Matrix((), (), {}))
     '0 parameters x 0 guidewords = 0 cells: 0 credible, 0 control, 0 not meaningful'
     """
-    counts = ", ".join(f"{count} {status.replace('_', ' ')}" for status, count in matrix.counts().items())
+    counted = (one for one in matrix.counts().items() if one[1] or one[0] is not CellStatus.TO_DO)
+    counts = ", ".join(f"{count} {status.replace('_', ' ')}" for status, count in counted)
     return f"{len(matrix.parameters)} parameters x {len(matrix.guidewords)} guidewords = {len(matrix)} cells: {counts}"
 
 
@@ -78,14 +86,17 @@ def cells(matrix: Matrix, columns: int) -> str:
             if columns - len(head) < BESIDE:
                 lines.append(head.rstrip())
                 head = " " * 6
-            lines += _wrapped(head, cell.deviation or f"not meaningful: {cell.reason}", columns)
+            lines += _wrapped(
+                head, cell.deviation or (f"not meaningful: {cell.reason}" if cell.reason else cell.told), columns
+            )
         blocks.append("\n".join(lines))
     return "\n\n".join(blocks)
 
 
 def overview(matrix: Matrix, columns: int) -> str:
     """Draw the grid with its legend and counts."""
-    return "\n".join([grid(matrix, columns), "", legend(LEGEND, columns), "", wrapped(tally(matrix), columns)])
+    marks = (*LEGEND, TO_DO) if matrix.counts()[CellStatus.TO_DO] else LEGEND
+    return "\n".join([grid(matrix, columns), "", legend(marks, columns), "", wrapped(tally(matrix), columns)])
 
 
 def legend(entries: Iterable[str], columns: int, at: int = MARK_COLUMNS) -> str:
@@ -117,6 +128,8 @@ def sheet(matrix: Matrix, cell: Cell, edges: Mapping[str, str], columns: int) ->
         ("severity", [f"{severity.id}: {severity.title}"] if severity else []),
         ("requirements", [", ".join(cell.requirements)]),
         ("predicted", [cell.predicted]),
+        *((name.replace("_", " "), [text]) for name, text in vars(cell.team).items() if text),
+        *(("proposed", [f"{fault.operator} at {fault.seam} {ladder(fault)}"]) for fault in cell.proposed),
     ]
     for fault in cell.faults:
         edge = f" ({edges[fault.seam]})" if fault.seam in edges else ""

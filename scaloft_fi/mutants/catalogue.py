@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from itertools import zip_longest
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from scaloft_fi.document import CATALOGUE_BYTES, UnreadableError, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
@@ -17,6 +20,9 @@ from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operator import OperatorError
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import write_whole
+
+if TYPE_CHECKING:
+    from scaloft_fi.stack.declaration import Seam
 
 
 def derive(matrix: Matrix) -> tuple[Mutant, ...]:
@@ -77,6 +83,9 @@ def source_of(matrix: Matrix, mutant: Mutant) -> tuple[Fault, Rung | None]:
 def _refuse_blank(cell: Cell) -> None:
     if cell.status is CellStatus.NOT_MEANINGFUL:
         raise InputError(f"mutant {cell.name!r} does not exist; the cell is not meaningful: {cell.reason}")
+    if cell.status is CellStatus.TO_DO:
+        remedy = "give it faults, requirements and the status credible"
+        raise InputError(f"mutant {cell.name!r} does not exist; the cell is to do: {remedy} ({cell.place})")
 
 
 def _chosen(cell: Cell, name: Name, text: str) -> tuple[Fault, Rung | None]:
@@ -206,6 +215,41 @@ _REMEDY = "write it with `scaloft-fi mutants --write`"
 def catalogue_lines(catalogue: Iterable[Mutant]) -> list[str]:
     """One JSON object for each mutant, with sorted keys: the same mutants give the same bytes."""
     return [json.dumps(mutant.to_json(), sort_keys=True, ensure_ascii=False) for mutant in catalogue]
+
+
+def suggested(word: str, about: str, matrices: Iterable[Matrix], seams: Mapping[str, Seam]) -> Fault | None:
+    """The fault that the names in somebody's sheet suggest; None where they fit no seam, or nothing that a study does.
+
+    The seam is the one whose name, stages and message share most words with the text, if it is one alone; the fault is
+    that of the guideword which stands most often in matrices and fits the seam, one at that seam before all others.
+
+    Args:
+        word: a guideword.
+        about: node, parameter and deviation, as the sheet has them.
+        matrices: with faults to learn from.
+        seams: of the study's stack.
+    """
+    told = _words(about)
+    shared = {name: len(told & _words(f"{name} {seam.edge}")) + 2 * (name in told) for name, seam in seams.items()}
+    best = [name for name, count in shared.items() if count and count == max(shared.values())]
+    if len(best) != 1:
+        return None
+    seam, faults = (
+        seams[best[0]],
+        [fault for matrix in matrices for cell in matrix if cell.guideword == word for fault in cell.faults],
+    )
+    operators = Counter(fault.operator for fault in faults)
+    for fault in sorted(faults, key=lambda one: (one.seam != seam.name, -operators[one.operator])):
+        moved = replace(fault, seam=seam.name, message=seam.message, expected=None, places={})
+        with suppress(InputError):
+            _patched(Cell(word, "x", CellStatus.CREDIBLE), moved, fault.magnitude.default if fault.magnitude else None)
+            return moved
+    return None
+
+
+def _words(text: str) -> set[str]:
+    """The words of a text, without an s at their end."""
+    return {word.removesuffix("s") for word in re.findall(r"[a-z]{3,}", text.casefold())}
 
 
 def write_catalogue(folder: Path, catalogue: Iterable[Mutant]) -> Path:

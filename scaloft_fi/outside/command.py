@@ -404,7 +404,6 @@ def run_command(
     limit_s: float,
     folder: Path,
     attend: Callable[[], None] | None = None,
-    lifeline: int | None = None,
 ) -> Told:
     """Run a command to its end; returns what its last line of output says.
 
@@ -415,13 +414,12 @@ def run_command(
         limit_s: longest time that it may take [s, wall].
         folder: empty folder for the end of its output.
         attend: called again and again while it runs.
-        lifeline: as of `Processes`.
 
     Raises:
         BorderError: it cannot be started, or its guard has died.
         CommandError: it takes longer, or fails.
     """
-    processes = Processes([Command(tuple(words), env)], cwd, {}, folder, lifeline)
+    processes = Processes([Command(tuple(words), env)], cwd, {}, folder)
     due_s = time.monotonic() + limit_s
     try:
         processes.start()

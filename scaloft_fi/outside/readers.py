@@ -9,7 +9,6 @@ import json
 import math
 import os
 import re
-from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
 from dataclasses import dataclass
@@ -18,7 +17,7 @@ from importlib import import_module
 from io import BufferedReader
 from itertools import chain, islice
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
@@ -61,8 +60,6 @@ class Message:
     read: Callable[[], Any]
 
 
-Numbers: TypeAlias = "array[float]"
-"""A growing array; a list would take four times the memory."""
 Found = tuple[Mapping[MappedSignal, Series], Sequence[Loss]]
 """The series of a record, and what it lost."""
 Told = tuple[Sequence[RecordedField], Sequence[Loss]]
@@ -172,8 +169,8 @@ def collect(
     Raises:
         InputError: there are too many messages, a message lacks a field, or a value is no finite number.
     """
-    found = {source: (array("d"), array("d")) for source in sources}
-    by_topic: dict[str, list[tuple[MappedSignal, tuple[str | int, ...], Numbers, Numbers]]] = {}
+    found: dict[MappedSignal, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
+    by_topic: dict[str, list[tuple[MappedSignal, tuple[str | int, ...], list[float], list[float]]]] = {}
     for source, (times, values) in found.items():
         way = steps(source.field)
         if way is None:
@@ -181,7 +178,7 @@ def collect(
                 f"{path}: signal {source.signal!r}: field {source.field!r} must be like pose.position.x or q[0]"
             )
         by_topic.setdefault(source.topic, []).append((source, way, times, values))
-    ticks = (array("d"), array("d"))
+    ticks: tuple[list[float], list[float]] = ([], [])
     for count, message in enumerate(messages):
         if count >= MOST_MESSAGES:
             raise too_many(path)
@@ -207,7 +204,7 @@ def collect(
     return {source: _series(times, values, timing, ticks) for source, (times, values) in found.items()}
 
 
-def _series(times: Numbers, values: Numbers, timing: Timing, ticks: tuple[Numbers, Numbers]) -> Series:
+def _series(times: list[float], values: list[float], timing: Timing, ticks: tuple[list[float], list[float]]) -> Series:
     """Sorted by time; a message before the first tick of the clock is left out."""
     times_s, numbers = np.array(times), np.array(values)
     if timing.clock and not timing.stamped:
@@ -306,7 +303,7 @@ def read_table(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> F
             raise InputError(f"{path}: signal {source.signal!r} must have a column, because the record is a table")
         if source.column not in head:
             raise lacks(path, source, "column", source.column, head)
-    found = {source: (array("d"), array("d")) for source in sources}
+    found: dict[MappedSignal, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
     clock, places = head.index(timing.column), [(head.index(one.column), one, *both) for one, both in found.items()]
     told, last_s = MappedSignal("time", column=timing.column), -math.inf
     for line, row in rows:
@@ -626,8 +623,7 @@ def _rosbag(path: Path) -> Iterator[MessageLog]:
             store = types.get_typestore(types.Stores.LATEST)
             reader = stack.enter_context(bags.AnyReader([path], default_typestore=store))
         except Exception as error:
-            remedy = MENDED.get(path.suffix.lower(), "") if path.stat().st_size else ""
-            raise damaged(path, error, remedy) from error
+            raise damaged(path, error, MENDED.get(path.suffix.lower(), "")) from error
 
         def messages(topics: Sequence[str]) -> Iterator[Message]:
             connections = [connection for connection in reader.connections if connection.topic in topics]

@@ -375,7 +375,7 @@ def margins_of_cells(
 
 def margin_texts(matrix: Matrix, found: Mapping[str, Sequence[CellMargin]]) -> Mapping[str, str]:
     """What each cell shows, by its name; `found` as of `cell_margins`."""
-    others = {CellStatus.NOT_MEANINGFUL: "-", CellStatus.CONTROL: "CONTROL"}
+    others = {CellStatus.NOT_MEANINGFUL: "-", CellStatus.CONTROL: "CONTROL", CellStatus.TO_DO: "to do"}
     told = {name: [one.text for one in listed if one.text != UNKNOWN] for name, listed in found.items()}
     return {cell.name: others.get(cell.status) or "; ".join(told[cell.name]) or UNKNOWN for cell in matrix}
 
@@ -648,7 +648,7 @@ Tolerance = Annotated[
     sections={
         "Where": "--study --campaign --grid",
         "What is flown": "--situation --seeds --tolerance --when --operability",
-        "How": "--jobs --same-platform --untrusted",
+        "How": "--jobs --same-platform",
         "What is printed": "--format --tables --warnings --quiet --help",
     },
 )
@@ -671,7 +671,6 @@ def margin_command(
     operability: options.Operability,
     jobs: options.Jobs,
     same_platform: options.SamePlatform,
-    untrusted: options.Untrusted,
     style: options.TableFormat,
     tables_folder: options.TablesFolder,
     warnings: options.Warnings,
@@ -696,10 +695,8 @@ def margin_command(
         answer(struck, style, tables_folder)
         return
 
-    study = study_of(study_folder, campaign, grid)
-    options.allow(study, untrusted=untrusted)
     found = margin(
-        study,
+        study_of(study_folder, campaign, grid),
         campaign,
         mutants,
         RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),

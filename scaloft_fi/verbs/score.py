@@ -24,6 +24,7 @@ from scaloft_fi.campaign.runs.request import Look
 from scaloft_fi.campaign.runs.run import borrowed
 from scaloft_fi.console import joined, say, width, wrapped
 from scaloft_fi.errors import ExitCode, InputError
+from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.study import Study
@@ -33,7 +34,7 @@ from scaloft_fi.verbs.first_screen import first_screen, group_table, screen_text
 from scaloft_fi.verbs.options import Option, answer, verb
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
 from scaloft_fi.views.output import Answer, Output
-from scaloft_fi.views.table import Format, Table, render
+from scaloft_fi.views.table import Format, Table, counted, render
 
 if TYPE_CHECKING:
     from scaloft_fi.campaign.runs.request import FlownRun
@@ -190,7 +191,9 @@ class ScoredFlights:
     def warnings(self) -> tuple[str, ...]:
         """What a reader must know beside the score, in sentences; often nothing."""
         _, unread = _dispositions(self.study)
-        return (*filter(None, [self.warning, unread]), *self.stale.sentences, *self.study.finds.warnings)
+        to_do = self.study.matrix.counts()[CellStatus.TO_DO]
+        draft = f"{counted(to_do, 'cell')} of the matrix to do: without a mutant, and in no ratio" if to_do else ""
+        return (*filter(None, [self.warning, unread, draft]), *self.stale.sentences, *self.study.finds.warnings)
 
     def screen(self, *, whole: bool) -> tuple[Table, ...]:
         """The first screen as tables; `whole`: long groups are shown to their ends."""

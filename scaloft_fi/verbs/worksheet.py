@@ -26,7 +26,7 @@ from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.console import PIPED, line, printable
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix, Parameter, SeverityClass, worst_first
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix, Parameter, SeverityClass, Team, worst_first
 from scaloft_fi.hazop.render import ladder
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
@@ -73,7 +73,7 @@ STUDY = (
     Column("design_intent", "Design intent", "what every deviation deviates from", width=36),
     Column("guideword", "Guideword", "of IEC 61882, or a declared extension", width=14),
     Column("deviation", "Deviation", "what differs from the design intent", short=True, width=36),
-    Column("status", "Status", "credible, control, or not meaningful", width=14),
+    Column("status", "Status", "credible, control, not meaningful, or to do", width=14),
     Column("rationale", "Rationale", "why it is not meaningful, or what the study predicts", width=36),
     Column("causes", "Possible causes", "what could bring it about", width=40),
     Column("effect", "Consequence", "what it does locally, then to the flight", width=40),
@@ -206,27 +206,6 @@ class Accepted:
 
 
 @dataclass(frozen=True)
-class Team:
-    """What only people can fill in.
-
-    Attributes:
-        safeguards: existing safeguards.
-        likelihood: likelihood.
-        recommendation: recommendation.
-        responsible: responsible.
-        due: due date.
-        action_status: action status.
-    """
-
-    safeguards: str | None = None
-    likelihood: str | None = None
-    recommendation: str | None = None
-    responsible: str | None = None
-    due: str | None = None
-    action_status: str | None = None
-
-
-@dataclass(frozen=True)
 class SheetRow:
     """A deviation: one cell of the matrix as the sheet has it.
 
@@ -240,7 +219,6 @@ class SheetRow:
         disposition: of a survivor that somebody accepted; null: nobody has accepted it.
         find: a situation that a search found, which shows the survivor, in words; null: there is none.
         flies_find: the command that flies it; null: there is none.
-        team: what only people can fill in.
     """
 
     cell: Cell
@@ -252,7 +230,6 @@ class SheetRow:
     disposition: Accepted | None = None
     find: str | None = None
     flies_find: str | None = None
-    team: Team = Team()
     KEYS = (
         *("told.*", "parameter.node", "design_intent=parameter.intent", "find", "flies_find", "margins", "results"),
         *("disposition", "team"),
@@ -264,13 +241,18 @@ class SheetRow:
         return ToldCell.of(self.cell, self.severity)
 
     @property
+    def team(self) -> Team:
+        """What only people can fill in."""
+        return self.cell.team
+
+    @property
     def survives(self) -> bool:
         """Whether the default mutant of a credible cell was flown and is not detected."""
         return self.cell.status is CellStatus.CREDIBLE and self.results is not None and not self.results.score.detected
 
     @cached_property
     def values(self) -> Mapping[str, SheetValue]:
-        """By the column's key; the team's columns are empty."""
+        """By the column's key."""
         cell = self.cell
         faults = (f"{fault.operator} at {fault.seam} {ladder(fault)}".strip() for fault in cell.faults)
         return {
@@ -285,7 +267,7 @@ class SheetRow:
             "rationale": cell.reason or cell.predicted,
             "causes": "; ".join(cell.causes),
             "effect": cell.effect,
-            "severity": self.severity.id if self.severity else None,
+            "severity": self.severity.id if self.severity else cell.drafted or None,
             "requirements": ", ".join(cell.requirements),
             "operators": "; ".join(faults),
             "mutant": self.mutant,
@@ -293,6 +275,7 @@ class SheetRow:
             "disposition": acceptance(self.disposition.of) if self.disposition else None,
             "find": self.find,
             "flies_find": self.flies_find,
+            **vars(cell.team),
             **(self.results.values if self.results else {}),
         }
 
@@ -324,7 +307,7 @@ def sheet_rows(
 
     def of(cell: Cell) -> SheetRow:
         row = SheetRow(cell, parameters[cell.parameter], matrix.severities.get(cell.name), margins=margins[cell.name])
-        if cell.status is CellStatus.NOT_MEANINGFUL:
+        if not cell.flown:
             return row
         row = replace(row, mutant=(mutant := default_of(cell).id), disposition=accepted.get(mutant))
         if (score := flown.get(mutant)) is None:
@@ -342,7 +325,7 @@ def population(rows: Sequence[SheetRow]) -> str:
     """What the findings speak of, in a few sentences."""
     flown = [row.results.score for row in rows if row.results]
     most = max((len(score.results) for score in flown), default=0)
-    meaningful = sum(row.cell.status is not CellStatus.NOT_MEANINGFUL for row in rows)
+    meaningful = sum(row.cell.flown for row in rows)
     pooled = any(score.tested for score in flown) or not any(score.verdict is Verdict.UNDECIDED for score in flown)
     return (
         f"Findings speak of each cell's default mutant: {len(flown)} of the {meaningful} cells that can happen were "

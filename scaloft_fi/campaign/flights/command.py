@@ -6,8 +6,8 @@ import json
 import math
 import shutil
 import sys
+import tempfile
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,7 +36,6 @@ from scaloft_fi.outside.command import (
     Told,
     run_command,
 )
-from scaloft_fi.outside.exchange import FlightFolder
 from scaloft_fi.outside.records import (
     DERIVED,
     PLACE,
@@ -45,6 +44,7 @@ from scaloft_fi.outside.records import (
     Known,
     RecordedFlight,
     RecordMap,
+    derivation,
     flight_log,
     kind_of,
     lacking,
@@ -85,8 +85,8 @@ def command_log(study: Study, command: FlightCommand, flight: Flight, wire: Wire
     if flight.mutant is not None and flight.mutant.event and not command.injects(flight.mutant.seam):
         raise CommandError(f"{flight.mutant.id} strikes at an event, and a relay is told of none")
     mapping, known = mapping_of(study), known_in(study, command, flight.situation)
-    with closing(FlightFolder()) as made:
-        folder, beside = made.path / "flight", made.path / "beside"
+    with tempfile.TemporaryDirectory(prefix="scaloft-fi-", ignore_cleanup_errors=True) as made:
+        folder, beside = Path(made) / "flight", Path(made) / "beside"
         folder.mkdir()
         beside.mkdir()
         values = values_of(study, flight, folder, command)
@@ -96,8 +96,7 @@ def command_log(study: Study, command: FlightCommand, flight: Flight, wire: Wire
         try:
             env |= relays.begin()
             attend = relays.attend if command.relays else None
-            own = study.folder.resolve()
-            told = run_command(words, env, own, command.limit_s, beside, attend, made.lifeline)
+            told = run_command(words, env, study.folder.resolve(), command.limit_s, beside, attend)
         finally:
             relays.close()
         try:
@@ -301,7 +300,7 @@ def judged_record(study: Study, path: Path, mapping: RecordMap, known: Known) ->
     Raises:
         InputError: the record cannot be read, or lacks what a requirement needs.
     """
-    recorded = [*mapping.signals, *DERIVED]
+    recorded = [*mapping.signals, *(name for name in DERIVED if derivation(mapping, known, name))]
     requirements = study.requirements if mapping.ours else study.requirements_over(recorded)
     needed = needed_by(requirements, {*study.signals, *recorded})
     flight = flight_log(path, mapping, known, needed=needed, beliefs=study.stack.belief_names)

@@ -22,14 +22,14 @@ function cellSheet(name) {
   const main = mutants.find((mutant) => mutant.id === cell.default) ?? mutants[0];
   const others = mutants.filter((mutant) => mutant !== main);
   return {
-    title: name, lead: { credible: "A credible deviation.", control: "A crude control: it must show itself, and enters no ratio.", not_meaningful: "Not meaningful." }[cell.status],
+    title: name, lead: { credible: "A credible deviation.", control: "A crude control: it must show itself, and enters no ratio.", not_meaningful: "Not meaningful.", to_do: "A draft that nobody has finished: it has no mutant." }[cell.status],
     body: [
       main && mutantBlock(main),
       h("h3", { class: "sub" }, "What the cell asks"),
       h("dl", { class: "pairs" }, pairs.map(([what, text]) => [h("dt", {}, term(what)), h("dd", {}, text)])),
       others.length > 0 && [h("h3", { class: "sub" }, "Other mutants of the cell"), others.map((mutant) => h("details", { class: "fold" },
         h("summary", {}, h("b", { class: "id" }, mutant.id), ` ${verdictText(mutant)}, ${killsText(mutant)}`), mutantBlock(mutant)))],
-      !mutants.length && cell.status !== "not_meaningful" && h("p", { class: "note" }, "No mutant of this cell was flown in this campaign: ", h("code", {}, `scaloft-fi run${inCampaign()} --mutant ${literal(`${name}*`)}`)),
+      !mutants.length && ["credible", "control"].includes(cell.status) && h("p", { class: "note" }, "No mutant of this cell was flown in this campaign: ", h("code", {}, `scaloft-fi run${inCampaign()} --mutant ${literal(`${name}*`)}`)),
     ],
   };
 }

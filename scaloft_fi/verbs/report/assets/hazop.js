@@ -1,6 +1,7 @@
 /* The HAZOP matrix: guidewords across, parameters down; shaded by how sure a detection is, hatched where nothing is decided. */
 function cellState(cell) {
   if (cell.status === "not_meaningful") return { state: "not_meaningful", text: "", said: `not meaningful: ${cell.reason}` };
+  if (cell.status === "to_do") return { state: "not_flown", text: "to do", said: `to do: ${cell.deviation}` };
   const mutant = MUTANTS.get(cell.default) ?? MUTANTS.get(cell.mutants[0]);
   if (!mutant) return { state: "not_flown", text: "not flown", said: `not flown: ${cell.deviation}` };
   if (mutant.control) return { state: mutant.shows.length ? "shows" : "silent", text: mutant.shows.join(" ") || "silent", said: `${mutant.id}: ${showsText(mutant)}` };

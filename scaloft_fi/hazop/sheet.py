@@ -1,0 +1,521 @@
+"""Read HAZOP and STPA sheets of other tools: rows of a workbook or of CSV, as deviations that a study has or lacks.
+
+A sheet is read as its people wrote it: columns by their heads in several languages, merged cells, blank cells that mean
+"as above", guidewords in a column of their own, in the deviation, or as heads of columns.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+import unicodedata
+import warnings
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import zip_longest
+from pathlib import Path
+
+from scaloft_fi.apart import read_apart
+from scaloft_fi.document import MIB, read_bytes
+from scaloft_fi.errors import InputError, did_you_mean, shown
+from scaloft_fi.hazop.matrix import Matrix
+
+MOST_ROWS, MOST_COLUMNS, MOST_TEXT = 20_000, 500, 10_000
+"""Of a sheet that people fill in; and characters of one of its cells."""
+SHEET_BYTES = 64 * MIB
+HEAD_WITHIN = 40
+"""Rows of a sheet in which its heads are looked for."""
+
+HEADS: Mapping[str, str] = {
+    "cell": "deviation id|cell",
+    "guideword": "guideword|guide word|keyword|leitwort|mot guide|mot cle|palabra guia|parola guida"
+    "|palavra guia|gidsord",
+    "deviation": "deviation|failure mode|unsafe control action|uca|hazardous deviation|abweichung|deviazione|desviacion"
+    "|desvio|ecart|derive|afwijking|avvikelse",
+    "causes": "cause|causes|possible causes|causal factor|causal scenario|loss scenario|ursache|ursachen|causas|causa"
+    "|cause possibili|oorzaak|orsak",
+    "effect": "consequence|consequences|effect|effects|impact|hazard|folge|folgen|auswirkung|auswirkungen|konsequenz"
+    "|consequences possibles|consecuencia|consecuencias|conseguenza|conseguenze|efecto|effet|effets|gevolg|gevolgen",
+    "safeguards": "safeguard|safeguards|existing safeguards|existing controls"
+    "|protective systems|barrier|barriers|protection|mitigation"
+    "|schutzmassnahme|schutzmassnahmen|vorhandene massnahmen|salvaguarda|salvaguardas|sauvegarde|barriere|barrieres",
+    "recommendation": "action|actions|recommendation|recommendations|action required|actions required|massnahme"
+    "|massnahmen|empfehlung|empfehlungen|recommandation|recommandations|recomendacion|recomendaciones|accion"
+    "|aanbeveling",
+    "severity": "severity|sev|severity class|schwere|schweregrad|gravite|severite|severidad|gravedad|gravita|ernst",
+    "likelihood": "likelihood|probability|frequency|occurrence|wahrscheinlichkeit|haufigkeit|probabilite|frequence"
+    "|probabilidad|frecuencia|probabilita|kans",
+    "responsible": "responsible|owner|action by|assigned to|action owner|verantwortlich|zustandig|responsable",
+    "due": "due|due date|deadline|target date|termin|frist|echeance|fecha|scadenza",
+    "action_status": "action status|status of action|massnahmenstatus",
+    "rationale": "rationale",
+    "requirements": "requirements|requirement",
+    "intent": "design intent|design intention|intent|intention|sollfunktion|designabsicht|intention de conception",
+    "node": "node|study node|hazop node|element|component|subsystem|system|function|item|section|process step|part"
+    "|knoten|komponente|bauteil|teilsystem|funktion|noeud|composant|fonction|nodo|componente|nudo|funzione|onderdeel",
+    "parameter": "parameter|property|attribute|characteristic|flow|signal|control action|process parameter|merkmal"
+    "|parametre|parametro|grosse|regelaktion",
+}
+"""Heads by what stands below them, in small letters without accents."""
+TEXTS = ("deviation", "causes", "effect", "safeguards", "recommendation", "severity")
+"""What makes a row one that says something."""
+DOWN = ("node", "parameter", "intent", "guideword", "deviation")
+"""Columns whose blank cells mean "as above"; a deviation does only where all of them are blank."""
+DESCRIPTIONS = ("description", "beschreibung", "text", "descripcion", "descrizione")
+
+WORDS: Mapping[str, str] = {
+    "NO": "no|not|none|no or not|no not|no or none|omission|loss|loss of|missing|lost|nein|nicht|kein|keine|non|pas de"
+    "|aucun|aucune|ningun|ninguno|nessuno|nessuna|nao|nenhum|geen|niet|ingen",
+    "MORE": "more|more of|high|higher|too much|too high|too many|too fast|excess"
+    "|excess of|mehr|zu viel|hoch|hoher|plus|plus de|trop|mas|mayor|piu|mais"
+    "|maior|meer|mer",
+    "LESS": "less|less of|low|lower|too little|too low|too few|too slow"
+    "|weniger|zu wenig|niedrig|niedriger|moins|moins de|menos|menor|meno"
+    "|minder|mindre",
+    "ASWELLAS": "as well as|aswellas|as well|in addition|extra|sowohl als auch|zusatzlich|en plus de|ainsi que"
+    "|ademas de|oltre a|bem como|zowel als",
+    "PARTOF": "part of|partof|partial|incomplete|teilweise|teil von|une partie de|partie de|partiellement|parte de"
+    "|parte di|deel van",
+    "REVERSE": "reverse|reversed|opposite|inverse|umkehrung|umgekehrt|gegenteil|inverso|inversione|contraire|omgekeerd",
+    "OTHERTHAN": "other than|otherthan|other|instead of|wrong|incorrect|different|anders als|etwas anderes|anders"
+    "|falsch|autre que|autre|otro que|en vez de|diverso da|altro|outro que|anders dan|value",
+    "EARLY": "early|too early|earlier|sooner|zu fruh|fruher|fruh|trop tot|plus tot|tot|temprano|antes de tiempo"
+    "|in anticipo|cedo|te vroeg|vroeg",
+    "LATE": "late|too late|later|delayed|delay|zu spat|spater|spat|verspatet|trop tard|plus tard|tard|tarde|in ritardo"
+    "|tarde demais|te laat|laat",
+    "BEFORE": "before|out of order|out of sequence|wrong order|vorher|vor|avant|antes|prima|ervoor",
+    "AFTER": "after|nachher|nach|apres|despues|dopo|depois|erna",
+    "UNINTENDED": "unintended|unintentional|spurious|commission|inadvertent|uncommanded|unexpected|unbeabsichtigt"
+    "|ungewollt|intempestif|involontaire|no intencionado|involuntario",
+}
+"""Guidewords of IEC 61882 and the extension of the reference study, as people write them."""
+STPA: Sequence[tuple[str, tuple[str, ...]]] = (
+    (r"not (provid|giv|issued|send)\w*|nicht (bereit|geg)\w*|non fourni\w*|no (proporciona|suministra)\w*", ("NO",)),
+    (r"(stopped|ends?|stop\w*) too (soon|early)|zu fruh (beendet|gestoppt)|arret\w* trop tot", ("LESS",)),
+    (r"(applied|provided|lasts?|continued) too long|zu lange?|trop longtemps", ("MORE",)),
+    (r"too early|zu fruh|trop tot", ("EARLY",)),
+    (r"too late|zu spat|trop tard", ("LATE",)),
+    (r"(out of|wrong|incorrect) (order|sequence)|reihenfolge|mauvais ordre", ("BEFORE", "AFTER")),
+    (r"provid\w*|given|causes hazard|bereitgestellt|gegeben|fourni\w*", ("UNINTENDED", "ASWELLAS")),
+)
+"""The ways in which a control action is unsafe (Leveson and Thomas, STPA Handbook, 2018, p. 35), by their heads: the
+guidewords that say the same, the first that the study has.  Too short and too long are LESS and MORE of its
+duration."""
+PROVIDED = STPA[-1][1]
+FEWEST_HEADS = 3
+"""Heads that a sheet must have, where the user names none."""
+MOST_HEAD = 120
+"""Characters of a head."""
+_EMPTY = frozenset(("", "-", "--", "n a", "na", "none", "not applicable", "x", "/", "tbd"))
+
+
+@dataclass(frozen=True)
+class Line:
+    """A row of a sheet that says something; of a sheet with guidewords for heads, one cell of the row.
+
+    Attributes:
+        place: sheet and row, `Sheet1:12`.
+        texts: by the keys of `HEADS`; what is blank is left out.
+        keys: of the columns that the sheet has.
+        words: the guidewords that its head may mean, where guidewords are heads.
+    """
+
+    place: str
+    texts: Mapping[str, str]
+    keys: frozenset[str] = frozenset()
+    words: tuple[str, ...] = ()
+
+
+def plain(text: str) -> str:
+    """A text in small letters, without accents, signs and double blanks.
+
+    >>> plain("  Schutz-Maßnahmen / Barrières ")
+    'schutz massnahmen barrieres'
+    """
+    bare = unicodedata.normalize("NFKD", text.casefold().replace("œ", "oe"))
+    return " ".join(re.sub(r"[\W_]+", " ", "".join(c for c in bare if not unicodedata.combining(c))).split())
+
+
+def read_sheet(path: Path, columns: Mapping[str, str] | None = None, sheets: Collection[str] = ()) -> tuple[Line, ...]:
+    """The rows of a workbook (`.xlsx`) or of CSV.
+
+    Args:
+        path: the file.
+        columns: heads of the file by key of `HEADS`, where they are other words than those.
+        sheets: names of the sheets to read; by default all.
+
+    Raises:
+        InputError: the file cannot be read, is larger than a sheet may be, or has no row of heads that are known.
+    """
+    kinds = {".xlsx": _workbook, ".xlsm": _workbook, ".csv": _csv, ".tsv": _csv, ".txt": _csv}
+    kind = kinds.get(path.suffix.lower())
+    if kind is None:
+        raise InputError(f"{path}: must end in {', '.join(kinds)}")
+    content = read_bytes(path, SHEET_BYTES)
+    asked = {plain(head): key for key, head in (columns or {}).items()}
+    pages = read_apart(path, lambda: kind(path, content))
+    heads, lines = set[str](), list[Line]()
+    names = [name for name, _ in pages]
+    for name in sheets:
+        if name not in names:
+            raise InputError(f"{path}: has no sheet {name!r}{did_you_mean(name, names)}")
+    for name, rows in ((name, rows) for name, rows in pages if name in sheets or not sheets):
+        lines += _lines(name, rows, asked, heads)
+    if lacking := [key for head, key in asked.items() if head not in heads]:
+        key = lacking[0]
+        raise InputError(
+            f"{path}: no column is headed {(columns or {})[key]!r}{did_you_mean(plain((columns or {})[key]), heads)}"
+        )
+    if not lines:
+        told = ", ".join(shown(head) for head in sorted(heads)[:12])
+        raise InputError(
+            f"{path}: no row has the heads of a HAZOP or STPA sheet: a guideword or a deviation, beside a node or a "
+            f"parameter; name them with --column deviation=HEAD{f' (read: {told})' if told else ''}"
+        )
+    return tuple(lines)
+
+
+Rows = list[list[str]]
+_MARKED = re.compile(r"'[=+\-@＝＋－＠\s]")  # noqa: RUF001 - a text that would be a formula, as `worksheet --format csv` writes it
+
+
+def _csv(path: Path, content: bytes) -> list[tuple[str, Rows]]:
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "cp1252", errors="replace")
+    first = text[: text.find("\n", 2000) + 1 or None]
+    comma = max(",;\t|", key=first.count)
+    try:
+        rows = [list(row) for row in csv.reader(io.StringIO(text, newline=""), delimiter=comma)]
+    except csv.Error as error:
+        raise InputError(f"{path}: is no CSV: {error}") from None
+    _check_size(path, "the table", len(rows), max(map(len, rows), default=0))
+    return [("", [[cell[1:] if _MARKED.match(cell) else cell for cell in row] for row in rows])]
+
+
+def _workbook(path: Path, content: bytes) -> list[tuple[str, Rows]]:
+    try:
+        from openpyxl import load_workbook
+        from openpyxl.utils.escape import unescape
+    except ImportError:
+        raise InputError(f"{path}: reading it needs openpyxl: pip install 'scaloft-fi[xlsx]'") from None
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of parts that no cell depends on
+            book = load_workbook(io.BytesIO(content), data_only=True)
+    except MemoryError:
+        raise
+    except Exception as error:  # noqa: BLE001 - whatever a damaged workbook makes of the library
+        raise InputError(f"{path}: is no workbook that can be read: {type(error).__name__}: {error}") from None
+    pages = []
+    for page in book.worksheets:
+        _check_size(path, f"sheet {page.title!r}", page.max_row, page.max_column)
+        rows = [
+            ["" if cell is None else unescape(_text(cell)) for cell in row] for row in page.iter_rows(values_only=True)
+        ]
+        for merged in page.merged_cells.ranges:
+            for row in rows[merged.min_row - 1 : merged.max_row]:
+                row[merged.min_col - 1] = rows[merged.min_row - 1][merged.min_col - 1]
+        pages.append((page.title, rows))
+    return pages
+
+
+def _text(cell: object) -> str:
+    return f"{cell:g}" if isinstance(cell, float) else str(cell)
+
+
+def _check_size(path: Path, what: str, rows: int, columns: int) -> None:
+    if rows > MOST_ROWS or columns > MOST_COLUMNS:
+        allowed = f"at most {MOST_ROWS:,} rows and {MOST_COLUMNS} columns"
+        raise InputError(f"{path}: {what} has {rows:,} rows and {columns:,} columns; it must have {allowed}")
+
+
+def _lines(name: str, rows: Rows, asked: Mapping[str, str], heads: set[str]) -> Iterator[Line]:
+    """The rows below the heads of one page; `heads` gets every head that was looked at."""
+    best: tuple[int, int, dict[int, str], dict[int, tuple[str, ...]]] = (0, 0, {}, {})
+    for at, row in enumerate(rows[:HEAD_WITHIN]):
+        below = rows[at + 1] if at + 1 < len(rows) else []
+        groups = _spread(row)
+        for height, told, above in (
+            (1, row, []),
+            (2, [own or left for own, left in zip_longest(below, groups, fillvalue="")], groups),
+        ):
+            words = _words_of(told, asked)
+            words = words if len(words) > 1 else {}
+            roles = _roles(told, asked, words, above)
+            heads.update(filter(None, map(plain, told)) if roles or words else ())
+            if len(roles) + len(words) > best[0]:
+                best = (len(roles) + len(words), at + height, roles, words)
+    known, begin, roles, words = best
+    keys = frozenset(roles.values())
+    about = keys & {"node", "parameter", *TEXTS} - {"deviation"}
+    if known < FEWEST_HEADS and not asked:
+        return
+    if not words and "cell" not in keys and not (about and keys & {"guideword", "deviation"}):
+        return
+    before: dict[str, str] = {}
+    for number, row in enumerate(rows[begin:], begin + 1):
+        texts = dict[str, str]()
+        for at, key in roles.items():
+            text = " ".join(row[at].split())[:MOST_TEXT] if at < len(row) else ""
+            if text and text not in texts.get(key, "").split("; "):
+                texts[key] = f"{texts[key]}; {text}" if key in texts else text
+        for key in ("node", "parameter"):
+            if texts.get(key, before.get(key)) != before.get(key):  # a new node has guidewords of its own
+                before.pop("guideword", None)
+        if any(key in texts for key in ("node", "parameter", "guideword", "deviation")):
+            before = {key: text for key, text in before.items() if key != "deviation"}
+        before |= {key: texts[key] for key in DOWN if key in texts}
+        place = f"{name}:{number}" if name else f"{number}"
+        if words:
+            for at, meant in words.items():
+                text = " ".join(row[at].split())[:MOST_TEXT] if at < len(row) else ""
+                if plain(text) not in _EMPTY:
+                    yield Line(place, {**before, **texts, "deviation": text}, keys, meant)
+        elif any(key in texts for key in (*TEXTS, "cell")):
+            yield Line(place, {**before, **texts}, keys)
+
+
+def _spread(row: Sequence[str]) -> list[str]:
+    """The heads of groups, above each of their columns; in the file each stands above the first."""
+    found = list[str]()
+    for cell in row:
+        found.append(cell or (found[-1] if found else ""))
+    return found
+
+
+def _roles(
+    told: Sequence[str], asked: Mapping[str, str], others: Collection[int], groups: Sequence[str]
+) -> dict[int, str]:
+    """What stands below each head that is known, by column; a word of `HEADS` goes before a head that has it inside.
+
+    Below a group that is headed by cause or consequence every column tells of that; below one headed by deviation a
+    description is the deviation.
+    """
+    found, exact = dict[int, str](), set[int]()
+    for at, head in enumerate(map(plain, told)):
+        if at in others or not head:
+            continue
+        group = _key(plain(groups[at])) if at < len(groups) else None
+        own = asked.get(head) or _key(head)
+        described = group == "deviation" and own is None and head in DESCRIPTIONS
+        if described or (group in ("causes", "effect") and head not in asked):
+            own = group
+        if own:
+            exact.add(at)
+        key = own or next((key for key, known in HEADS.items() if _within(known, head)), None)
+        if key is not None and (head in asked or key not in asked.values()):
+            found[at] = key
+    whole = {found[at] for at in exact if at in found}
+    return {at: key for at, key in found.items() if at in exact or key not in whole}
+
+
+def _key(head: str) -> str | None:
+    return next((key for key, known in HEADS.items() if head in known.split("|")), None)
+
+
+def _within(known: str, head: str) -> bool:
+    """Whether a head of a few words has one of these among them, or as a part of a long word."""
+    short = len(head.split()) <= 6
+    return short and any(f" {one} " in f" {head} " or (len(one) > 4 and one in head) for one in known.split("|"))
+
+
+def _words_of(told: Sequence[str], asked: Mapping[str, str]) -> dict[int, tuple[str, ...]]:
+    """The guidewords that heads may mean, by column: words of their own (not a lone "No."), or ways of STPA."""
+    heads = [plain(head) for head in told]
+    words = [(at, word) for at, head in enumerate(heads) if (word := guideword_of(head)) and head not in asked]
+    found: dict[int, tuple[str, ...]] = (
+        {at: (word,) for at, word in words} if len({word for _, word in words}) > 2 else {}
+    )
+    for at, head in enumerate(heads):
+        meant = [words for pattern, words in STPA if re.search(pattern, head)] if head not in asked else []
+        if meant and at not in found and len(head) < MOST_HEAD:
+            ways = meant[:1] if meant[0] == ("NO",) else [one for one in meant if one != PROVIDED] or meant
+            found[at] = tuple(word for words in ways for word in words)
+    return found
+
+
+def guideword_of(text: str) -> str | None:
+    """The guideword that a word or two mean; None: no guideword.
+
+    >>> guideword_of("Too late"), guideword_of("AS WELL AS"), guideword_of("zu früh"), guideword_of("blue")
+    ('LATE', 'ASWELLAS', 'EARLY', None)
+    """
+    told = plain(text)
+    return next((word for word, known in WORDS.items() if told and told in known.split("|")), None)
+
+
+def named_words(line: Line, own: Mapping[str, str], known: Sequence[str]) -> tuple[str, ...]:
+    """The guidewords that a row is about.
+
+    Args:
+        line: the row.
+        own: guidewords by texts of the sheet, as the user says.
+        known: guidewords.
+    """
+    said = {plain(text): word for text, word in own.items()}
+    text, told = line.texts.get("guideword", ""), plain(line.texts.get("deviation", ""))
+    if line.words:
+        meant = [word for word in line.words if word in known]
+        if len(meant) < 2 or line.words == PROVIDED:
+            return tuple(meant[:1])
+        ways = (words for pattern, words in STPA if re.search(pattern, told))
+        spoken = (word for word in meant if any(f" {one} " in f" {told} " for one in WORDS[word].split("|")))
+        return next(
+            (tuple(both[:1]) for words in ways if (both := [one for one in words if one in meant])), tuple(spoken)[:1]
+        )
+    if text:
+        whole = said.get(plain(text)) or _known(text, known)
+        parts = [whole] if whole else [said.get(plain(one)) or _known(one, known) for one in re.split(r"[/,;&]", text)]
+        return tuple(dict.fromkeys(word for word in parts if word))
+    first = told.split()
+    starts = (" ".join(first[:length]) for length in (3, 2, 1) if len(first) >= length)
+    return next(((word,) for start in starts if (word := said.get(start) or _known(start, known))), ())
+
+
+def _known(text: str, known: Sequence[str]) -> str | None:
+    bare = plain(text).replace(" ", "").upper()
+    if bare in known:
+        return bare
+    word = guideword_of(text)
+    return word if word in known else None
+
+
+def parameter_name(text: str, taken: Iterable[str]) -> str:
+    """A name that a parameter can have, after a text of any language; one of its own.
+
+    >>> parameter_name("Obstacle detection (front)", ["x"]), parameter_name("障碍", []), parameter_name("x", ["x"])
+    ('obstacle_detection_front', 'parameter', 'x_2')
+    """
+    bare = re.sub(r"[^a-z0-9]+", "_", plain(text).encode("ascii", "ignore").decode()).strip("_")
+    name = re.sub(r"^[0-9_]+", "", bare)[:40].strip("_") or "parameter"
+    return next(one for k in range(1, MOST_ROWS) if (one := name if k == 1 else f"{name}_{k}") not in set(taken))
+
+
+@dataclass
+class Draft:
+    """What the rows of a sheet say of a cell that the study lacks.
+
+    Attributes:
+        guideword, parameter: of the cell.
+        texts: by key of `HEADS`, each different text once.
+        places: of the rows.
+    """
+
+    guideword: str
+    parameter: str
+    texts: dict[str, list[str]] = field(default_factory=dict)
+    places: list[str] = field(default_factory=list)
+
+    def add(self, line: Line) -> None:
+        """Take what a row says."""
+        self.places.append(line.place)
+        for key in (*TEXTS, "likelihood", "responsible", "due", "action_status"):
+            text, held = line.texts.get(key), self.texts.setdefault(key, [])
+            if text and text not in held:
+                held.append(text)
+
+    def told(self, key: str) -> str:
+        """The texts of a key in one."""
+        return "; ".join(self.texts.get(key, ()))
+
+
+@dataclass(frozen=True)
+class RowOf:
+    """What a row is about.
+
+    Attributes:
+        place: sheet and row.
+        cell: the cell; empty: none.
+        why: why it is in no draft; empty: it is in one.
+    """
+
+    place: str
+    cell: str
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Sorted:
+    """A sheet beside a study.
+
+    Attributes:
+        rows: what each row is about.
+        drafts: cells that the study lacks, by name.
+        parameters: node, design intent and title of each parameter that the study lacks, by name.
+        words: the guidewords of the drafts that the study lacks.
+    """
+
+    rows: tuple[RowOf, ...]
+    drafts: Mapping[str, Draft]
+    parameters: Mapping[str, Mapping[str, str]]
+    words: tuple[str, ...]
+
+
+def sort(
+    lines: Sequence[Line],
+    matrix: Matrix,
+    words: Mapping[str, str],
+    parameters: Mapping[str, str],
+    further: Sequence[str] = (),
+) -> Sorted:
+    """Find for each row the cell that it is about.
+
+    Args:
+        lines: rows of a sheet.
+        matrix: of the study.
+        words: guidewords by texts of the sheet, as the user says.
+        parameters: parameters by texts of the sheet, as the user says; the study may lack them.
+        further: guidewords that the study lacks and may get.
+    """
+    known = list(dict.fromkeys((*(word.id for word in matrix.guidewords), *further)))
+    own = {plain(text): name for text, name in parameters.items()}
+    there = {plain(text): one.id for one in reversed(matrix.parameters) for text in (one.title, one.id)}
+    names, new = dict[tuple[str, str], str](), dict[str, dict[str, str]]()
+    rows, drafts = list[RowOf](), dict[str, Draft]()
+    for line in lines:
+        node, text = line.texts.get("node", ""), line.texts.get("parameter", "")
+        cell, chosen = line.texts.get("cell", ""), named_words(line, words, known)
+        about = text or node or _deviating(line.texts.get("deviation", ""), words)
+        if cell in matrix:
+            rows.append(RowOf(line.place, cell, _THERE))
+        elif not about:
+            rows.append(RowOf(line.place, "", "it names no node and no parameter"))
+        elif not chosen:
+            said = line.texts.get("guideword") or " or ".join(line.words)
+            why = f"{shown(said)} is not one guideword" if said else "it names no guideword"
+            rows.append(RowOf(line.place, "", f"{why}: --guideword TEXT=WORD"))
+        else:
+            parameter = own.get(plain(about)) or there.get(plain(about)) or names.get((plain(node), plain(about)))
+            if parameter is None:
+                parameter = parameter_name(about, {*there.values(), *own.values(), *new})
+                names[plain(node), plain(about)] = parameter
+            for word in chosen:
+                name = f"{word}-{parameter}"
+                rows.append(RowOf(line.place, name, _THERE if name in matrix else ""))
+                if name not in matrix:
+                    drafts.setdefault(name, Draft(word, parameter)).add(line)
+                    given = {"title": about, "node": node or about, "intent": line.texts.get("intent", "")}
+                    new.setdefault(parameter, given)
+    parameters_there = {one.id for one in matrix.parameters}
+    lacking = dict.fromkeys(draft.guideword for draft in drafts.values())
+    return Sorted(
+        tuple(rows),
+        drafts,
+        {name: said for name, said in new.items() if name not in parameters_there},
+        tuple(word for word in lacking if word not in {one.id for one in matrix.guidewords}),
+    )
+
+
+def _deviating(deviation: str, own: Mapping[str, str]) -> str:
+    """What deviates, of a deviation that begins with a guideword: of `No flow` the flow."""
+    told, said = deviation.split(), set(map(plain, own))
+    for length in (3, 2, 1):
+        start = " ".join(told[:length])
+        if len(told) > length and (guideword_of(start) or plain(start) in said):
+            return " ".join(told[length:])
+    return ""
+
+
+_THERE = "the study has this cell"

@@ -1,0 +1,232 @@
+"""Sheets of other tools: heads in any language, merged and blank cells, guidewords as heads, what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from openpyxl import Workbook
+
+from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.hazop.sheet import MOST_COLUMNS, WORDS, Line, guideword_of, parameter_name, read_sheet, sort
+
+MATRIX = load_matrix(Path(__file__).parents[2] / "hazop")
+
+
+def sheet(folder: Path, text: str, name: str = "sheet.csv", encoding: str = "utf-8") -> Path:
+    path = folder / name
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+def cells(lines: tuple[Line, ...], **words: str) -> list[str]:
+    return [row.cell for row in sort(lines, MATRIX, words, {}).rows]
+
+
+ENGLISH = """Node,Guide word,Deviation,Cause,Consequence
+Radar link,NO,No echo,cable,hits rock
+Radar link,LATE,late,load,hits
+"""
+GERMAN = """Knoten;Leitwort;Abweichung;Ursache;Auswirkung
+Radarverbindung;Kein;kein Echo;Kabel;Stoß
+;Zu spät;spät;Last;Stoß
+"""
+FRENCH = """Nœud\tMot-guide\tÉcart\tCauses\tConséquences
+Radar\tPas de\taucun écho\tcâble\tchoc
+Radar\tTrop tard\ttard\tcharge\tchoc
+"""
+SPANISH = """Nodo|Palabra guía|Desviación|Causas|Consecuencias
+Radar|Ninguno|sin eco|cable|choque
+Radar|Tarde|tarde|carga|choque
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "encoding", "parameter"),
+    [
+        (ENGLISH, "utf-8", "radar_link"),
+        (GERMAN, "cp1252", "radarverbindung"),
+        (FRENCH, "utf-16", "radar"),
+        (SPANISH, "utf-8-sig", "radar"),
+    ],
+)
+def test_heads_and_guidewords_of_four_languages_are_known(
+    tmp_path: Path, text: str, encoding: str, parameter: str
+) -> None:
+    lines = read_sheet(sheet(tmp_path, text, encoding=encoding))
+    assert cells(lines) == [f"NO-{parameter}", f"LATE-{parameter}"]
+    assert all(line.texts["causes"] and line.texts["effect"] for line in lines)
+
+
+def test_any_other_head_and_word_is_named_by_an_option(tmp_path: Path) -> None:
+    path = sheet(tmp_path, "部件,引导词,偏差\n雷达,无,没有回波\n")
+    with pytest.raises(InputError, match="--column deviation=HEAD"):
+        read_sheet(path)
+    lines = read_sheet(path, {"node": "部件", "guideword": "引导词", "deviation": "偏差"})
+    assert sort(lines, MATRIX, {}, {}).rows[0].why == "'无' is not one guideword: --guideword TEXT=WORD"
+    assert sort(lines, MATRIX, {"无": "NO"}, {"雷达": "radar"}).rows[0].cell == "NO-radar"
+    with pytest.raises(InputError, match="no column is headed '零件'"):
+        read_sheet(path, {"node": "零件", "guideword": "引导词"})
+
+
+@pytest.fixture
+def book(tmp_path: Path) -> Path:
+    """Two sheets: merged nodes and heads in two rows; and one that is no sheet of deviations."""
+    made = Workbook()
+    page = made.active
+    page.title = "HAZOP"
+    for row in (
+        ["Project X"],
+        ["Study node", "Guideword", "Deviation", "Analysis", "", "Risk", ""],
+        ["", "", "", "Possible causes", "Consequences", "Severity", "Likelihood"],
+        ["Radar link", "NO", "no echo", "cable", "hits rock", 4, 0.5],
+        ["", "", "", "power", "", "", ""],
+        ["", "MORE", "too strong", "gain", "stops", "", ""],
+        [],
+        ["Compass", "", "", "", "", "", ""],
+        ["", "REVERSE", "turned round", "iron", "lost", "", ""],
+    ):
+        page.append(row)
+    page.merge_cells("D2:E2")
+    page.merge_cells("A4:A6")
+    made.create_sheet("Team").append(["Name", "Phone"])
+    made.save(tmp_path / "book.xlsx")
+    return tmp_path / "book.xlsx"
+
+
+def test_merged_and_blank_cells_mean_what_stands_above(book: Path) -> None:
+    lines = read_sheet(book)
+    found = sort(lines, MATRIX, {}, {})
+    assert [(row.place, row.cell) for row in found.rows] == [
+        ("HAZOP:4", "NO-radar_link"),
+        ("HAZOP:5", "NO-radar_link"),
+        ("HAZOP:6", "MORE-radar_link"),
+        ("HAZOP:9", "REVERSE-compass"),
+    ]
+    draft = found.drafts["NO-radar_link"]
+    assert (draft.texts["causes"], draft.told("severity"), draft.told("likelihood")) == (["cable", "power"], "4", "0.5")
+
+
+GROUPED = """,Deviation,,,,Cause,,Consequence,
+Case,HAZOPNode,Guideword,Parameter,Description,HAZOPNode,Description,HAZOPNode,Description
+1,Tank,Mehr,Druck,too much,Inlet,valve open,Tank,bursts
+2,Tank,Anderer/Anders als,Medium,other,Inlet,mixed up,Tank,burns
+"""
+CONTINUED = """Ref.,Deviation,Cause,Consequence,Safeguards,Action
+1,No flow,tank empty,delay,alarm,A1
+,,,,,A2
+,,pump off,,,
+2,Lower pressure,leak,fire,,A3
+"""
+
+
+def test_below_groups_of_heads_each_column_tells_of_its_group(tmp_path: Path) -> None:
+    found = sort(read_sheet(sheet(tmp_path, GROUPED)), MATRIX, {}, {})
+    draft = found.drafts["MORE-druck"]
+    assert (draft.told("deviation"), draft.told("causes"), draft.told("effect")) == (
+        "too much",
+        "Inlet; valve open",
+        "Tank; bursts",
+    )
+    assert list(found.drafts) == ["MORE-druck", "OTHERTHAN-medium"]
+
+
+def test_a_row_without_a_deviation_goes_on_with_the_one_above_which_names_what_deviates(tmp_path: Path) -> None:
+    found = sort(read_sheet(sheet(tmp_path, CONTINUED)), MATRIX, {}, {})
+    assert list(found.drafts) == ["NO-flow", "LESS-pressure"]
+    draft = found.drafts["NO-flow"]
+    assert (draft.places, draft.texts["recommendation"], draft.texts["causes"]) == (
+        ["2", "3", "4"],
+        ["A1", "A2"],
+        ["tank empty", "pump off"],
+    )
+
+
+def test_of_a_workbook_the_sheets_that_are_named_are_read(book: Path) -> None:
+    assert len(read_sheet(book, sheets=["HAZOP"])) == 4
+    with pytest.raises(InputError, match=r"no sheet .HAZARD.; did you mean .HAZOP."):
+        read_sheet(book, sheets=["HAZARD"])
+
+
+STPA = (
+    "Control action,Not provided causes hazard,Provided causes hazard,"
+    '"Too early, too late, out of order","Stopped too soon, applied too long"\n'
+    "Climb,UCA1: no climb before rock,UCA2: climbs below a roof,UCA3: too late for the rock,UCA4: applied too long\n"
+    "Hover,UCA5: no hover,N/A,-,\n"
+)
+
+
+def test_the_four_ways_of_stpa_are_guidewords(tmp_path: Path) -> None:
+    lines = read_sheet(sheet(tmp_path, STPA))
+    assert cells(lines) == ["NO-climb", "UNINTENDED-climb", "LATE-climb", "MORE-climb", "NO-hover"]
+    only = MATRIX.only(["NO", "ASWELLAS", "LATE"])
+    assert [row.cell for row in sort(lines, only, {}, {}).rows][1] == "ASWELLAS-climb"
+
+
+def test_a_matrix_with_guidewords_for_heads_has_a_deviation_in_each_cell(tmp_path: Path) -> None:
+    path = sheet(tmp_path, "Parameter,NO,MORE,Zu spät\nRange,nothing,too long,\nBearing,,turned,late\n")
+    assert cells(read_sheet(path)) == ["NO-range", "MORE-range", "MORE-bearing", "LATE-bearing"]
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        (",NO,none,x,y", "it names no node and no parameter"),
+        ("Radar,,echo comes,x,y", "it names no guideword: --guideword TEXT=WORD"),
+        ("Radar,Blue,echo comes,x,y", "'Blue' is not one guideword: --guideword TEXT=WORD"),
+        ("person detection,LATE,late,x,y", "the study has this cell"),
+    ],
+)
+def test_a_row_that_makes_no_draft_says_why(tmp_path: Path, row: str, said: str) -> None:
+    lines = read_sheet(sheet(tmp_path, f"Node,Guideword,Deviation,Cause,Consequence\n{row}\n"))
+    assert [one.why for one in sort(lines, MATRIX, {}, {}).rows] == [said]
+
+
+def test_without_a_column_of_guidewords_the_deviation_begins_with_one(tmp_path: Path) -> None:
+    lines = read_sheet(
+        sheet(tmp_path, "Component,Deviation,Effect\nRadar,No echo,x\nRadar,More range,y\nRadar,as well as,z\n")
+    )
+    assert cells(lines) == ["NO-radar", "MORE-radar", "ASWELLAS-radar"]
+
+
+def test_two_guidewords_in_one_cell_are_two_cells(tmp_path: Path) -> None:
+    lines = read_sheet(sheet(tmp_path, "Node,Guideword,Deviation\nRadar,EARLY / LATE,at another time\n"))
+    assert cells(lines) == ["EARLY-radar", "LATE-radar"]
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("a.pdf", b"%PDF", "must end in .xlsx"),
+        ("a.xlsx", b"PK\x03\x04 cut", "is no workbook that can be read"),
+        ("a.csv", b"one,two\n1,2\n", "no row has the heads of a HAZOP or STPA sheet"),
+        ("a.csv", b"", "no row has the heads"),
+        ("a.csv", b"Node,Guideword,Deviation" + b",x" * MOST_COLUMNS + b"\n", "it must have at most 20,000 rows"),
+    ],
+)
+def test_what_is_no_sheet_is_refused_in_a_sentence(tmp_path: Path, name: str, content: bytes, said: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(InputError) as refused:
+        read_sheet(path)
+    assert said in str(refused.value)
+    assert str(refused.value).startswith(str(path))
+
+
+def test_every_word_stands_for_one_guideword() -> None:
+    for word, known in WORDS.items():
+        assert {guideword_of(one) for one in known.split("|")} == {word}
+
+
+@given(text=st.text(), taken=st.sets(st.from_regex(r"[a-z][a-z0-9_]{0,5}", fullmatch=True)))
+def test_every_text_gives_a_name_that_no_other_parameter_has(text: str, taken: set[str]) -> None:
+    name = parameter_name(text, taken)
+    assert name not in taken
+    assert f"NO-{name}" not in MATRIX or name in {one.id for one in MATRIX.parameters}
+    assert name.isascii()
+    assert name[0].isalpha()
+    assert name.replace("_", "a").isalnum()
+    assert name == name.lower()

@@ -1,0 +1,234 @@
+"""Sheets brought into a study: drafts that load and never fly, and edits of a worksheet that change single values."""
+
+from __future__ import annotations
+
+import difflib
+import shutil
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from openpyxl import load_workbook
+from options import usually
+from printed import of_form, sentence
+
+from scaloft_fi.cli import main
+from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.hazop.matrix import CellStatus, Matrix, Team
+from scaloft_fi.hazop.sheet import read_sheet
+from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.hazop import edits_of
+from scaloft_fi.verbs.worksheet import SheetRow, to_csv, to_xlsx
+
+ROOT = Path(__file__).parents[2]
+MATRIX = load_matrix(ROOT / "hazop", REFERENCE.by_name)
+SHEET = """Node,Guideword,Deviation,Possible causes,Consequence,Safeguards,Severity,Action
+Depth camera,LATE,Image comes late,overload,hits rock,bumper,high,measure it
+Depth camera,NO,No image,cable,hits rock,,,
+Depth camera,NO,,power,,,,
+Weather radar,MORE,Too many clouds,,turns back,,,
+,Blue,,x,,,,
+person detection,LATE,late,x,y,,,
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name in ("hazop", "mutants", "sim"):
+        shutil.copytree(ROOT / name, tmp_path / "study" / name)
+    (tmp_path / "sheet.csv").write_text(SHEET)
+    return tmp_path / "study"
+
+
+def told(folder: Path, action: str, file: Path, *words: str) -> dict[str, Any]:
+    call = ["hazop", action, str(file), "--study", str(folder), "--format", "json", *words]
+    return of_form("hazop", CliRunner().invoke(main, call, catch_exceptions=False).stdout)
+
+
+def content(folder: Path) -> Mapping[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def test_an_import_says_row_by_row_what_it_would_do_and_writes_nothing(folder: Path) -> None:
+    before = content(folder)
+    rows = told(folder, "import", folder.parent / "sheet.csv")["rows"]
+    assert [(row["place"], row["state"], row["cell"]) for row in rows] == [
+        ("2", "drafted", "LATE-depth_camera"),
+        ("3", "drafted", "NO-depth_camera"),
+        ("4", "drafted", "NO-depth_camera"),
+        ("5", "drafted", "MORE-weather_radar"),
+        ("6", "left_out", None),
+        ("7", "in_the_study", "LATE-human"),
+    ]
+    assert rows[0]["proposed"].startswith("delay at depth")
+    assert rows[3]["proposed"] is None
+    assert content(folder) == before
+
+
+def test_drafts_load_are_counted_and_never_fly(folder: Path) -> None:
+    before, mutants = content(folder), [mutant.id for mutant in Study.open(folder).catalogue]
+    answer = told(folder, "import", folder.parent / "sheet.csv", "--write")
+    assert answer["to_do"] == 24
+    study = Study.open(folder)
+    cell = study.matrix.cell("LATE-depth_camera")
+    assert (cell.status, cell.deviation, cell.causes, cell.effect) == (
+        CellStatus.TO_DO,
+        "Image comes late",
+        ("overload",),
+        "hits rock",
+    )
+    assert (cell.drafted, cell.team.safeguards, cell.team.recommendation) == ("high", "bumper", "measure it")
+    assert [fault.operator for fault in cell.proposed] == ["delay"]
+    assert study.matrix.cell("NO-depth_camera").causes == ("cable", "power")
+    assert study.matrix.counts()[CellStatus.TO_DO] == 24
+    assert [mutant.id for mutant in study.catalogue] == mutants
+    after = content(folder)
+    assert {name for name in after if after[name] != before.get(name)} == {
+        "hazop/parameters.yaml",
+        "hazop/matrix/depth_camera.yaml",
+        "hazop/matrix/weather_radar.yaml",
+    }
+    assert after["hazop/parameters.yaml"].startswith(before["hazop/parameters.yaml"].rstrip(b"\n"))
+    call = ["run", "--mutant", "LATE-depth_camera", "--study", str(folder)]
+    assert "the cell is to do" in sentence(CliRunner().invoke(main, call))
+    assert "24 to do" in CliRunner().invoke(main, ["matrix", "--study", str(folder)]).stdout
+    assert "cells to do" in CliRunner().invoke(main, ["check", "--study", str(folder)]).output
+
+
+def test_guidewords_that_a_small_study_lacks_come_with_the_sheet(tmp_path: Path) -> None:
+    CliRunner().invoke(main, ["new", str(tmp_path / "small")], catch_exceptions=False)
+    (tmp_path / "sheet.csv").write_text(SHEET)
+    told(tmp_path / "small", "import", tmp_path / "sheet.csv", "--write")
+    matrix = Study.open(tmp_path / "small").matrix
+    assert [word.id for word in matrix.guidewords] == ["NO", "REVERSE", "LATE", "MORE"]
+    assert matrix.cell("MORE-human").status is CellStatus.TO_DO
+
+
+def test_a_second_import_finds_every_cell_there(folder: Path) -> None:
+    told(folder, "import", folder.parent / "sheet.csv", "--write")
+    again = told(folder, "import", folder.parent / "sheet.csv", "--write")
+    assert again["files"] == []
+    assert {row["state"] for row in again["rows"]} == {"in_the_study", "left_out"}
+
+
+TEXTS = st.text(st.characters(codec="utf-8", exclude_characters="\r"), min_size=1, max_size=30).filter(str.strip)
+
+
+@st.composite
+def matrices(draw: st.DrawFn) -> Matrix:
+    """A part of the reference matrix, whose texts say anything."""
+    part = MATRIX.only(draw(st.sets(st.sampled_from(["NO", "LATE", "REVERSE"]), min_size=1)), ["human", "velcmd"])
+    fields = ("safeguards", "likelihood", "recommendation", "responsible", "due", "action_status")
+
+    def drawn(cell):
+        team = Team(**{name: draw(st.one_of(st.none(), TEXTS)) for name in fields})
+        if not cell.flown:
+            return replace(cell, reason=draw(TEXTS), team=team)
+        causes = tuple(draw(st.lists(TEXTS, min_size=1, max_size=3)))
+        return replace(cell, deviation=draw(TEXTS), effect=draw(TEXTS), predicted=draw(TEXTS), causes=causes, team=team)
+
+    parameters = tuple(replace(one, title=draw(TEXTS), node=draw(TEXTS), intent=draw(TEXTS)) for one in part.parameters)
+    return replace(part, parameters=parameters, cells={key: drawn(cell) for key, cell in part.cells.items()})
+
+
+@settings(max_examples=usually(10, release=100))
+@given(matrix=matrices())
+def test_the_worksheet_that_a_study_writes_changes_nothing(
+    matrix: Matrix, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    folder, by_id = tmp_path_factory.mktemp("sheets"), {one.id: one for one in matrix.parameters}
+    rows = tuple(SheetRow(cell, by_id[cell.parameter], matrix.severities.get(cell.name)) for cell in matrix)
+    (folder / "a.xlsx").write_bytes(to_xlsx(rows))
+    (folder / "a.csv").write_text(to_csv(rows), encoding="utf-8")
+    for name in ("a.xlsx", "a.csv"):
+        lines = read_sheet(folder / name)
+        assert {line.texts["cell"] for line in lines} == {cell.name for cell in matrix}
+        assert [edit for edit, _ in edits_of(matrix, folder, lines)] == []
+
+
+@pytest.fixture
+def worksheet(folder: Path) -> Path:
+    """The worksheet of the study as a workbook."""
+    study, path = Study.open(folder), folder.parent / "worksheet.xlsx"
+    by_id = {one.id: one for one in study.matrix.parameters}
+    rows = [SheetRow(cell, by_id[cell.parameter], study.matrix.severities.get(cell.name)) for cell in study.matrix]
+    path.write_bytes(to_xlsx(rows))
+    return path
+
+
+def edit(path: Path, cell: str, **texts: str) -> None:
+    book = load_workbook(path)
+    page = book.worksheets[0]
+    heads = {head.value: head.column for head in page[1]}
+    (row,) = (row for row in page.iter_rows(min_row=2) if row[0].value == cell)
+    for head, text in texts.items():
+        row[heads[head.replace("_", " ")] - 1].value = text
+    book.save(path)
+
+
+def test_what_people_edited_is_shown_and_changes_single_values_in_place(folder: Path, worksheet: Path) -> None:
+    assert told(folder, "diff", worksheet)["edits"] == []
+    edit(
+        worksheet, "LATE-human", Consequence="The drone: passes at speed.", Recommendation="measure", Severity="damage"
+    )
+    causes = Study.open(folder).matrix.cell("NO-human").causes
+    edit(worksheet, "NO-human", Possible_causes="; ".join([*causes[:-1], "A moth.", "Fog."]))
+    before = content(folder)
+    edits = told(folder, "diff", worksheet)["edits"]
+    assert {(one["cell"], one["key"], one["after"], one["written"]) for one in edits} == {
+        ("LATE-human", "effect", "The drone: passes at speed.", False),
+        ("LATE-human", "severity", "damage", False),
+        ("LATE-human", "team.recommendation", "measure", False),
+        ("NO-human", "causes[2]", "A moth.", False),
+        ("NO-human", "causes[3]", "Fog.", False),
+    }
+    assert content(folder) == before
+    assert all(one["written"] for one in told(folder, "diff", worksheet, "--write")["edits"])
+    after = content(folder)
+    (changed,) = (name for name in after if after[name] != before[name])
+    lines = difflib.unified_diff(before[changed].decode().split("\n"), after[changed].decode().split("\n"), n=0)
+    touched = [line for line in lines if line[0] in "+-" and line[:3] not in ("+++", "---")]
+    assert len(touched) == 8
+    assert '+  effect: "The drone: passes at speed."' in touched
+    assert told(folder, "diff", worksheet)["edits"] == []
+
+
+def test_an_edit_that_no_study_can_have_leaves_every_file_alone(folder: Path, worksheet: Path) -> None:
+    edit(worksheet, "LATE-human", Consequence="other", Severity="dreadful")
+    before = content(folder)
+    refused = CliRunner().invoke(main, ["hazop", "diff", str(worksheet), "--study", str(folder), "--write"])
+    assert "severity='dreadful'" in sentence(refused)
+    assert str(folder / "hazop" / "matrix" / "human.yaml") in refused.stderr
+    assert content(folder) == before
+
+
+def test_what_is_taken_out_of_a_list_is_left_to_a_person(folder: Path, worksheet: Path) -> None:
+    edit(worksheet, "NO-human", Possible_causes="Only this.")
+    (one,) = told(folder, "diff", worksheet, "--write")["edits"]
+    assert (one["key"], one["written"]) == ("causes", False)
+    assert "by hand" in one["why"]
+
+
+def test_a_sheet_of_others_has_nothing_to_compare(folder: Path) -> None:
+    refused = CliRunner().invoke(main, ["hazop", "diff", str(folder.parent / "sheet.csv"), "--study", str(folder)])
+    assert "hazop import" in sentence(refused)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--column", "nod=Node"), "did you mean 'node'?"),
+        (("--guideword", "Blue=LATTE"), "did you mean 'LATE'?"),
+        (("--parameter", "x=Not a name"), "must be of the form"),
+        (("--column", "node"), "must have the form KEY=HEAD"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(folder: Path, words: tuple[str, ...], said: str) -> None:
+    call = ["hazop", "import", str(folder.parent / "sheet.csv"), "--study", str(folder), *words]
+    assert said in sentence(CliRunner().invoke(main, call))
