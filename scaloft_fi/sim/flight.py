@@ -39,7 +39,7 @@ from scaloft_fi.stack.declaration import (
     Kernel,
     Numbers,
 )
-from scaloft_fi.stack.kernel import jit, joined, with_globals
+from scaloft_fi.stack.kernel import jit, with_globals
 from scaloft_fi.stack.messages import DepthCamera, SensorFrames
 
 R = TypeVar("R")
@@ -116,7 +116,7 @@ class CompiledStepper:
 @cache
 def loop_with(kernel: Kernel) -> Loop:
     """Compile `_loop` with the kernel of the stack."""
-    return jit(joined(inertial, actuate, free_step)(with_globals(_loop, kernel=kernel)))
+    return jit(with_globals(_loop, kernel=kernel))
 
 
 def _loop(

@@ -334,7 +334,7 @@ Numbers = tuple[Array, ...]
 """One-dimensional arrays, any number of them, that the kernel of a stack reads and writes."""
 
 Kernel = Callable[[float, float, Array, Array, Numbers], Array]
-"""A function under `stack.kernel.jit` (and `joined`, if it calls kernels of other files) with the arguments
+"""A function under `stack.kernel.jit` with the arguments
 
     now_s: time of the step, its number divided by `STEP_HZ` [s].
     stamp_s: stamp of the inertial sample, the step's number times `STEP_S` [s].

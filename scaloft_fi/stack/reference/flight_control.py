@@ -16,7 +16,7 @@ import numpy as np
 
 from scaloft_fi.marks import Positive
 from scaloft_fi.stack.declaration import STEP_HZ, Numbers
-from scaloft_fi.stack.kernel import jit, joined
+from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Array, Imu, Thrust
 from scaloft_fi.stack.reference import estimator
 from scaloft_fi.stack.reference.estimator import GRAVITY_MPS2, Estimator
@@ -96,7 +96,6 @@ def parts_of(numbers: Array) -> tuple[Array, Array, Array, Array, Array, Array, 
 
 
 @jit
-@joined(estimator.parts_of)
 def control(estimate: Array, numbers: Array) -> None:
     """One 240 Hz step of the cascade; writes memory and thrust, and stops where a thrust is no finite number.
 
@@ -182,7 +181,6 @@ def control(estimate: Array, numbers: Array) -> None:
 
 
 @jit
-@joined(estimator.integrate, control)
 def stabilise(now_s: float, stamp_s: float, rate: Array, force: Array, numbers: Numbers) -> Array:
     """One 240 Hz step: integrate the inertial sample; returns the thrust of each rotor (4,) [N].
 
