@@ -34,7 +34,7 @@ def jit(function: Callable[P, R]) -> Callable[P, R]:
     Strict IEEE arithmetic (no fastmath), so the bits depend on nothing but the platform; a division by zero gives
     inf or NaN as in numpy.
     """
-    compiled = numba.njit(error_model="numpy")(function)
+    compiled: Any = numba.njit(error_model="numpy")(function)
     compiled._cache = _Kept(cast(FunctionType, function))
     return cast(Callable[P, R], compiled)
 
@@ -99,13 +99,18 @@ def made_of(function: FunctionType) -> str:
     return hashlib.sha256("\n".join(_parts(function, set())).encode()).hexdigest()
 
 
+def compiles() -> bool:
+    """Whether this process has had to compile a kernel."""
+    return _Kept.missed > 0
+
+
 def folder_of_kernels() -> Path:
     """Where machine code is kept: in numba's folder, if somebody names one, else in the user's folder of caches."""
     own = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache"
     return Path(own).expanduser() / "scaloft-fi" / "kernels"
 
 
-class _Place(caching._CacheLocator):  # type: ignore[misc]
+class _Place(caching._CacheLocator):
     """Tells numba where the machine code of a kernel is."""
 
     def __init__(self, folder: Path, mark: str) -> None:
@@ -127,7 +132,7 @@ class _Place(caching._CacheLocator):  # type: ignore[misc]
         Path(self.get_cache_path()).mkdir(parents=True, exist_ok=True)
 
 
-class _Files(caching.CompileResultCacheImpl):  # type: ignore[misc]
+class _Files(caching.CompileResultCacheImpl):
     """The files of a kernel in its place."""
 
     def __init__(self, function: FunctionType) -> None:
@@ -136,15 +141,17 @@ class _Files(caching.CompileResultCacheImpl):  # type: ignore[misc]
         if not os.access(folder, os.W_OK):
             raise PermissionError(str(folder))
         self._lineno, self._locator = 0, _Place(folder, made_of(function))
-        self._filename_base = self.get_filename_base(function.__name__, "")
+        self._filename_base = self.get_filename_base(function.__name__, "")  # type: ignore[no-untyped-call]
 
 
-class _Machine(caching.FunctionCache):  # type: ignore[misc]
+class _Machine(caching.FunctionCache):
     _impl_class = _Files
 
 
-class _Kept(caching._Cache):  # type: ignore[misc]
-    """The machine code of a kernel on disk; it is looked for when the kernel is first called, so that all that the kernel uses is there."""
+class _Kept(caching._Cache):
+    """The machine code of a kernel on disk, looked for at the first call: all that the kernel uses is there by then."""
+
+    missed = 0
 
     def __init__(self, function: FunctionType) -> None:
         self._function = function
@@ -152,7 +159,7 @@ class _Kept(caching._Cache):  # type: ignore[misc]
     @cached_property
     def _cache(self) -> Any:
         try:
-            return _Machine(self._function)
+            return _Machine(self._function)  # type: ignore[no-untyped-call]
         except (OSError, RuntimeError):  # no folder can be written
             return caching.NullCache()
 
@@ -161,7 +168,9 @@ class _Kept(caching._Cache):  # type: ignore[misc]
         return self._cache.cache_path
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        return self._cache.load_overload(sig, target_context)
+        found = self._cache.load_overload(sig, target_context)
+        _Kept.missed += found is None
+        return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
         self._cache.save_overload(sig, data)

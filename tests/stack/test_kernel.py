@@ -1,7 +1,7 @@
-import numba
 import pytest
 
-from scaloft_fi.stack.kernel import jit, joined, with_globals
+from scaloft_fi.stack import kernel as kernel_module
+from scaloft_fi.stack.kernel import jit, made_of, with_globals
 
 
 def test_a_kernel_computes_what_its_function_says_and_divides_by_zero_as_numpy_does():
@@ -9,38 +9,61 @@ def test_a_kernel_computes_what_its_function_says_and_divides_by_zero_as_numpy_d
     assert (inverse(4.0), inverse(0.0)) == (0.25, float("inf"))
 
 
-def test_without_a_place_for_the_cache_a_kernel_still_compiles(monkeypatch):
-    real = numba.njit
-
-    def nowhere(*args, cache=False, **options):
-        if cache:
-            raise RuntimeError("cannot cache function: no locator available")
-        return real(*args, **options)
-
-    monkeypatch.setattr(numba, "njit", nowhere)
+def test_without_a_place_for_the_cache_a_kernel_still_compiles(monkeypatch, tmp_path):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))
     assert jit(lambda x: 2 * x)(4) == 8
 
 
-def test_another_error_of_the_compiler_is_not_hidden(monkeypatch):
-    def broken(*args, **options):
-        raise TypeError("broken")
-
-    monkeypatch.setattr(numba, "njit", broken)
-    with pytest.raises(TypeError, match="broken"):
-        jit(lambda x: x)
-
-
-def test_machine_code_of_joined_kernels_has_a_name_that_changes_with_their_sources_and_what_they_call(tmp_path):
-    def name_with(text, name="part"):
-        source, space = tmp_path / "part.py", {}
+def test_machine_code_is_found_again_wherever_its_source_stands(monkeypatch, tmp_path):
+    def kernel_at(folder, text):
+        source, space = tmp_path / folder / "part.py", {}
+        source.parent.mkdir(exist_ok=True)
         source.write_text(text)
         exec(compile(text, str(source), "exec"), space)
-        space["part"].__qualname__ = name
-        return joined(space["part"])(lambda: None).__qualname__
+        kernel = jit(space["part"])
+        assert kernel(3.0) == space["part"](3.0)
+        return dict(kernel.stats.cache_hits), kernel
 
-    text = "def part(x):\n    return x\n"
-    assert name_with(text) == name_with(text)
-    assert len({name_with(text), name_with(f"STEP = 2\n{text}"), name_with(text, "part_2")}) == 3
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    text = "STEP = 2.0\ndef part(x):\n    return x * STEP\n"
+    assert sum(kernel_at("one", text)[0].values()) == 0
+    assert sum(kernel_at("two", f"# moved\n\n{text}")[0].values()) == 1
+    assert sum(kernel_at("two", text.replace("2.0", "3.0"))[0].values()) == 0
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        "STEP = 2.0\ndef own(x):\n    return x\ndef part(x):\n    return own(x) * STEP\n",
+        "STEP = 1.0\ndef own(x):\n    return -x\ndef part(x):\n    return own(x) * STEP\n",
+        "STEP = 1.0\ndef own(x):\n    return x\ndef part(x):\n    return own(x) + STEP\n",
+        "import numpy as np\nSTEP = np.zeros(2)\ndef own(x):\n    return x\ndef part(x):\n    return own(x) * STEP\n",
+    ],
+)
+def test_what_a_kernel_is_made_of_are_its_code_its_constants_and_the_kernels_that_it_calls(other):
+    def made(text):
+        space = {}
+        exec(text, space)
+        space["own"] = jit(space["own"])
+        return made_of(space["part"])
+
+    text = "STEP = 1.0\ndef own(x):\n    return x\ndef part(x):\n    return own(x) * STEP\n"
+    assert made(text) == made(f"# other lines\n{text}")
+    assert made(text) != made(other)
+
+
+def test_the_kernels_that_were_compiled_first_go_when_there_are_too_many(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(kernel_module, "MOST_KEPT", 2)
+    for factor in (2.0, 3.0, 4.0, 5.0):
+        kernel = jit(with_globals(_scaled, factor=factor))
+        assert kernel(1.0) == factor
+    assert len([*(tmp_path / "scaloft-fi" / "kernels").iterdir()]) == 3
+
+
+def _scaled(x):
+    return x * factor  # noqa: F821 - given by `with_globals`
 
 
 def _applied(x):

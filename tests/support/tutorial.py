@@ -79,7 +79,11 @@ class Follower:
         )
         assert done.returncode == 0, f"{command}: {done.returncode}\n{done.stdout}"
         printed = done.stdout.replace(str(self.folder), "~")
-        lines = [line.rstrip() for line in printed.splitlines() if line != "compiling kernels (first run only)"]
+        lines = [
+            line.rstrip()
+            for line in printed.splitlines()
+            if line != "compiling kernels (first run on this machine only)"
+        ]
         return "".join(f"{line}\n" for line in (f"$ {command}", *lines))
 
     def _install(self, words: list[str]) -> None:

@@ -37,8 +37,13 @@ class Physics:
             InputError: the settings of the stack do not fit.
         """
         from scaloft_fi.sim import build, flight
+        from scaloft_fi.stack.kernel import compiles
 
-        notice = Timer(NOTICE_S, say, ["compiling kernels (first run only)"])
+        def tell() -> None:
+            if compiles():
+                say("compiling kernels (first run on this machine only)")
+
+        notice = Timer(NOTICE_S, tell)
         notice.start()
         try:
             first = study.grid.situations[0]
