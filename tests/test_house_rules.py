@@ -46,7 +46,6 @@ def test_tests_are_not_a_package() -> None:
 READERS = {
     "document.py": "the one reader",
     "sources.py": "source files of packages",
-    "stack/kernel.py": "source files of the kernels",
     "campaign/store/platforms.py": "/proc/cpuinfo",
     "verbs/report/page.py": "files of this package",
     "sim/build.py": "the null device",
