@@ -76,6 +76,9 @@ def read_apart(path: Path, work: Callable[[], T]) -> T:
 
 def _work_apart(end: int, path: Path, work: Callable[[], Any], most_bytes: int) -> NoReturn:
     """Do `work` in a forked process, and send what it makes."""
+    silent = os.open(os.devnull, os.O_WRONLY)  # libraries print what they skip, some of them beside Python
+    for stream in (1, 2):
+        os.dup2(silent, stream)
     limits = import_module("resource")
     used = int(Path("/proc/self/statm").read_text().split()[0]) * limits.getpagesize() if _LINUX else 0
     try:

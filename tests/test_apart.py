@@ -35,6 +35,11 @@ def test_an_error_of_the_work_is_told_as_it_is() -> None:
         read_apart(HERE, refuse)
 
 
+def test_what_a_library_prints_beside_python_is_not_shown(capfd: pytest.CaptureFixture[str]) -> None:
+    assert read_apart(HERE, lambda: os.write(1, b"bad") + os.write(2, b"header")) == 9
+    assert capfd.readouterr() == ("", "")
+
+
 def test_what_unpacks_to_too_much_is_one_sentence() -> None:
     with pytest.raises(InputError, match=r"test_apart\.py: it unpacks to more than 512 MiB"):
         read_apart(HERE, lambda: len(bytearray(2 << 30)))

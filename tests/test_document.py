@@ -116,7 +116,7 @@ def test_a_row_has_type_range_default_and_example() -> None:
         in page
     )
     assert (
-        "| `mine.scale_m?` | number above 0; left out: 1 | metres per unit of the file \\[m\\]  Such as `0.01`. |"
+        "| `mine.mesh_limits?.corners?` | whole number from 1 to 1e+06; left out: 1000 | most corners of one polygon |"
         in page
     )
     assert "| `name` | reference |" in page

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import shutil
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -350,7 +350,7 @@ def _stray(folder: Path, known: list[Path]) -> Iterator[Path]:
         yield from (path for path in sorted((folder / part).glob("*.y*ml")) if path not in known)
 
 
-def check_seams(study: Study, findings: Findings) -> tuple[int | None, str]:
+def check_seams(study: Study, findings: Findings, allow: Callable[[Study], None]) -> tuple[int | None, str]:
     """Fly the baseline once in the first situation, and hold every poll against the declaration.
 
     Returns:
@@ -361,6 +361,7 @@ def check_seams(study: Study, findings: Findings) -> tuple[int | None, str]:
     if study.command is not None:
         return None, "not flown, because a command flies this study"
     situation, place = study.grid.situations[0], str(study.folder / "sim" / "stack.yaml")
+    allow(study)
     seen = polls_of(study, situation)
     for failure in seen.failures:
         remedy = "mend the stack, or its declaration"
@@ -481,12 +482,16 @@ class Check:
     grids: tuple[GridCheck, ...]
 
 
-def check_study(folder: Path, *, fly: bool = False) -> Check:
+def check_study(folder: Path, *, fly: bool = False, allow: Callable[[Study], None] = lambda _study: None) -> Check:
     """Check every part of a study on its own; nothing is written, and without `fly` nothing is flown.
 
     Args:
         folder: the study.
         fly: whether one baseline flight shows which seams the stack polls.
+        allow: called before that flight; it may refuse what the study starts.
+
+    Raises:
+        InputError: as `allow`.
     """
     findings, study, sim = Findings(), Study(folder), folder / "sim"
     plugins = check_plugins(findings)
@@ -505,7 +510,7 @@ def check_study(folder: Path, *, fly: bool = False) -> Check:
     if not findings.errors:
         check_sources(study, findings)
         check_command_of(study, findings)
-    polled, unflown = check_seams(study, findings) if fly else (None, "`scaloft-fi check --fly` flies once")
+    polled, unflown = check_seams(study, findings, allow) if fly else (None, "`scaloft-fi check --fly` flies once")
     checked = Checked(
         documents=documents,
         plugins=plugins,

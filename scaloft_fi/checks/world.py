@@ -18,12 +18,14 @@ from scaloft_fi.document import Item, load
 from scaloft_fi.model import read
 from scaloft_fi.sim.happenings import misfits
 from scaloft_fi.sim.load import Scenario
-from scaloft_fi.sim.mesh import UP, Array, hull
-from scaloft_fi.sim.mine import Corner, Mine, flaws_of, read_mine
+from scaloft_fi.sim.mesh import Array, hull, stated
+from scaloft_fi.sim.mine import UNITS_M, Corner, Mine, flaws_of, read_mine
 from scaloft_fi.sim.sensors import read_sensors
 from scaloft_fi.sim.vehicle import Vehicle
 from scaloft_fi.sim.world import GROUND, WALL, Body, Point, World, assembled, misplaced
 
+USUAL_M = 3.0
+"""A usual height of a drift, by which a unit is guessed [m]."""
 MOST_TIMES, LEAST_WAY_M = 10.0, 10.0
 """A mesh more than this many times as large, in every direction, as the way is long, or as this [m], is told of."""
 
@@ -42,6 +44,8 @@ def check_world(path: Path, findings: Findings) -> World | None:
             with findings.collecting():
                 check_mesh(rock, findings)
                 mine = read_mine(rock)
+                if (named := rock.get("mesh")) is not None:
+                    check_reading(named, rock, mine, findings)
         world = assembled(document, mine)
         if findings.all_of(misplaced(world, document)):
             check_size(world, document, findings)
@@ -56,12 +60,23 @@ def check_mesh(mine: Item, findings: Findings) -> None:
     Raises:
         InputError: the mesh cannot be read.
     """
-    named = mine.get("mesh")
-    if named is not None and mine.get("up") is None and Path(str(named.value)).suffix.lower() in UP:
-        remedy = "state `up: y`, or `up: z` where the program that wrote it left z up"
-        findings.note(named.place, "`up` is left out, so y of the file is up, as glTF says", remedy)
     for flaw in flaws_of(mine):
         findings.add(finding_of(str(flaw), Severity.ERROR if flaw.grave else Severity.NOTE))
+
+
+def check_reading(mesh: Item, mine: Item, rock: Mine, findings: Findings) -> None:
+    """A note for a unit and an axis that are not stated beside a mesh: what the file says, or a default."""
+    path = mesh.path.parent / str(mesh.value)
+    said, told = stated(path), []
+    if mine.get("up") is None:
+        told.append(f"{said.up or 'z'} of the file is up, {'as the file says' if said.up else 'by default'}")
+    if mine.get("scale_m") is None:
+        told.append(f"its unit is {said.unit_m or 1:g} m, {'as the file says' if said.unit_m else 'by default'}")
+    if told:
+        size = " x ".join(f"{edge:.3g}" for edge in rock.extents[1] - rock.extents[0])
+        keys = " and ".join(f"`{key}`" for key in ("up", "scale_m") if mine.get(key) is None)
+        remedy = f"state {keys} beside `mesh` where that is wrong"
+        findings.note(mesh.place, f"{', and '.join(told)}, so the mine is {size} m", remedy)
 
 
 def check_size(world: World, item: Item, findings: Findings) -> None:
@@ -73,11 +88,14 @@ def check_size(world: World, item: Item, findings: Findings) -> None:
     places = [place[:2] for place in world.waypoints.values()]
     way_m = max(math.dist(one, other) for one in places for other in places)
     if min(high - low) > MOST_TIMES * max(way_m, LEAST_WAY_M):
-        mine = world.mine.extents_text
+        mine, edges = world.mine.extents_text, high - low
+        smaller = [(name, one) for name, one in UNITS_M.items() if one < 1.0]
+        unit, factor = min(smaller, key=lambda one: abs(math.log(one[1] * min(edges) / USUAL_M)))
+        size = " x ".join(f"{edge * factor:.3g}" for edge in edges)
         findings.note(
             mesh.place,
             f"the mine reaches from {mine} m, and no two waypoints are more than {way_m:.3g} m apart",
-            "`scale_m` is metres per unit of the file, such as 0.001 for millimetres",
+            f"`scale_m` is metres per unit of the file: with {factor:g} ({unit}) the mine is {size} m",
         )
 
 

@@ -404,6 +404,7 @@ def run_command(
     limit_s: float,
     folder: Path,
     attend: Callable[[], None] | None = None,
+    lifeline: int | None = None,
 ) -> Told:
     """Run a command to its end; returns what its last line of output says.
 
@@ -414,12 +415,13 @@ def run_command(
         limit_s: longest time that it may take [s, wall].
         folder: empty folder for the end of its output.
         attend: called again and again while it runs.
+        lifeline: as of `Processes`.
 
     Raises:
         BorderError: it cannot be started, or its guard has died.
         CommandError: it takes longer, or fails.
     """
-    processes = Processes([Command(tuple(words), env)], cwd, {}, folder)
+    processes = Processes([Command(tuple(words), env)], cwd, {}, folder, lifeline)
     due_s = time.monotonic() + limit_s
     try:
         processes.start()

@@ -11,7 +11,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from shutil import rmtree
@@ -64,6 +64,33 @@ class Command:
         return Command(tuple(map(replaced, self.run)), {key: replaced(v) for key, v in self.env.items()}, self.folder)
 
 
+class FlightFolder:
+    """A folder of one flight, which a keeper removes when this process and `Processes` with `lifeline` have ended.
+
+    Attributes:
+        path: the folder.
+        lifeline: the descriptor whose last end is the end of the folder.
+    """
+
+    def __init__(self) -> None:
+        self.path = Path(tempfile.mkdtemp(prefix="scaloft-"))
+        command = [sys.executable, "-I", "-S", guard.__file__, str(self.path)]
+        null = subprocess.DEVNULL
+        self._keeper = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=null, stderr=null, start_new_session=True
+        )
+        assert self._keeper.stdin is not None
+        self.lifeline = self._keeper.stdin.fileno()
+
+    def close(self) -> None:
+        """Remove the folder; may be called twice."""
+        rmtree(self.path, ignore_errors=True)
+        assert self._keeper.stdin is not None
+        self._keeper.stdin.close()
+        with suppress(subprocess.TimeoutExpired):
+            self._keeper.wait(STOP_S)
+
+
 class Processes:
     """The processes of one flight.
 
@@ -75,14 +102,22 @@ class Processes:
         study: folder of the study.
         environment: what the border adds to their environment.
         folder: private to the flight; the end of their output is kept there.
+        lifeline: of the `FlightFolder` that is kept as long as they run; None without one.
 
     Attributes:
         how: how the first of them that has ended did so, such as `KILLED`; "" while all run.
     """
 
-    def __init__(self, commands: Sequence[Command], study: Path, environment: Mapping[str, str], folder: Path) -> None:
+    def __init__(
+        self,
+        commands: Sequence[Command],
+        study: Path,
+        environment: Mapping[str, str],
+        folder: Path,
+        lifeline: int | None = None,
+    ) -> None:
         self._commands, self._study, self._output = commands, study.absolute(), folder / "output"
-        self._environment = environment
+        self._environment, self._lifeline = environment, lifeline
         self._guard: subprocess.Popen[bytes] | None = None
         self._news, self._started = b"", False
         self._ended = self.how = ""
@@ -111,6 +146,7 @@ class Processes:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             start_new_session=True,
+            pass_fds=() if self._lifeline is None else (self._lifeline,),
         )
         assert self._guard.stdin is not None
         with suppress(OSError):  # the guard has just died; the next lines say so
@@ -331,7 +367,7 @@ class Exchange:
         config: the settings.
         wire: carries every sample over its seam.
         border, processes: to the other side, and what runs there.
-        folder: private to the flight, removed at the end.
+        folder: private to the flight.
         complaint: what was wrong with the first refused message; "" while none was.
     """
 
@@ -339,7 +375,7 @@ class Exchange:
     wire: Wire
     border: Border
     processes: Processes
-    folder: Path
+    folder: FlightFolder
     complaint: str = ""
     _silent: int = 0
     _began_s: float | None = None
@@ -365,12 +401,11 @@ class Exchange:
         topics = [seam.as_topic(name) for name, seam in config.seams.items()]
         commands = [process.filled(words) for process in config.processes]
         with ExitStack() as undo:
-            folder = Path(tempfile.mkdtemp(prefix="scaloft-"))
-            undo.callback(rmtree, folder, ignore_errors=True)
-            border = BORDERS[config.border](topics, folder)
+            folder = undo.enter_context(closing(FlightFolder()))
+            border = BORDERS[config.border](topics, folder.path)
             undo.callback(border.close)
             border.open()
-            processes = Processes(commands, study, border.environment, folder)
+            processes = Processes(commands, study, border.environment, folder.path, folder.lifeline)
             undo.callback(processes.stop)
             processes.start()
             exchange = cls(config, wire, border, processes, folder)
@@ -448,4 +483,4 @@ class Exchange:
         """End the processes and close the border; may be called twice."""
         self.processes.stop()
         self.border.close()
-        rmtree(self.folder, ignore_errors=True)
+        self.folder.close()

@@ -5,6 +5,9 @@ input is its lifeline: the first line is the order, in JSON; the end of the inpu
 process brings about too, ends every process below the guard.  On Linux the guard adopts every process whose parent has
 ended, so one that detached itself is found too, and a process that the guard started dies with it.  Elsewhere it ends
 the process groups of what it started, which a process can leave.
+
+With the path of a folder as its argument it is the keeper of that folder: it takes no order, and removes the folder at
+the end of the input, which comes when the flight's process and the guards of its processes have ended.
 """
 
 import ctypes
@@ -163,21 +166,33 @@ def send(group: int, number: int) -> None:
         os.killpg(group, number)
 
 
+def keep(folder: str) -> None:
+    """Wait for the end of the input, then remove a folder with all that is in it."""
+    while os.read(0, CHUNK):
+        pass
+    import shutil  # only now: whoever flies need not wait for it
+
+    shutil.rmtree(folder, ignore_errors=True)
+
+
 def main() -> None:
-    """Follow the order on standard input until it ends."""
-    prctl(PR_SET_CHILD_SUBREAPER, 1)
+    """Keep a folder, or follow the order on standard input until it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.argv[1:]:
+        return keep(sys.argv[1])
+    prctl(PR_SET_CHILD_SUBREAPER, 1)
     line = b""
     while not line.endswith(b"\n"):
         text = os.read(0, CHUNK)
         if not text:
-            return
+            return None
         line += text
     guard = Guard(json.loads(line))
     try:
         guard.watch()
     finally:
         guard.stop()
+    return None
 
 
 if __name__ == "__main__":

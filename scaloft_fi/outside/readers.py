@@ -9,6 +9,7 @@ import json
 import math
 import os
 import re
+from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from importlib import import_module
 from io import BufferedReader
 from itertools import chain, islice
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -60,6 +61,8 @@ class Message:
     read: Callable[[], Any]
 
 
+Numbers: TypeAlias = "array[float]"
+"""A growing array; a list would take four times the memory."""
 Found = tuple[Mapping[MappedSignal, Series], Sequence[Loss]]
 """The series of a record, and what it lost."""
 Told = tuple[Sequence[RecordedField], Sequence[Loss]]
@@ -169,8 +172,8 @@ def collect(
     Raises:
         InputError: there are too many messages, a message lacks a field, or a value is no finite number.
     """
-    found: dict[MappedSignal, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
-    by_topic: dict[str, list[tuple[MappedSignal, tuple[str | int, ...], list[float], list[float]]]] = {}
+    found = {source: (array("d"), array("d")) for source in sources}
+    by_topic: dict[str, list[tuple[MappedSignal, tuple[str | int, ...], Numbers, Numbers]]] = {}
     for source, (times, values) in found.items():
         way = steps(source.field)
         if way is None:
@@ -178,7 +181,7 @@ def collect(
                 f"{path}: signal {source.signal!r}: field {source.field!r} must be like pose.position.x or q[0]"
             )
         by_topic.setdefault(source.topic, []).append((source, way, times, values))
-    ticks: tuple[list[float], list[float]] = ([], [])
+    ticks = (array("d"), array("d"))
     for count, message in enumerate(messages):
         if count >= MOST_MESSAGES:
             raise too_many(path)
@@ -204,7 +207,7 @@ def collect(
     return {source: _series(times, values, timing, ticks) for source, (times, values) in found.items()}
 
 
-def _series(times: list[float], values: list[float], timing: Timing, ticks: tuple[list[float], list[float]]) -> Series:
+def _series(times: Numbers, values: Numbers, timing: Timing, ticks: tuple[Numbers, Numbers]) -> Series:
     """Sorted by time; a message before the first tick of the clock is left out."""
     times_s, numbers = np.array(times), np.array(values)
     if timing.clock and not timing.stamped:
@@ -303,7 +306,7 @@ def read_table(path: Path, sources: Sequence[MappedSignal], timing: Timing) -> F
             raise InputError(f"{path}: signal {source.signal!r} must have a column, because the record is a table")
         if source.column not in head:
             raise lacks(path, source, "column", source.column, head)
-    found: dict[MappedSignal, tuple[list[float], list[float]]] = {source: ([], []) for source in sources}
+    found = {source: (array("d"), array("d")) for source in sources}
     clock, places = head.index(timing.column), [(head.index(one.column), one, *both) for one, both in found.items()]
     told, last_s = MappedSignal("time", column=timing.column), -math.inf
     for line, row in rows:
@@ -623,7 +626,8 @@ def _rosbag(path: Path) -> Iterator[MessageLog]:
             store = types.get_typestore(types.Stores.LATEST)
             reader = stack.enter_context(bags.AnyReader([path], default_typestore=store))
         except Exception as error:
-            raise damaged(path, error, MENDED.get(path.suffix.lower(), "")) from error
+            remedy = MENDED.get(path.suffix.lower(), "") if path.stat().st_size else ""
+            raise damaged(path, error, remedy) from error
 
         def messages(topics: Sequence[str]) -> Iterator[Message]:
             connections = [connection for connection in reader.connections if connection.topic in topics]

@@ -137,7 +137,7 @@ def damaged(path: Path, error: Exception, remedy: str = "") -> InputError:
 
 def said_by(error: Exception) -> str:
     """What a library says, in one line of at most `SAID` characters."""
-    said = " ".join(str(error).split()) or type(error).__name__
+    said = " ".join(str(error).split()).rstrip(".") or type(error).__name__
     return said if len(said) <= SAID else f"{said[:SAID]}…"
 
 
@@ -221,8 +221,8 @@ class Loss:
     why: str = ""
 
 
-def placed(losses: Iterable[Loss], last_s: float) -> tuple[Loss, ...]:
-    """The losses; a cut comes after the last message, at `last_s` [s]."""
+def placed(losses: Iterable[Loss], last_s: float | None) -> tuple[Loss, ...]:
+    """The losses; a cut comes after the last message, at `last_s` [s], where there is one."""
     return tuple(replace(one, at_s=last_s) if one.kind is Lost.CUT else one for one in losses)
 
 
@@ -462,10 +462,12 @@ class RecordMap:
         name: where the mapping stands, for errors.
         loose: whether a record may lack signals of it.
         ours: whether the records are those of our own simulator, whose signals have caps.
+        there: what the record has, where that is known already: its columns, or its fields after their topics.
         signals: where the signals stand, by name; `scaloft-fi signals` says which follow from others.
         timing: which time the values have; left out: at which messages were received.
-        start: when the flight starts: at the first message of at least `least`; left out: the first of x_m.
-        end: when the flight ends: at the first message of at least `least`; left out: the last of x_m.
+        start: when the flight starts: at the first message of at least `least`; left out: the first of x_m, or of any
+            signal where x_m is a constant.
+        end: when the flight ends: at the first message of at least `least`; left out: the last of the same.
         altered: how many samples a fault has altered up to then.
         carried: how many samples the fault's seam has carried up to then.
         gap_s: longest time for which a value is held [s]; from then on the signal is unknown, up to its next message.
@@ -474,6 +476,7 @@ class RecordMap:
     name: Annotated[str, Given(lambda item: item.place.rpartition(":")[0])]
     loose: Annotated[bool, Given(lambda _item: False)]
     ours: Annotated[bool, Given(lambda _item: False)]
+    there: Annotated[frozenset[str] | None, Given(lambda _item: None)]
     signals: Annotated[Mapping[str, Entry], Size(0, MOST)]
     timing: Annotated[
         Timing, Called("time"), _told(Annotated[TimeColumn | TimeOfMessages | TimeOfClock, _TIMES], _timing)
@@ -497,7 +500,7 @@ class RecordMap:
 def own_map(signals: Sequence[str]) -> RecordMap:
     """The mapping of the records that `replay --output` writes: every signal by its own name."""
     entries = {name: MappedSignal(name, name, OWN_TOPIC, name) for name in signals}
-    return RecordMap("the mapping of our own records", True, True, entries, Timing(column=OWN_TIME))
+    return RecordMap("the mapping of our own records", True, True, None, entries, Timing(column=OWN_TIME))
 
 
 def _ready(name: str, topic: str, north_east_down: str, beside: Mapping[str, MappedSignal]) -> RecordMap:
@@ -508,7 +511,7 @@ def _ready(name: str, topic: str, north_east_down: str, beside: Mapping[str, Map
         signal: MappedSignal(signal, topic=topic, field=field, factor=-1.0 if "z" in signal else 1.0)
         for signal, field in fields.items()
     }
-    return RecordMap(f"the mapping {name}", True, False, {**entries, **beside})
+    return RecordMap(f"the mapping {name}", True, False, None, {**entries, **beside})
 
 
 def _turn(signal: str, topic: str, field: str, unit: str = "") -> MappedSignal:
@@ -520,11 +523,12 @@ def _turn(signal: str, topic: str, field: str, unit: str = "") -> MappedSignal:
     )
 
 
+# PX4 begins a log on the ground, and tells of land once a second: what is not known yet is no touch-down.
 _PX4 = (
     MappedSignal("attitude_x", topic="vehicle_attitude", field="q[1]"),
     MappedSignal("attitude_y", topic="vehicle_attitude", field="q[2]"),
     _turn("yaw_rad", "vehicle_local_position", "heading"),
-    MappedSignal(LANDED, topic="vehicle_land_detected", field="landed", unknown=0.0, gap_s=math.inf),
+    MappedSignal(LANDED, topic="vehicle_land_detected", field="landed", unknown=1.0, gap_s=math.inf),
 )
 _ARDUPILOT = tuple(_turn(f"{name.lower()}_rad", "ATT", name, "deg to rad") for name in ("Roll", "Pitch", "Yaw"))
 _MAVLINK = tuple(_turn(f"{name}_rad", "ATTITUDE", name) for name in ("roll", "pitch", "yaw"))
@@ -553,7 +557,7 @@ EKF3, `NKF1` of EKF2, `EKF1`, `ATT` (ardupilot.org, log messages); MAVLink's LOC
 def ready_map(name: str, there: Collection[str]) -> RecordMap:
     """The ready mapping `name` for a record that has the fields `there`, each after its topic."""
     fitting = (one for one in READY[name] if "x_m" in one.within(there).signals)
-    return next(fitting, READY[name][0])
+    return replace(next(fitting, READY[name][0]), there=frozenset(there))
 
 
 def load_record_map(path: Path) -> RecordMap:
@@ -820,7 +824,7 @@ def flight_log(
     """
     kind, whole = kind_of(path), mapping
     if mapping.loose:
-        mapping = mapping.within(frozenset(names_of(path)))
+        mapping = mapping.within(frozenset(names_of(path)) if mapping.there is None else mapping.there)
     position = dict.fromkeys(PLACE, "the place of a violation")
     names = _direct(path, mapping, whole, known, {**position, **needed}, wanted)
     entries = {name: mapping.signals[name] for name in names}
@@ -876,7 +880,7 @@ def flight_log(
         name: tuple(sampled(path, name, replace(e, keep=k), series[e], start_s, at_s) for k in (Keep.LEAST, Keep.MOST))
         for name, e in told.items()
     }
-    last_s = max((float(one.times_s[-1]) for one in series.values() if len(one.times_s)), default=math.nan)
+    last_s = max((float(one.times_s[-1]) for one in series.values() if len(one.times_s)), default=None)
     return RecordedFlight(log, start_s, waits_for, gaps, stale, between, placed(losses, last_s))
 
 
@@ -948,11 +952,18 @@ def _direct(
 def _span(
     path: Path, mapping: RecordMap, entries: Mapping[str, MappedSignal], series: Mapping[MappedSignal, Series]
 ) -> tuple[float, float, str]:
-    """Start and end of the flight [s], and the signal whose first message it waits for."""
-    track = series.get(mapping.signals["x_m"])
-    if track is None or not len(track.times_s):
-        raise InputError(f"{path}: signal 'x_m' has no message, so the flight has no start")
-    start_s, end_s, waits_for = float(track.times_s[0]), float(track.times_s[-1]), ""
+    """Start and end of the flight [s], and the signal whose first message it waits for.
+
+    They are those of the messages of x_m; where that is a constant, those of all.
+    """
+    x = mapping.signals["x_m"]
+    own = [x] if x.constant is None else [entry for entry in entries.values() if entry.constant is None]
+    tracks = [series[entry].times_s for entry in own if len(series[entry].times_s)]
+    if not tracks:
+        raise InputError(
+            f"{path}: signal {own[0].signal if own else 'x_m'!r} has no message, so the flight has no start"
+        )
+    start_s, end_s, waits_for = float(min(t[0] for t in tracks)), float(max(t[-1] for t in tracks)), ""
     for name, entry in entries.items() if mapping.start is None else ():
         known = entry.constant is not None or entry.unknown is not None or not len(series[entry].times_s)
         if not known and series[entry].times_s[0] > start_s + NEAR_S:
@@ -994,7 +1005,7 @@ def fields_of(path: Path) -> tuple[Sequence[RecordedField], tuple[Loss, ...]]:
     """
     kind = kind_of(path)
     fields, losses = read_apart(path, lambda: kind.fields(path))
-    return fields, placed(losses, max((one.last_s for one in fields if one.last_s is not None), default=math.nan))
+    return fields, placed(losses, max((one.last_s for one in fields if one.last_s is not None), default=None))
 
 
 def names_of(path: Path) -> Sequence[str]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
@@ -17,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scaloft_fi.apart import read_apart
-from scaloft_fi.document import FILE_BYTES, MIB, UnreadableError, read_text
+from scaloft_fi.document import FILE_BYTES, MIB, UnreadableError, is_file, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.marks import Bounds
 from scaloft_fi.registry import in_one_line
@@ -196,11 +198,16 @@ def winding(triangles: Array, point: Sequence[float]) -> float:
 
     Solid angle of each triangle after Van Oosterom and Strackee (1983).
     """
+    return float(2.0 * _half_angles(triangles, point).sum() / (4.0 * math.pi))
+
+
+def _half_angles(triangles: Array, point: Sequence[float]) -> Array:
+    """(F,) half of the solid angle of each triangle seen from `point` [sr]."""
     a, b, c = (triangles[:, i] - np.asarray(point, np.float64) for i in range(3))
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
     numerator = np.einsum("ij,ij->i", a, np.cross(b, c))
     denominator = la * lb * lc + (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
-    return float(2.0 * np.arctan2(numerator, denominator).sum() / (4.0 * math.pi))
+    return np.asarray(np.arctan2(numerator, denominator))
 
 
 def section(triangles: Array, z_m: float) -> list[tuple[tuple[float, float], tuple[float, float]]]:
@@ -322,8 +329,48 @@ class MeshFile(NamedTuple):
     word: str = "line"
 
 
-UP = {".glb": "y", ".gltf": "y"}
-"""The axis that is up where a format says so (glTF 2.0, section 3.4); in any other file it is z."""
+class Stated(NamedTuple):
+    """What a mesh file says of itself.
+
+    Attributes:
+        up: the axis that is up, `y` or `z`; None where it does not say.
+        unit_m: metres per unit; None where it does not say [m].
+    """
+
+    up: str | None = None
+    unit_m: float | None = None
+
+
+_HEAD = 1 << 16
+_UNIT, _UP_AXIS = re.compile(r"<unit\b[^>]*\bmeter\s*=\s*[\"']([^\"']*)"), re.compile(r"<up_axis>\s*([YZ])_UP")
+
+
+def stated(path: Path) -> Stated:
+    """What a file says of its unit and of the axis that is up: glTF (2.0, section 3.4) and DAE (COLLADA 1.4.1) do."""
+    if path.suffix.lower() in (".glb", ".gltf"):
+        return Stated("y", 1.0)
+    if path.suffix.lower() != ".dae" or not is_file(path):
+        return Stated()
+    with path.open("rb") as file:
+        head = file.read(_HEAD).decode("latin-1")
+    axis, unit = _UP_AXIS.search(head), _UNIT.search(head)
+    with suppress(ValueError):
+        unit_m = float(unit[1]) if unit else 1.0
+        if 0.0 < unit_m < math.inf:
+            return Stated(axis[1].lower() if axis else "y", unit_m)
+    return Stated(axis[1].lower() if axis else "y")
+
+
+def turn_up(points: Array) -> Array:
+    """Points (..., 3) of a file whose y is up, turned so that z is."""
+    return np.asarray(points @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]))
+
+
+def turn_back(points: Array) -> Array:
+    """Points (..., 3) turned so that y is up: undoes `turn_up`."""
+    return np.asarray(points @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]))
+
+
 BY_LIBRARY = (".stl", ".ply", ".glb", ".gltf", ".dae", ".off")
 """The endings of the files that `trimesh` reads; any other file is read as OBJ."""
 
@@ -367,9 +414,7 @@ def read_mesh(path: Path, place: str, scale: float, up: str, limits: MeshLimits)
     """
     read = _read_by_library if path.suffix.lower() in BY_LIBRARY else read_obj
     file = read(path, place, scale, limits)
-    if up != "y":
-        return file
-    return file._replace(mesh=Mesh(file.mesh.vertices @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]), file.mesh.faces))
+    return file if up != "y" else file._replace(mesh=Mesh(turn_up(file.mesh.vertices), file.mesh.faces))
 
 
 def _exceeded(place: str, reason: str, limit: str) -> InputError:
@@ -403,6 +448,7 @@ def _read_by_library(path: Path, place: str, scale: float, limits: MeshLimits) -
 
 def _pieces(path: Path, place: str) -> list[tuple[Array, Faces, str]]:
     """Vertices, faces and name of each object that `trimesh` reads."""
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # it logs each texture that is not there
     try:
         pieces = import_module("trimesh").load_scene(path, process=False).dump()
     except MemoryError:
@@ -521,7 +567,9 @@ class Flaw:
         return f"{self.place}: {self.sentence}, near ({where}) m; {self.remedy}"
 
 
-def surface_flaws(triangles: Array, lines: Faces, path: Path, word: str = "line") -> Iterator[Flaw]:
+def surface_flaws(
+    triangles: Array, lines: Faces, path: Path, word: str = "line", points: Sequence[Sequence[float]] = ()
+) -> Iterator[Flaw]:
     """The flaws of a surface.
 
     Args:
@@ -529,6 +577,7 @@ def surface_flaws(triangles: Array, lines: Faces, path: Path, word: str = "line"
         lines: (F,) line of each triangle in the file.
         path: the file.
         word: what `lines` count: `line` or `face`.
+        points: (P, 3) places that must be in open space [m, world].
     """
 
     def flaw(face: int, sentence: str, remedy: str, *, grave: bool) -> Flaw:
@@ -557,11 +606,16 @@ def surface_flaws(triangles: Array, lines: Faces, path: Path, word: str = "line"
     if surface.turned.any():
         first = int(surface.turned.argmax())
         sentence = f"{_faces(surface.turned)} wound the other way than their neighbours, the first at this line"
-        beside = f"beside the face at line {lines[surface.upright_neighbour(first)]}"
+        beside = f"beside the face at {word} {lines[surface.upright_neighbour(first)]}"
         yield flaw(first, f"{sentence}, {beside}", _TURN, grave=True)
     for own in _swollen(triangles, surface):
         sentence = f"this closed surface of {int(own.sum())} faces lies within another and is wound like it"
         yield flaw(int(own.argmax()), f"{sentence}, so the space in it counts as open", _TURN, grave=True)
+    hull_of = next((own for point in points for own in _hull_around(triangles, surface, point)), None)
+    if hull_of is not None:
+        sentence = f"this closed surface of {int(hull_of.sum())} faces lies around the mine and is wound against it"
+        sentence = f"{sentence}, as the outside of a block of rock is, so the space in the mine counts as outside"
+        yield flaw(int(hull_of.argmax()), sentence, "delete these faces: only the inside is flown", grave=True)
     if len(surface.open_edges):
         face, corner = surface.open_edges[0]
         ends = ([f"{number:.3g}" for number in triangles[face, place]] for place in (corner, (corner + 1) % 3))
@@ -579,6 +633,16 @@ def _twice(triangles: Array) -> tuple[NDArray[np.bool_], bool]:
     again = earlier != np.arange(len(corners))
     signs = [np.linalg.det(np.eye(3)[np.argsort(own[again], axis=1)]) for own in (corners, corners[earlier])]
     return again, bool((signs[0] * signs[1] < 0.0).all())
+
+
+def _hull_around(triangles: Array, surface: _Surface, point: Sequence[float]) -> Iterator[NDArray[np.bool_]]:
+    """The closed surface around a point that another one, around it too, undoes; the one that reaches farther."""
+    angles = _half_angles(triangles, point)
+    by_piece = np.bincount(surface.piece, weights=angles, minlength=surface.pieces) / (2.0 * math.pi)
+    around = np.flatnonzero(np.abs(by_piece) > 0.5)
+    if abs(by_piece[around].sum()) < 0.5 and len(around) > 1:
+        reach = [float(np.ptp(triangles[surface.piece == piece].reshape(-1, 3), axis=0).max()) for piece in around]
+        yield surface.piece == around[int(np.argmax(reach))]
 
 
 def _swollen(triangles: Array, surface: _Surface) -> Iterator[NDArray[np.bool_]]:

@@ -121,6 +121,12 @@ class Mine:
         heights = meshes.heights_at(self.ground.triangles, x, y)
         return float(heights.max()) if len(heights) else math.nan
 
+    def bare(self, point: Sequence[float]) -> str:
+        """What a mesh lacks above or below `point` (3,) [m, world], as a sentence; "" where it lacks nothing."""
+        heights = np.concatenate([meshes.heights_at(part.triangles, *point[:2]) for part in (self.wall, self.ground)])
+        lacks = ["roof"] * (not (heights > point[2]).any()) + ["floor"] * (not (heights < point[2]).any())
+        return f"no face of the mesh is a {' or a '.join(lacks)} of it, so it is open there: close it" if lacks else ""
+
 
 Corners = Annotated[tuple[tuple[Metres, Metres], ...], Size(most=MOST_CORNERS)]
 _SHAPE = "a list of at least 3 corners [x, y] that enclose an area"
@@ -192,15 +198,17 @@ class MeshMine(_Rock):
 
     Attributes:
         mesh: path of the file, beside this one: .obj, .stl, .ply, .glb, .gltf, .dae or .off.
-        scale_m: metres per unit of the file [m].
-        up: axis of the file that is up; left out: y in glTF, z in any other file.
+        scale_m: metres per unit of the file; left out: what the file says (DAE, glTF), else 1 [m].
+        up: axis of the file that is up; left out: what the file says (DAE, glTF), else z.
+        shift_m: moves the mesh, in world axes, so that the floor is at z = 0 where the mission begins [m].
         ground: objects of the file that form the floor; left out: the level faces with no face below.
         mesh_limits: limits of the file.
     """
 
     mesh: Annotated[str, Examples("my_mine.obj")]
-    scale_m: Annotated[MoreThanZero, Examples(0.01)] = 1.0
+    scale_m: Annotated[MoreThanZero | None, Examples(0.01)] = None
     up: Literal["y", "z"] | None = None
+    shift_m: tuple[Metres, Metres, Metres] = (0.0, 0.0, 0.0)
     ground: tuple[str, ...] = ()
     mesh_limits: MeshLimits = field(default_factory=MeshLimits)
 
@@ -211,8 +219,13 @@ class MeshMine(_Rock):
             InputError: the mesh is unreadable.
         """
         path = item.path.parent / self.mesh
-        up = self.up or meshes.UP.get(path.suffix.lower(), "z")
-        return path, meshes.read_mesh(path, item.need("mesh").place, self.scale_m, up, self.mesh_limits)
+        file = meshes.read_mesh(path, item.need("mesh").place, *self.reading(path), self.mesh_limits)
+        return path, file._replace(mesh=file.mesh.moved(self.shift_m)) if any(self.shift_m) else file
+
+    def reading(self, path: Path) -> tuple[float, str]:
+        """Metres per unit of the file, and its axis that is up."""
+        said = meshes.stated(path)
+        return self.scale_m or said.unit_m or 1.0, self.up or said.up or "z"
 
     def mine(self, item: Item) -> Mine:
         """The rock of the mesh.
@@ -240,8 +253,12 @@ def read_mine(item: Item) -> Mine:
     return rock.mine(item)
 
 
-def flaws_of(item: Item) -> tuple[Flaw, ...]:
+def flaws_of(item: Item, points: Sequence[Sequence[float]] = ()) -> tuple[Flaw, ...]:
     """The flaws of the mesh that the `mine` of a world names; none of an extruded mine.
+
+    Args:
+        item: the `mine`.
+        points: (P, 3) places that must be in open space [m, world].
 
     Raises:
         InputError: the mesh cannot be read.
@@ -250,7 +267,40 @@ def flaws_of(item: Item) -> tuple[Flaw, ...]:
     if isinstance(rock, GroundPlan):
         return ()
     path, file = rock.surface(item)
-    return tuple(meshes.surface_flaws(file.mesh.triangles, file.lines, path, file.word))
+    return tuple(meshes.surface_flaws(file.mesh.triangles, file.lines, path, file.word, points))
+
+
+UNITS_M = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254, "feet": 0.3048, "metres": 1.0}
+FLOOR_M = 0.1
+"""The floor at the start of the mission is at height 0, but for this [m]."""
+
+
+def reading_for(item: Item, points: Sequence[Sequence[float]]) -> str:
+    """The keys of a mesh with which all points are in its open space, as a remedy; or "".
+
+    Args:
+        item: the `mine`.
+        points: (P, 3) places [m, world], the first one above a floor at height 0.
+
+    Raises:
+        InputError: the mesh cannot be read.
+    """
+    rock: GroundPlan | MeshMine = value_of(Rock, item)
+    if isinstance(rock, GroundPlan):
+        return ""
+    path, file = rock.surface(item)
+    scale_m, up = rock.reading(path)
+    others = [(unit_m, axis) for axis in (up, "yz".replace(up, "")) for unit_m in (scale_m, *UNITS_M.values())]
+    foot, beneath = ((*points[0][:2], z_m) for z_m in (FLOOR_M, -FLOOR_M))
+    for unit_m, axis in sorted(dict.fromkeys(others), key=lambda one: (one[0] != scale_m) + (one[1] != up)):
+        places = (np.array([beneath, foot, *points]) - rock.shift_m) * (scale_m / unit_m)
+        if axis != up:
+            places = meshes.turn_up(places) if up == "y" else meshes.turn_back(places)
+        below, *above = (file.mesh.encloses(place + rock.shift_m) for place in places)
+        if all(above) and not below:
+            keys = [f"`scale_m: {unit_m:g}`"] * (unit_m != scale_m) + [f"`up: {axis}`"] * (axis != up)
+            return f"{', '.join(keys)} beside `mesh` puts every waypoint into its open space" if keys else ""
+    return ""
 
 
 def _misshapen(points: Ring, item: Item) -> Iterator[InputError]:

@@ -27,7 +27,7 @@ from scaloft_fi.sim import mesh
 from scaloft_fi.sim.happenings import Happening, Surroundings, happenings_schema, misfits, read_happenings
 from scaloft_fi.sim.log import SIGNALS, truth_signals
 from scaloft_fi.sim.mesh import FARTHEST_M, Mesh, Scene
-from scaloft_fi.sim.mine import Metres, Mine, Rock, flaws_of, read_mine
+from scaloft_fi.sim.mine import Metres, Mine, Rock, flaws_of, read_mine, reading_for
 
 
 @dataclass(frozen=True)
@@ -357,6 +357,8 @@ def assembled(item: Item, mine: Mine | None = None) -> World:
 
 ON_FLOOR_M = 0.05
 """Approximate height of a standing vehicle's centre [m]."""
+MOST_TRIED = 20
+"""Waypoints with which another unit or axis of a mesh is tried."""
 _ROCK = "the open space of the mine, not in the wall or outside"
 
 
@@ -371,18 +373,23 @@ def misplaced(world: Any, item: Item) -> Iterator[InputError]:
     places = {"home": home, **item.need("waypoints").mapping()}
     scaled = "" if mine.footprint else ": z must be up, and `scale_m` is metres per unit of the file"
     reach = f"; the mine reaches from {mine.extents_text} m{scaled}"
+    points = [world.waypoints[name] for name in places]
+    reading = cache(lambda: reading_for(item.need("mine"), points[:MOST_TRIED]))
     if not abs(world.floor_m) < 0.1:  # where the stack takes off
         actual = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
         sentence = f"home={list(world.mission.home)!r} must have the floor at z=0, but {actual}"
-        yield InputError(f"{home.place}: {sentence}{reach}")
+        moves = f"`shift_m: [0, 0, {-world.floor_m:.3g}]` beside `mesh` moves it" * (not mine.footprint)
+        remedy = reading() or moves * math.isfinite(world.floor_m)
+        yield InputError(f"{home.place}: {sentence}{reach}{'; ' * bool(remedy)}{remedy}")
         del places["home"]
-    flaws = cache(lambda: sorted(flaws_of(item.need("mine")), key=lambda flaw: not flaw.grave))
+    flaws = cache(lambda: sorted(flaws_of(item.need("mine"), points[:MOST_TRIED]), key=lambda flaw: not flaw.grave))
     for name, place in places.items():
         why, point = _obstructed(world, name), world.waypoints[name]
         if why == _ROCK and not ((point >= mine.extents[0]) & (point <= mine.extents[1])).all():
-            why += reach
-        elif why == _ROCK and flaws():  # for which open space may pass for rock
-            why += f"; the mesh may be the cause: {flaws()[0]}"
+            why += f"{reach}{reading() and f'; {reading()}'}"
+        elif why == _ROCK and not mine.footprint:
+            causes = [mine.bare(point), *(f"the mesh may be the cause: {flaw}" for flaw in flaws()[:1]), reading()]
+            why = "; ".join([why, *filter(None, causes)])
         if why:
             yield InputError(f"{place.place}: {name}={list(point[:2])!r} must be in {why}")
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Annotated
 
 from scaloft_fi.checks.check import Check, GridCheck, check_study
 from scaloft_fi.console import line
 from scaloft_fi.errors import ExitCode
 from scaloft_fi.hazop.load import find_study
-from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer, verb
+from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, Untrusted, allow, answer, verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Format, Table, TableCell, counted, render
 
@@ -82,6 +83,7 @@ def check_command(
     *,
     study_folder: StudyFolder,
     fly: Annotated[bool, Option("Fly one baseline flight too, and show which seams the stack polls.")],
+    untrusted: Untrusted,
     style: TableFormat,
     tables_folder: TablesFolder,
 ) -> int:
@@ -90,7 +92,8 @@ def check_command(
     An error (exit code 2) is what a verb would refuse, or what no flight can mean; a note (exit code 0) is what
     somebody should know.  Nothing in the study is written.
     """
-    check = check_study(find_study(study_folder), fly=fly)
+    allowed = partial(allow, untrusted=untrusted)
+    check = check_study(find_study(study_folder), fly=fly, allow=allowed)
 
     answer(checked(check), style, tables_folder)
     return ExitCode.BAD_INPUT if check.errors else ExitCode.DONE

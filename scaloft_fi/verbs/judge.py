@@ -183,7 +183,10 @@ def notes_on(losses: Sequence[RecordLoss], begins_s: float | None = None) -> Ite
     def at(loss: RecordLoss) -> str:
         if loss.at_s is None:
             return ""
-        return f" at {loss.at_s:.2f} s of the record" if begins_s is None else f" at {loss.at_s - begins_s:.2f} s"
+        if begins_s is None:
+            return f" at {loss.at_s:.2f} s of the record"
+        since_s = loss.at_s - begins_s
+        return f" at {since_s:.2f} s" if since_s >= 0.0 else f" {-since_s:.2f} s before the flight begins"
 
     drops = [one for one in losses if one.kind is Lost.DROPOUT]
     if drops:
@@ -193,7 +196,8 @@ def notes_on(losses: Sequence[RecordLoss], begins_s: float | None = None) -> Ite
         yield f"{drops[0].file}: drop-outs of its writer: {len(drops)}, {all_s:.3f} s in all: {shown}{each}"
     for one in losses:
         if one.kind is Lost.CUT:
-            yield f"{one.file}: the record is cut; its last message is{at(one)}: {one.why}"
+            last = "its last message is" if one.at_s is not None else "nothing of it can be read"
+            yield f"{one.file}: the record is cut; {last}{at(one)}: {one.why}"
         elif one.kind is Lost.DAMAGED:
             yield f"{one.file}: the record is damaged{at(one)}, and read without the damaged part: {one.why}"
         elif one.kind is Lost.UNREAD:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 from scaloft_fi.console import say
+from scaloft_fi.document import load
+from scaloft_fi.errors import InputError
 from scaloft_fi.sim.mesh import Flaw
 from scaloft_fi.sim.mine import flaws_of
 from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sim.world import assembled
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import situations
 from scaloft_fi.verbs.options import GridOfStudy, Option, StudyFolder, TableFormat, answer, check_writable, verb, write
@@ -187,21 +191,32 @@ def plan_of(study: Study, situation: Situation) -> FloorPlan:
     """
     told, world = map_of(study, situation), study.scenario(situation).world
     mission = world.mission
-    flaws = (
-        Happens(f"mesh: {words}", flaw.at[:2], FLAW_M)
-        for flaw in _flaws(study, situation)
-        for words in [flaw.sentence.split(",", 1)[0]]
-    )
     speeds = f"cruise {mission.cruise_mps:g} m/s, near a person {mission.slow_mps:g} m/s"
     return FloorPlan(
         scene_of(world),
         tuple((one.place, (one.x_m, one.y_m)) for one in told.places[1:]),
-        (*(one.happens for one in told.happenings), *flaws),
+        (*(one.happens for one in told.happenings), *_rings(_flaws(study, situation))),
         (
             f"altitude {mission.altitude_m:g} m, {speeds}, light {world.light:g}",
             f"nominal flight {told.nominal_s:.0f} s, time limit {told.limit_s:.0f} s",
         ),
     )
+
+
+def plan_of_mesh(folder: Path) -> FloorPlan | None:
+    """The plan of a world that cannot be flown, with the flaws of its mesh; None where it has none or is unreadable."""
+    with suppress(InputError):
+        document = load(folder / "sim" / "world.yaml")
+        world = assembled(document)
+        places = world.waypoints
+        if flaws := flaws_of(document.need("mine"), tuple(places.values())):
+            stops = tuple((name, place[:2]) for name, place in places.items() if name != "home")
+            return FloorPlan(scene_of(world), stops, _rings(flaws), tuple(f"mesh: {flaw.remedy}" for flaw in flaws[:3]))
+    return None
+
+
+def _rings(flaws: tuple[Flaw, ...]) -> tuple[Happens, ...]:
+    return tuple(Happens(f"mesh: {flaw.sentence.split(',', 1)[0]}", flaw.at[:2], FLAW_M) for flaw in flaws)
 
 
 def map_table(study: Study, situation: Situation) -> Table:
@@ -250,12 +265,23 @@ def map_command(
     """Show mine, bodies, route and happenings of one situation, without flying it.
 
     SITUATION is a key or another name of it; by default every axis has its benign value.
+    A mesh with flaws is drawn with a ring at each, even where it cannot be flown.
     """
     check_writable(output, *PICTURES)
-    study = Study.open(study_folder, grid)
-    one = study.grid.situation(situation) if situation else study.grid.situations[0]
-    answer(Answer(MAP, lambda: map_of(study, one), lambda: (map_table(study, one),)), style)
-    if output is not None:
-        drawn = draw_plan(plan_of(study, one), title=one.key, subtitle=", ".join(study.grid.titles(one)))
-        write(output, png(drawn) if output.suffix.lower() == ".png" else drawn.encode())
-        say(f"map: {output}")
+    try:
+        study = Study.open(study_folder, grid)
+        one = study.grid.situation(situation) if situation else study.grid.situations[0]
+        answer(Answer(MAP, lambda: map_of(study, one), lambda: (map_table(study, one),)), style)
+        if output is not None:
+            _draw(plan_of(study, one), output, one.key, ", ".join(study.grid.titles(one)))
+    except InputError:
+        plan = plan_of_mesh(study_folder or Path()) if output is not None else None
+        if output is not None and plan is not None:
+            _draw(plan, output, "The mesh", "its flaws; no situation can be flown")
+        raise
+
+
+def _draw(plan: FloorPlan, output: Path, title: str, subtitle: str) -> None:
+    drawn = draw_plan(plan, title=title, subtitle=subtitle)
+    write(output, png(drawn) if output.suffix.lower() == ".png" else drawn.encode())
+    say(f"map: {output}")

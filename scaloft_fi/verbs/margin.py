@@ -648,7 +648,7 @@ Tolerance = Annotated[
     sections={
         "Where": "--study --campaign --grid",
         "What is flown": "--situation --seeds --tolerance --when --operability",
-        "How": "--jobs --same-platform",
+        "How": "--jobs --same-platform --untrusted",
         "What is printed": "--format --tables --warnings --quiet --help",
     },
 )
@@ -671,6 +671,7 @@ def margin_command(
     operability: options.Operability,
     jobs: options.Jobs,
     same_platform: options.SamePlatform,
+    untrusted: options.Untrusted,
     style: options.TableFormat,
     tables_folder: options.TablesFolder,
     warnings: options.Warnings,
@@ -695,8 +696,10 @@ def margin_command(
         answer(struck, style, tables_folder)
         return
 
+    study = study_of(study_folder, campaign, grid)
+    options.allow(study, untrusted=untrusted)
     found = margin(
-        study_of(study_folder, campaign, grid),
+        study,
         campaign,
         mutants,
         RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),

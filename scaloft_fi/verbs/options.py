@@ -6,7 +6,10 @@ for it.  Scripts pass the same parameters (`scaloft_fi.scripting`).
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
+import re
 import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -21,12 +24,12 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Union, get_args, g
 import click
 from click.core import ParameterSource
 
-from scaloft_fi.console import PROSE, Style, coloured, say, styled, tell, width, wrapped
+from scaloft_fi.console import PROSE, Style, coloured, line, say, styled, tell, width, wrapped
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.document import parse_date
+from scaloft_fi.document import is_there, parse_date, read_text
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import find_study, nearest_study
-from scaloft_fi.output import unwritable, write_named
+from scaloft_fi.output import unwritable, write_named, write_whole
 from scaloft_fi.verbs import names
 
 if TYPE_CHECKING:
@@ -277,6 +280,13 @@ Warnings = Annotated[
 Quiet = Annotated[
     bool, Option("Print only the result, and no progress, count of violations or warning while drones fly.")
 ]
+Untrusted = Annotated[
+    bool,
+    Option(
+        "Refuse a study that starts programs of its own (exit code 2).",
+        otherwise="a terminal asks once, else a line on standard error names them",
+    ),
+]
 Everything = Annotated[bool, Option("Print every mutant and every table, not only the first screen.", "--all")]
 FailUnder = Annotated[
     float | None,
@@ -420,6 +430,61 @@ def tell_warnings(given: Answer) -> None:
     """Say on standard error what a reader must know beside an answer."""
     for warning in given.warnings:
         say(f"warning: {warning}")
+
+
+def programs_of(study: Study) -> tuple[str, ...]:
+    """The commands that a flight of the study starts, as a shell would read them; none where all that flies is ours.
+
+    Raises:
+        InputError: stack or command cannot be read.
+    """
+    if study.command is not None:
+        words = [word.text for word in study.command.run]
+        return (_typed(words, {name: text.text for name, text in study.command.env.items()}, "."),)
+    processes = getattr(study.sim.stack.settings(study.stack), "processes", ())
+    return tuple(_typed(one.run, one.env, one.folder) for one in processes)
+
+
+def _typed(run: Sequence[str], env: Mapping[str, str], folder: str) -> str:
+    before = [f"cd {_quoted(folder)};"] if folder != "." else []
+    return " ".join([*before, *(f"{name}={_quoted(text)}" for name, text in env.items()), *map(_quoted, run)])
+
+
+def _quoted(word: str) -> str:
+    """The word for a shell; braces around the name of a value are none of its marks."""
+    return word if re.fullmatch(r"[\w@%+=:,./{}-]+", word) else shlex.quote(word)
+
+
+def allow(study: Study, *, untrusted: bool) -> None:
+    """Name the programs of its own that a study starts, before it does; on a terminal ask once, and remember.
+
+    What was allowed is a line of `trusted` in the user's folder of settings: a digest of the study's real path and its
+    commands, then the path.
+
+    Raises:
+        InputError: there are programs, and `untrusted` or the user refuses them.
+    """
+    programs, folder = programs_of(study), study.folder.resolve()
+    if not programs:
+        return
+    named = f"{folder} starts programs of its own: {'; '.join(programs)}"
+    if untrusted:
+        raise InputError(f"--untrusted refuses that {named}")
+    file = Path(click.get_app_dir("scaloft-fi")) / "trusted"
+    digest = hashlib.sha256(json.dumps([str(folder), programs]).encode()).hexdigest()
+    before = read_text(file) if is_there(file) else ""
+    if digest in {known[:64] for known in before.splitlines()}:
+        return
+    say(f"study: {named}")
+    if not (sys.stdin.isatty() and sys.stderr.isatty()):
+        return
+    if not click.confirm("Start them, now and whenever this study flies?", err=True):
+        raise InputError(f"{folder}: its programs were not allowed, so nothing was flown")
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(file, f"{before}{digest} {line(str(folder))}\n".encode())
+    except OSError as error:
+        say(f"warning: it will be asked again: {str(file)!r} cannot be written: {unwritable(error)}")
 
 
 REMEDY = "make a study of your own with `scaloft-fi new DIR`, or name one with --study"

@@ -28,7 +28,17 @@ from scaloft_fi.judge.status import APART_M, JudgedFlight, agreement, digests, f
 from scaloft_fi.sim.log import Ending, FlightLog
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import flights
-from scaloft_fi.verbs.options import Campaign, LineFormat, Option, StudyFolder, check_writable, verb, write
+from scaloft_fi.verbs.options import (
+    Campaign,
+    LineFormat,
+    Option,
+    StudyFolder,
+    Untrusted,
+    allow,
+    check_writable,
+    verb,
+    write,
+)
 from scaloft_fi.views.output import Output
 from scaloft_fi.views.picture import draw, png, scene_of, track_of
 from scaloft_fi.views.table import Format, Table, csv_text, render
@@ -452,6 +462,7 @@ def replay_command(
             otherwise="when status, ending or violations differ",
         ),
     ],
+    untrusted: Untrusted,
     style: LineFormat,
 ) -> None:
     """Fly one flight again and compare its digest with the campaign's; on another platform, status and ending too.
@@ -465,6 +476,7 @@ def replay_command(
     study = study_of(study_folder, campaign)
     if gui and study.command:
         raise InputError("--gui shows flights of our simulator, and a command flies this study (sim/flyer.yaml)")
+    allow(study, untrusted=untrusted)
     flight = ready_to_fly(study, *named(name), say)
     flown = with_log(study, flight, fly_in_window(study, flight)) if gui else fly_with_log(study, flight)
     if style != "json":

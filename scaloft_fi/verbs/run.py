@@ -111,7 +111,7 @@ MaxInvalid = Annotated[
         "Which faults": "--mutant",
         "In which situations": "--situation --choose --choose-seed",
         "How often": "--seeds --baseline-seeds --baseline-from --sequential",
-        "How": "--jobs --budget --no-share --same-platform",
+        "How": "--jobs --budget --no-share --same-platform --untrusted",
         "On many machines": "--shard --executor --cluster-security",
         "What fails the run": "--fail-under --fail-under-firm --max-invalid",
         "What is printed": "--all --format --tables --warnings --quiet --help",
@@ -138,6 +138,7 @@ def run_command(
     budget: BudgetTime,
     max_invalid: MaxInvalid,
     same_platform: options.SamePlatform,
+    untrusted: options.Untrusted,
     everything: options.Everything,
     style: options.TableFormat,
     tables_folder: options.TablesFolder,
@@ -190,6 +191,7 @@ def run_command(
     )
     study = archive.study_of(study_folder, campaign, grid)
     planned = request.planned_run(study, asked)
+    options.allow(study, untrusted=untrusted)
     shown = progress.Silence() if quiet else progress.Progress(tally=score.detected_so_far)
     flown = request.fly(planned, archive.campaign_folder(study, campaign), run_options, progress=shown)
     scored = score.scored_run(flown, campaign)

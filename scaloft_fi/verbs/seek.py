@@ -437,7 +437,7 @@ Anyhow = Annotated[
     ),
     sections={
         "Where": "--study --campaign --grid --into",
-        "How": "--replicate --budget --seed --any --jobs --same-platform",
+        "How": "--replicate --budget --seed --any --jobs --same-platform --untrusted",
         "What is printed": "--format --tables --warnings --quiet --help",
     },
 )
@@ -454,6 +454,7 @@ def seek_command(
     anyhow: Anyhow,
     jobs: options.Jobs,
     same_platform: options.SamePlatform,
+    untrusted: options.Untrusted,
     style: options.TableFormat,
     tables_folder: options.TablesFolder,
     warnings: options.Warnings,
@@ -483,4 +484,5 @@ def seek_command(
     progress = Silence() if quiet else Progress()
     search = Search(into or grid, run_options, seed, finds.Allowance.parse(budget), progress, anyhow, replicate)
     study = study_to_search(study_folder, grid, search.into)
+    options.allow(study, untrusted=untrusted)
     answer(seek(study, campaign, mutants, search, named=study_folder), style, tables_folder)

@@ -4,14 +4,17 @@ import shutil
 from pathlib import Path
 from runpy import run_path
 
+import numpy as np
 import pytest
 import scaloft_ros1.border  # noqa: F401 - the study of the testbed names it
 import trimesh
+from click.testing import CliRunner
 from processes import call, install, install_project
 from studies import ROOT, copied
 
 from scaloft_fi.checks.check import Check, check_study
 from scaloft_fi.checks.finding import Severity
+from scaloft_fi.cli import main
 from scaloft_fi.sim.mesh import box
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.map import map_table, plan_of
@@ -253,11 +256,86 @@ def test_a_room_in_millimetres_is_noted(copy: Path) -> None:
     found = [finding for finding in check_study(copy).findings if "the mine reaches" in finding.what]
     assert [finding.severity for finding in found] == [Severity.NOTE]
     assert "from x -5000 to 5000, y -2000 to 18000, z 0 to 3000 m, and no two waypoints" in found[0].what
-    assert found[0].remedy == "`scale_m` is metres per unit of the file, such as 0.001 for millimetres"
+    assert found[0].remedy == (
+        "`scale_m` is metres per unit of the file: with 0.001 (millimetres) the mine is 10 x 20 x 3 m"
+    )
     world = copy / "sim" / "world.yaml"
     _edit(world, "mesh: room.obj", "mesh: room.obj\n  scale_m: 0.001")
     assert errors(check_study(copy)) == []
     assert not [finding for finding in check_study(copy).findings if "the mine reaches" in finding.what]
+
+
+@pytest.mark.parametrize(
+    ("unit_m", "up", "written", "keys"),
+    [
+        (1.0, "y", "up: z", "`up: y`"),
+        (0.001, "y", "up: z", "`up: y`"),
+        (0.01, "y", "scale_m: 0.001", "`scale_m: 0.01`, `up: y`"),
+        (1.0, "z", "up: y", "`up: z`"),
+        (1.0, "z", "scale_m: 0.001", "`scale_m: 1`"),
+        (0.01, "z", "scale_m: 0.001", "`scale_m: 0.01`"),
+    ],
+)
+def test_a_unit_or_an_axis_that_puts_every_waypoint_into_the_open_space_is_the_remedy(
+    copy: Path, unit_m: float, up: str, written: str, keys: str
+) -> None:
+    _room(copy, ROOM.faces.tolist(), unit_m)
+    obj = trimesh.load(copy / "sim" / "room.obj", process=False)
+    if up == "y":
+        obj.vertices = obj.vertices @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+    obj.export(copy / "sim" / "room.ply")
+    _edit(copy / "sim" / "world.yaml", "mesh: room.obj", f"mesh: room.ply\n  {written}")
+    told = [error for error in errors(check_study(copy)) if "world.yaml" in error]
+    assert told
+    assert all(error.endswith(f"; {keys} beside `mesh` puts every waypoint into its open space") for error in told)
+    for key in keys.replace("`", "").split(", "):
+        world = copy / "sim" / "world.yaml"
+        kept = [line for line in world.read_text().splitlines() if not line.startswith(f"  {key.split(':')[0]}:")]
+        world.write_text("\n".join(kept).replace("mesh: room.ply", f"mesh: room.ply\n  {key}"))
+    assert errors(check_study(copy)) == []
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ("", "z of the file is up, by default, and its unit is 1 m, by default, so the mine is 10 x 20 x 3 m"),
+        ("scale_m: 1.0", "z of the file is up, by default, so the mine is 10 x 20 x 3 m"),
+        ("up: z", "its unit is 1 m, by default, so the mine is 10 x 20 x 3 m"),
+    ],
+)
+def test_a_unit_and_an_axis_that_are_not_stated_are_told(copy: Path, keys: str, told: str) -> None:
+    _room(copy, ROOM.faces.tolist())
+    _edit(copy / "sim" / "world.yaml", "mesh: room.obj", f"mesh: room.obj\n  {keys}")
+    (note,) = [str(one) for one in check_study(copy).findings if "so the mine is" in one.what]
+    assert told in note
+    missing = [key for key in ("up", "scale_m") if key not in keys]
+    assert f"state {' and '.join(f'`{key}`' for key in missing)} beside `mesh`" in note
+
+
+def test_a_roof_that_is_not_there_is_the_cause_of_a_waypoint_outside(copy: Path) -> None:
+    _room(copy, ROOM.faces[ROOM.triangles.mean(axis=1)[:, 2] < 1.1].tolist())
+    caused = [error for error in errors(check_study(copy)) if "must be in the open space" in error]
+    assert any("no face of the mesh is a roof of it, so it is open there: close it" in error for error in caused)
+
+
+def test_a_floor_below_the_start_is_told_with_the_shift_that_raises_it(copy: Path) -> None:
+    _room(copy, ROOM.faces.tolist())
+    world = copy / "sim" / "world.yaml"
+    _edit(world, "mesh: room.obj", "mesh: room.obj\n  shift_m: [0, 0, -0.5]")
+    (low,) = [error for error in errors(check_study(copy)) if "must have the floor at z=0" in error]
+    assert "it is at z=-0.50 m" in low
+    assert "`shift_m: [0, 0, 0.5]` beside `mesh` moves it" in low
+    _edit(world, "shift_m: [0, 0, -0.5]", "shift_m: [0, 0, 0]")
+    assert errors(check_study(copy)) == []
+
+
+def test_the_map_shows_the_flaws_of_a_mesh_that_cannot_be_flown(copy: Path, tmp_path: Path) -> None:
+    _room(copy, [*ROOM.faces.tolist(), *ROOM.faces[:, ::-1].tolist()])
+    picture = tmp_path / "map.svg"
+    result = CliRunner().invoke(main, ["map", "--study", str(copy), "--output", str(picture)])
+    assert result.exit_code == 2
+    assert "12 of 24 faces are there twice" in result.stderr
+    assert "mesh: 12 of 24 faces are there twice" in picture.read_text()
 
 
 def test_a_waypoint_beyond_the_mine_is_told_how_far_the_mine_reaches(copy: Path) -> None:

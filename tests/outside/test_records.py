@@ -160,6 +160,29 @@ def test_the_vehicles_of_a_log_of_mavlink_are_told_apart(tmp_path: Path) -> None
     assert counts == {"LOCAL_POSITION_NED": 42, "ATTITUDE": 42, "LOCAL_POSITION_NED@2": 21, "ATTITUDE@2": 21}
 
 
+@pytest.mark.parametrize(
+    ("landed", "ending", "duration_s"),
+    [
+        ({5: 1, 15: 1}, Ending.TIMED_OUT, 2.0),
+        ({}, Ending.TIMED_OUT, 2.0),
+        ({0: 0, 12: 1}, Ending.LANDED, 1.2),
+        ({3: 1, 5: 0, 15: 1}, Ending.LANDED, 1.5),
+        ({3: 0}, Ending.TIMED_OUT, 2.0),
+    ],
+)
+def test_a_log_of_px4_ends_at_touch_down_and_not_where_it_first_says_landed(
+    landed: dict[int, int], ending: Ending, duration_s: float, tmp_path: Path
+) -> None:
+    path = records.px4(tmp_path, landed)
+    needed = dict.fromkeys(("z_m", "speed_mps", "tilt_rad", "home_m", "yaw_rad"), "requirement A")
+    mapping = ready_map("px4", frozenset(names_of(path)))
+    flight = flight_log(path, mapping, KNOWN, needed=needed)
+    assert (flight.log.ending, flight.log.duration_s) == (ending, pytest.approx(duration_s, abs=0.051))
+    last = {name: float(flight.log.signals[name][-1]) for name in needed}
+    told = {"z_m": 3.0, "speed_mps": 0.0, "tilt_rad": 0.2, "home_m": math.hypot(2.0, 4.0), "yaw_rad": math.pi / 2}
+    assert last == pytest.approx(told, abs=1e-5)
+
+
 def test_drop_outs_of_a_log_of_px4_are_told_with_time_and_duration(tmp_path: Path) -> None:
     path = records.ulog(tmp_path, dropouts_ms={10: 80, 30: 7})
     flight = flight_log(path, load_record_map(records.mapping(tmp_path, *KINDS["ulog"][1])), KNOWN, needed=NEEDED)
@@ -233,6 +256,15 @@ def test_the_flight_begins_and_ends_where_the_mapping_says(tmp_path: Path) -> No
     assert (log.signals["x_m"][0], log.signals["x_m"][-1], log.duration_s) == (1.0, 3.0, 2.0)
     with pytest.raises(InputError, match="the end of the flight never comes"):
         _table(tmp_path, text, "end: {column: armed, least: 3}")
+
+
+def test_a_log_without_a_position_begins_and_ends_with_its_other_signals(tmp_path: Path) -> None:
+    text = "t,x,near\n0,0,\n1,1,1\n2,2,1\n3,,1\n"
+    assert _table(tmp_path, text, x="{constant: 0}", clear="{column: near}").duration_s == 2.0
+    with pytest.raises(InputError, match="signal 'clearance_m' has no message"):
+        _table(tmp_path, "t,x,near\n0,0,\n", x="{constant: 0}", clear="{column: near}")
+    with pytest.raises(InputError, match="signal 'x_m' has no message"):
+        _table(tmp_path, text, x="{constant: 0}")
 
 
 def test_a_log_ends_at_the_first_contact_and_names_the_surface(tmp_path: Path) -> None:

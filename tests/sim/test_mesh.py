@@ -15,7 +15,18 @@ from studies import build
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim import mesh
-from scaloft_fi.sim.mesh import MeshLimits, box, cylinder, read_mesh, read_obj, surface_flaws
+from scaloft_fi.sim.mesh import (
+    MeshLimits,
+    Stated,
+    box,
+    cylinder,
+    read_mesh,
+    read_obj,
+    stated,
+    surface_flaws,
+    turn_back,
+    turn_up,
+)
 
 sizes = st.floats(0.1, 3.0)
 SHAPES = {
@@ -341,3 +352,43 @@ def test_a_backslash_at_the_end_of_a_vertex_or_a_face_joins_the_next_line_to_it(
 def test_a_backslash_elsewhere_is_no_white_space(read, text):
     with pytest.raises(InputError, match="must be a vertex"):
         read(text)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("a.dae", '<unit name="inch" meter="0.0254"/><up_axis>Z_UP</up_axis>', Stated("z", 0.0254)),
+        ("a.dae", "<asset><up_axis> Y_UP</up_axis>", Stated("y", 1.0)),
+        ("a.dae", "<unit meter='0.01' name='centimeter'/>", Stated("y", 0.01)),
+        ("a.dae", '<unit meter="inf"/><up_axis>X_UP</up_axis>', Stated("y")),
+        ("a.dae", '<unit meter="ten"/>', Stated("y")),
+        ("a.glb", "", Stated("y", 1.0)),
+        ("a.obj", "# unit mm", Stated()),
+        ("a.stl", "", Stated()),
+    ],
+)
+def test_a_file_says_its_unit_and_the_axis_that_is_up_or_does_not(name, text, said, tmp_path):
+    (tmp_path / name).write_text(text)
+    assert stated(tmp_path / name) == said
+
+
+def test_a_file_that_is_not_there_says_nothing(tmp_path):
+    assert stated(tmp_path / "none.dae") == Stated()
+
+
+@given(st.lists(st.tuples(*[st.floats(-9, 9)] * 3), min_size=1))
+def test_points_that_are_turned_up_and_back_are_where_they_were(points):
+    assert np.array_equal(turn_back(turn_up(np.array(points))), np.array(points))
+    assert turn_up(np.array([0.0, 1.0, 0.0])).tolist() == [0, 0, 1]
+
+
+@pytest.mark.parametrize("inside_out", [False, True])
+def test_an_outer_hull_around_a_mine_is_told_where_a_place_in_the_mine_counts_as_outside(inside_out):
+    block, tunnel = box((20.0, 20.0, 9.0)).triangles, turned(ROOM)
+    surface = np.concatenate([turned(block), ROOM] if inside_out else [block, tunnel])
+    lines = np.arange(1, len(surface) + 1)
+    (told,) = surface_flaws(surface, lines, Path("room.obj"), "line", [(0.0, 0.0, 0.0)])
+    assert told.sentence.startswith("this closed surface of 12 faces lies around the mine and is wound against it")
+    assert (told.place, told.grave) == ("room.obj:1", True)
+    assert not list(surface_flaws(surface, lines, Path("room.obj"), "line", [(8.0, 0.0, 0.0)]))  # in the rock
+    assert not list(surface_flaws(tunnel, lines[:12], Path("room.obj"), "line", [(0.0, 0.0, 0.0)]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 import struct
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -100,23 +101,51 @@ def mcap_of_many_chunks(folder: Path, *, summary: bool = True, odd: str = "") ->
     return path
 
 
+def _message(kind: bytes, data: bytes) -> bytes:
+    return struct.pack("<HB", len(data), kind[0]) + data
+
+
+def _begun(formats: Mapping[int, bytes]) -> list[bytes]:
+    """The beginning of a log of PX4 with these messages, by number."""
+    named = [message.partition(b":")[0] for message in formats.values()]
+    return [
+        b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0),
+        _message(b"B", bytes(40)),
+        *(_message(b"F", message) for message in formats.values()),
+        *(_message(b"A", struct.pack("<BH", 0, at) + name) for at, name in zip(formats, named, strict=True)),
+    ]
+
+
+def px4(folder: Path, landed: Mapping[int, int]) -> Path:
+    """Two seconds of PX4 at rest 3 m up, rolled by 0.2 rad, heading north; `landed`: what it says, by tick of 0.1 s."""
+    names = (b"x", b"y", b"z", b"vx", b"vy", b"vz", b"heading")
+    parts = _begun(
+        {
+            0: b"vehicle_local_position:uint64_t timestamp;" + b"".join(b"float %s;" % name for name in names),
+            1: b"vehicle_attitude:uint64_t timestamp;float[4] q;",
+            2: b"vehicle_land_detected:uint64_t timestamp;bool landed;",
+        }
+    )
+    for tick in range(21):
+        at_us = 1_000_000 + tick * 100_000
+        parts.append(_message(b"D", struct.pack("<HQ7f", 0, at_us, 4.0, 2.0, -3.0, 0.0, 0.0, 0.0, 0.0)))
+        parts.append(_message(b"D", struct.pack("<HQ4f", 1, at_us + 2000, math.cos(0.1), math.sin(0.1), 0.0, 0.0)))
+        if tick in landed:
+            parts.append(_message(b"D", struct.pack("<HQ?", 2, at_us, bool(landed[tick]))))
+    path = folder / "px4.ulg"
+    path.write_bytes(b"".join(parts))
+    return path
+
+
 def ulog(folder: Path, dropouts_ms: Mapping[int, int] = MappingProxyType({})) -> Path:
     """A log of PX4; `dropouts_ms`: how long a drop-out is, by the row that it follows."""
 
-    def message(kind: bytes, data: bytes) -> bytes:
-        return struct.pack("<HB", len(data), kind[0]) + data
-
-    parts = [
-        b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0),
-        message(b"B", bytes(40)),
-        message(b"F", b"place:uint64_t timestamp;float[3] at;float clear;"),
-        message(b"A", struct.pack("<BH", 0, 7) + b"place"),
-    ]
+    parts = _begun({7: b"place:uint64_t timestamp;float[3] at;float clear;"})
     for place, (t_s, x_m, clear_m) in enumerate(zip(TIMES_S.tolist(), X_M.tolist(), CLEAR_M.tolist(), strict=True)):
         row = struct.pack("<HQ4f", 7, 1_000_000 + round(t_s * 1e6), x_m, 0.0, 0.0, clear_m)
-        parts.append(message(b"D", row))
+        parts.append(_message(b"D", row))
         if place in dropouts_ms:
-            parts.append(message(b"O", struct.pack("<H", dropouts_ms[place])))
+            parts.append(_message(b"O", struct.pack("<H", dropouts_ms[place])))
     path = folder / "flight.ulg"
     path.write_bytes(b"".join(parts))
     return path

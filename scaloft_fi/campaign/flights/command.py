@@ -6,8 +6,8 @@ import json
 import math
 import shutil
 import sys
-import tempfile
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,6 +36,7 @@ from scaloft_fi.outside.command import (
     Told,
     run_command,
 )
+from scaloft_fi.outside.exchange import FlightFolder
 from scaloft_fi.outside.records import (
     DERIVED,
     PLACE,
@@ -44,7 +45,6 @@ from scaloft_fi.outside.records import (
     Known,
     RecordedFlight,
     RecordMap,
-    derivation,
     flight_log,
     kind_of,
     lacking,
@@ -85,8 +85,8 @@ def command_log(study: Study, command: FlightCommand, flight: Flight, wire: Wire
     if flight.mutant is not None and flight.mutant.event and not command.injects(flight.mutant.seam):
         raise CommandError(f"{flight.mutant.id} strikes at an event, and a relay is told of none")
     mapping, known = mapping_of(study), known_in(study, command, flight.situation)
-    with tempfile.TemporaryDirectory(prefix="scaloft-fi-", ignore_cleanup_errors=True) as made:
-        folder, beside = Path(made) / "flight", Path(made) / "beside"
+    with closing(FlightFolder()) as made:
+        folder, beside = made.path / "flight", made.path / "beside"
         folder.mkdir()
         beside.mkdir()
         values = values_of(study, flight, folder, command)
@@ -96,7 +96,8 @@ def command_log(study: Study, command: FlightCommand, flight: Flight, wire: Wire
         try:
             env |= relays.begin()
             attend = relays.attend if command.relays else None
-            told = run_command(words, env, study.folder.resolve(), command.limit_s, beside, attend)
+            own = study.folder.resolve()
+            told = run_command(words, env, own, command.limit_s, beside, attend, made.lifeline)
         finally:
             relays.close()
         try:
@@ -300,7 +301,7 @@ def judged_record(study: Study, path: Path, mapping: RecordMap, known: Known) ->
     Raises:
         InputError: the record cannot be read, or lacks what a requirement needs.
     """
-    recorded = [*mapping.signals, *(name for name in DERIVED if derivation(mapping, known, name))]
+    recorded = [*mapping.signals, *DERIVED]
     requirements = study.requirements if mapping.ours else study.requirements_over(recorded)
     needed = needed_by(requirements, {*study.signals, *recorded})
     flight = flight_log(path, mapping, known, needed=needed, beliefs=study.stack.belief_names)
