@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -302,7 +302,9 @@ def held(files: Sequence[Path]) -> Answer:
         Table(
             f"What {path} holds",
             FIELD_HEADERS,
-            tuple(astuple(one)[1:] for one in fields if one.file == path),
+            tuple(
+                (one.field, one.messages, one.rate_hz, one.first_s, one.last_s) for one in fields if one.file == path
+            ),
             tuple(notes_on([loss for loss in losses if loss.file == path])),
         )
         for path, _ in found

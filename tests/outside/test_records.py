@@ -482,6 +482,22 @@ def test_a_message_that_is_no_number_is_refused_with_its_place(
         _log(write(tmp_path), records.mapping(tmp_path, *words))
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds of memory are those of Linux")
+@pytest.mark.parametrize("cut_bytes", [0, 40])
+@pytest.mark.parametrize("kind", ["mcap-ZSTD", "mcap-LZ4", "bag-LZ4"])
+def test_a_record_that_unpacks_to_too_much_is_one_sentence(
+    kind: str, cut_bytes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("scaloft_fi.apart.APART_BYTES", 64 << 20)
+    path = records.bomb(tmp_path, kind, 200 << 20)
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) - cut_bytes])
+    assert len(content) < 2 << 20
+    for read in (fields_of, names_of):
+        with pytest.raises(InputError, match=r"it unpacks to more than \d+ MiB|the record cannot be read: .*index"):
+            read(path)
+
+
 def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
     for name in ("large.csv", "large.mcap", "large.ulg", "large.bag"):
         with (tmp_path / name).open("wb") as file:

@@ -101,6 +101,29 @@ def mcap_of_many_chunks(folder: Path, *, summary: bool = True, odd: str = "") ->
     return path
 
 
+def bomb(folder: Path, kind: str, size: int) -> Path:
+    """A small record whose one message unpacks to `size` bytes."""
+    import mcap.writer
+    from rosbags import rosbag1
+
+    path = folder / f"bomb.{kind.partition('-')[0]}"
+    if kind.startswith("mcap"):
+        with path.open("wb") as file:
+            packed = mcap.writer.CompressionType[kind.partition("-")[2]]
+            writer = mcap.writer.Writer(file, chunk_size=2 * size, compression=packed)
+            writer.start()
+            writer.add_message(writer.register_channel("/x", "json", 0), 0, bytes(size), 0)
+            writer.finish()
+        return path
+    bag = rosbag1.Writer(path)
+    bag.set_compression(rosbag1.Writer.CompressionFormat[kind.partition("-")[2]])
+    with bag:
+        bag.write(
+            bag.add_connection("/x", "std_msgs/msg/String", msgdef="string data", md5sum="0" * 32), 0, bytes(size)
+        )
+    return path
+
+
 def _message(kind: bytes, data: bytes) -> bytes:
     return struct.pack("<HB", len(data), kind[0]) + data
 

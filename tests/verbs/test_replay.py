@@ -222,6 +222,46 @@ def test_a_record_without_a_time_limit_ends_and_is_not_at_its_limit(tmp_path: Pa
     assert (told["records"][0]["ending"], told["readings"][0]["verdict"]) == (None, "held")
 
 
+@pytest.mark.parametrize(
+    ("formula", "verdict", "robustness"),
+    [
+        ("always(wind < 5)", "violated", -2.0),
+        ("always(roll_rad < 0.5)", "held", 0.1),
+        ("always(tilt_rad < 0.3)", "violated", -0.1),
+        ("always(home_m < 2.5 or wind > 3)", "held", 1.0),
+        ("always(clearance_m > 1.5)", "held", 0.5),
+        ("always(clearance_person_m > 3)", "violated", -1.0),
+        ("always(person_sight_m < 500)", "held", 100.0),
+    ],
+)
+def test_a_requirement_takes_any_signal_of_a_record_as_far_as_it_was_measured(
+    formula: str, verdict: str, robustness: float, tmp_path: Path
+) -> None:
+    study, mapping = copied(tmp_path / "study"), tmp_path / "own.yaml"
+    columns = {"x_m": "x", "wind": "wind", "roll_rad": "roll", "clearance_m": "near", "person_sight_m": "sight"}
+    more = "y_m: {constant: 0}, z_m: {constant: 2}, pitch_rad: {constant: 0}, clearance_person_m: {column: near}"
+    entries = ", ".join(f"{name}: {{column: {column}}}" for name, column in columns.items())
+    mapping.write_text(f"time: {{column: t}}\nsignals: {{{entries}, {more}}}")
+    (study / "sim" / "requirements.yaml").write_text(f"requirements: {{A: {{kind: safety, formula: {formula}}}}}")
+    (tmp_path / "own.csv").write_text("t,x,wind,roll,near,sight\n0,0,4,0,4,300\n1,3,7,0.4,2,400\n2,3,4,0,4,300\n")
+    done = judge(tmp_path / "own.csv", "--record", mapping, "--format", "json", study=study)
+    (reading,) = of_form("judge", done.stdout)["readings"]
+    assert (reading["verdict"], reading["robustness"]) == (verdict, pytest.approx(robustness))
+
+
+@pytest.mark.parametrize("formula", ["always(tilt_rad < 1)", "always(speed_mps < 1)", "always(yaw_rad < 1)"])
+def test_a_signal_that_does_not_follow_from_the_record_is_named_with_what_it_follows_from(
+    formula: str, tmp_path: Path
+) -> None:
+    study, mapping = copied(tmp_path / "study"), tmp_path / "own.yaml"
+    mapping.write_text("time: {column: t}\nsignals: {x_m: {column: t}, y_m: {column: t}, z_m: {column: t}}")
+    (study / "sim" / "requirements.yaml").write_text(f"requirements: {{A: {{kind: safety, formula: {formula}}}}}")
+    (tmp_path / "own.csv").write_text("t\n0\n1\n")
+    done = judge(tmp_path / "own.csv", "--record", mapping, study=study)
+    name = formula[7:].partition(" ")[0]
+    assert f"requirement A needs the signal '{name}', and {mapping} maps neither signal '{name}' nor " in done.stderr
+
+
 def test_what_breaks_a_requirement_between_samples_is_told(tmp_path: Path) -> None:
     study, mapping = copied(tmp_path / "study"), tmp_path / "own.yaml"
     mapping.write_text("time: {column: t}\nsignals: {x_m: {column: x}, y_m: {column: x}, z_m: {column: x}}")
