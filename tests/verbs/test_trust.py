@@ -41,6 +41,7 @@ READS = {
     "merge": ("results/campaigns/default",),
     "export": ("--output", "flights.csv"),
     "judge": ("record.csv",),
+    "hazop": ("import", "sheet.csv"),
     "diff": ("default", "default"),
     "mutants": ("--write",),
     "report": ("--output", "report.html"),
@@ -48,8 +49,8 @@ READS = {
     "completion": ("bash",),
 }
 """Words of the verbs that fly nothing, where they need some."""
-REFUSED = ("judge", "margin")
-"""The verbs that find nothing to read here: a record, flights of several magnitudes."""
+REFUSED = ("judge", "margin", "hazop")
+"""The verbs that find nothing to read here: a record, flights of several magnitudes, a sheet."""
 
 
 @pytest.fixture(scope="session")
