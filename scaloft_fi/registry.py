@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from traceback import walk_tb
@@ -84,13 +86,23 @@ class Registry(Mapping[str, T], Generic[T]):
             raise ValueError(f"{self.noun} {name!r} is declared twice")
 
 
+def plugins() -> tuple[EntryPoint, ...]:
+    """What installed packages name in the entry-point group `scaloft_fi.plugins`; looked for once where Python looks."""
+    return _plugins_in(tuple(sys.path))
+
+
+@lru_cache(maxsize=4)
+def _plugins_in(_path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
+    return tuple(entry_points(group=PLUGIN_GROUP))
+
+
 def load_plugins() -> None:
     """Import every module that an installed package names in the entry-point group `scaloft_fi.plugins`.
 
     Raises:
         InputError: a plugin cannot be imported, or declares a name that is taken; it names plugin and package.
     """
-    for plugin in entry_points(group=PLUGIN_GROUP):
+    for plugin in plugins():
         load_plugin(plugin)
 
 
@@ -117,13 +129,13 @@ def in_one_line(error: BaseException) -> str:
 
 def plugin_behind(error: BaseException) -> str:
     """The plugin, and its package, in whose modules an error, or what caused it, was raised; "" where in none."""
-    plugins = {plugin.module: plugin for plugin in reversed([*entry_points(group=PLUGIN_GROUP)])}
-    packages = {module.partition(".")[0]: plugin for module, plugin in plugins.items()}
+    named = {plugin.module: plugin for plugin in reversed(plugins())}
+    packages = {module.partition(".")[0]: plugin for module, plugin in named.items()}
     cause: BaseException | None = error
     while cause is not None:
         for frame, _ in walk_tb(cause.__traceback__):
             module = str(frame.f_globals.get("__name__", ""))
-            plugin = plugins.get(module) or packages.get(module.partition(".")[0])
+            plugin = named.get(module) or packages.get(module.partition(".")[0])
             if plugin is not None:
                 return _named(plugin)
         cause = cause.__cause__

@@ -71,11 +71,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--release", action="store_true", help="also run the tests marked release, before a release")
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave out what is for a release, and run files that fly first: a long one at the end would fly alone.
 
+    What is seen in a browser is for a release too.
+
     A file stays in one process.  The first one compiles what all others load; the second has other work for that time.
     """
+    for item in items:
+        if "browser" in getattr(item, "fixturenames", ()):
+            item.add_marker("release")
     if not EFFORT.release:
         late = [item for item in items if item.get_closest_marker("release")]
         config.hook.pytest_deselected(items=late)

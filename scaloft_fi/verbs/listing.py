@@ -7,7 +7,6 @@ import inspect
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib.metadata import entry_points
 from types import CodeType
 from typing import Annotated, Any, ClassVar, Generic, TypeVar, get_args, get_origin
 
@@ -16,7 +15,7 @@ import numpy as np
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.mutants.operator import Argument, Operator
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.registry import PLUGIN_GROUP
+from scaloft_fi.registry import plugins
 from scaloft_fi.stack import messages
 from scaloft_fi.stack.declaration import UNITS, Seam
 from scaloft_fi.study import Study
@@ -399,7 +398,7 @@ def package_of(made: Callable[..., Any] | str) -> str:
     first = module.partition(".")[0]
     if first == __name__.partition(".")[0]:
         return OWN
-    named = {plugin.module.partition(".")[0]: plugin.dist for plugin in entry_points(group=PLUGIN_GROUP)}
+    named = {plugin.module.partition(".")[0]: plugin.dist for plugin in plugins()}
     distribution = named.get(first)
     return distribution.name if distribution else first
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator
-from importlib.metadata import entry_points
 from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
@@ -20,7 +19,7 @@ from click.shell_completion import CompletionItem
 
 from scaloft_fi.document import CATALOGUE_BYTES, load, read_text
 from scaloft_fi.hazop.load import find_study
-from scaloft_fi.registry import PLUGIN_GROUP
+from scaloft_fi.registry import plugins
 
 if TYPE_CHECKING:
     from scaloft_fi.document import Item
@@ -57,7 +56,7 @@ def rows(pattern: str, file: str) -> list[str]:
 
 def _plugins() -> Iterator[Path]:
     """The sources of the packages that have plugins; none of them is imported."""
-    for top in sorted({plugin.module.partition(".")[0] for plugin in entry_points(group=PLUGIN_GROUP)}):
+    for top in sorted({plugin.module.partition(".")[0] for plugin in plugins()}):
         spec = find_spec(top)
         if spec is not None and spec.submodule_search_locations is not None:
             for folder in spec.submodule_search_locations:

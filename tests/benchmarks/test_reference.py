@@ -69,7 +69,7 @@ def test_a_hand_edit_of_the_record_is_found(tmp_path: Path, name: str) -> None:
     (copy / name).write_bytes(edited)
     if name == MANIFEST:
         status = reference.call("status", "--campaign", str(copy), "--study", str(reference.ROOT), "--format", "json")
-        (cited,) = re.findall(rb"[0-9a-f]{64}", made()["status.md"])
+        (cited,) = re.findall(rb"[0-9a-f]{64}", (REFERENCE / "status.md").read_bytes())
         assert cited not in status
     else:
         with pytest.raises(InputError, match=f"{name} is not what was archived"):

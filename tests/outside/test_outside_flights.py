@@ -188,6 +188,7 @@ def test_a_planner_outside_flies_bit_for_bit_as_the_same_planner_inside(
         assert (own.altered > 0) == (subject == "LATE-human@3s")
 
 
+@pytest.mark.release
 @pytest.mark.flight
 def test_placebo_outside_flies_as_the_baseline_and_a_late_person_is_shown(outside: dict[str, Outcome]) -> None:
     baseline, late, placebo = outside.values()
