@@ -87,7 +87,7 @@ class Registry(Mapping[str, T], Generic[T]):
 
 
 def plugins() -> tuple[EntryPoint, ...]:
-    """What installed packages name in the entry-point group `scaloft_fi.plugins`; looked for once where Python looks."""
+    """What installed packages name in the entry-point group `scaloft_fi.plugins`, looked for once."""
     return _plugins_in(tuple(sys.path))
 
 
