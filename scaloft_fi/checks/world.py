@@ -18,7 +18,7 @@ from scaloft_fi.document import Item, load
 from scaloft_fi.model import read
 from scaloft_fi.sim.happenings import misfits
 from scaloft_fi.sim.load import Scenario
-from scaloft_fi.sim.mesh import Array, hull, stated
+from scaloft_fi.sim.mesh import COST, MANY_TRIANGLES, Array, hull, stated
 from scaloft_fi.sim.mine import UNITS_M, Corner, Mine, flaws_of, read_mine
 from scaloft_fi.sim.sensors import read_sensors
 from scaloft_fi.sim.vehicle import Vehicle
@@ -65,13 +65,16 @@ def check_mesh(mine: Item, findings: Findings) -> None:
 
 
 def check_reading(mesh: Item, mine: Item, rock: Mine, findings: Findings) -> None:
-    """A note for a unit and an axis that are not stated beside a mesh: what the file says, or a default."""
+    """A note for unit and axis of a mesh where they are not stated, and for a mesh that costs time."""
     path = mesh.path.parent / str(mesh.value)
     said, told = stated(path), []
     if mine.get("up") is None:
         told.append(f"{said.up or 'z'} of the file is up, {'as the file says' if said.up else 'by default'}")
     if mine.get("scale_m") is None:
         told.append(f"its unit is {said.unit_m or 1:g} m, {'as the file says' if said.unit_m else 'by default'}")
+    count = len(rock.wall.faces) + len(rock.ground.faces)
+    if count > MANY_TRIANGLES:
+        findings.note(mesh.place, f"the mesh has {count:,} triangles; {COST}", "`decimate_to: 50000` makes fewer")
     if told:
         size = " x ".join(f"{edge:.3g}" for edge in rock.extents[1] - rock.extents[0])
         keys = " and ".join(f"`{key}`" for key in ("up", "scale_m") if mine.get(key) is None)

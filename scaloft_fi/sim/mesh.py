@@ -309,6 +309,12 @@ class View:
     segments: Segments
 
 
+COST = "each 100,000 triangles take about 1 s and 100 MiB in every process that flies"
+MANY_TRIANGLES = 100_000
+MOST_CORNERS, MOST_FACES_OF_ONE = 131_072, 174_762
+"""Most vertices and triangles of one surface in PyBullet (`B3_MAX_NUM_VERTICES`, `B3_MAX_NUM_INDICES`)."""
+MOST_DECIMATED = 2_000_000
+"""Most triangles of a file that is decimated."""
 FARTHEST_M = 1e5
 """Greatest coordinate of anything in a world [m]; the stack's map and the physics server lose precision beyond."""
 
@@ -418,7 +424,34 @@ def read_mesh(path: Path, place: str, scale: float, up: str, limits: MeshLimits)
 
 
 def _exceeded(place: str, reason: str, limit: str) -> InputError:
-    return InputError(f"{place}: {reason}; `mesh_limits: {{{limit}: ...}}` beside `mesh` allows more")
+    fewer = f"; {COST}, and `decimate_to: 50000` beside `mesh` makes fewer" if limit == "triangles" else ""
+    return InputError(f"{place}: {reason}; `mesh_limits: {{{limit}: ...}}` beside `mesh` allows more{fewer}")
+
+
+def decimated(file: MeshFile, most: int, place: str) -> MeshFile:
+    """A mesh of about `most` triangles, by quadric error metrics (Garland and Heckbert 1997).
+
+    Names and lines are those of the nearest faces before.  Pairs of faces that fold onto each other go, so what is
+    closed stays closed.
+
+    Raises:
+        InputError: the library is not installed.
+    """
+    from scipy.spatial import KDTree
+
+    if find_spec("fast_simplification") is None:
+        raise InputError(f"{place}: decimate_to={most} needs pip install fast-simplification")
+    if len(file.mesh.faces) <= most:
+        return file
+    whole = import_module("trimesh").Trimesh(file.mesh.vertices, file.mesh.faces)
+    fewer = whole.simplify_quadric_decimation(face_count=most)
+    mesh = Mesh(np.asarray(fewer.vertices, np.float64), np.array(fewer.faces, np.int64))
+    which = np.unique(np.sort(mesh.faces, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
+    a, b, c = mesh.faces.T
+    sides = np.sign((b - a) * (c - b) * (a - c))  # how a face is wound, by its indices
+    mesh = Mesh(mesh.vertices, mesh.faces[sides * np.bincount(which, weights=sides)[which] > 0])
+    near = KDTree(file.mesh.triangles.mean(axis=1)).query(mesh.triangles.mean(axis=1))[1]
+    return MeshFile(mesh, tuple(file.names[number] for number in near), file.lines[near], file.word)
 
 
 def _text(path: Path, place: str, limits: MeshLimits) -> str:
@@ -437,7 +470,9 @@ def _read_by_library(path: Path, place: str, scale: float, limits: MeshLimits) -
     pieces = read_apart(path, lambda: _pieces(path, place))
     if not pieces:
         raise InputError(f"{place}: mesh={shown(str(path))} must have faces")
-    whole = join([Mesh(vertices * scale, faces) for vertices, faces, _ in pieces])
+    corners = np.concatenate([vertices[faces].reshape(-1, 3) for vertices, faces, _ in pieces]) * scale
+    vertices, faces = np.unique(corners, axis=0, return_inverse=True)  # many formats write each corner for each face
+    whole = Mesh(vertices, faces.reshape(-1, 3).astype(np.int64))
     if len(whole.faces) > limits.triangles:
         raise _exceeded(place, f"the mesh must have at most {limits.triangles:,} triangles", "triangles")
     if not (np.abs(whole.vertices) <= FARTHEST_M).all():
@@ -583,7 +618,9 @@ def surface_flaws(
     def flaw(face: int, sentence: str, remedy: str, *, grave: bool) -> Flaw:
         place = f"{path}:{lines[face]}" if word == "line" else f"{path}: face {lines[face]}"
         x, y, z = map(float, triangles[face].mean(axis=0))
-        return Flaw(place, (x, y, z), sentence.replace("this line", f"this {word}"), remedy, grave)
+        if word != "line":
+            sentence = sentence.replace("the face at this line", "this face").replace("at this line", "here")
+        return Flaw(place, (x, y, z), sentence, remedy, grave)
 
     sides = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     empty = 0.5 * np.linalg.norm(sides, axis=1) <= LEAST_AREA_M2
@@ -606,7 +643,7 @@ def surface_flaws(
     if surface.turned.any():
         first = int(surface.turned.argmax())
         sentence = f"{_faces(surface.turned)} wound the other way than their neighbours, the first at this line"
-        beside = f"beside the face at {word} {lines[surface.upright_neighbour(first)]}"
+        beside = f"beside {'the face at line' if word == 'line' else word} {lines[surface.upright_neighbour(first)]}"
         yield flaw(first, f"{sentence}, {beside}", _TURN, grave=True)
     for own in _swollen(triangles, surface):
         sentence = f"this closed surface of {int(own.sum())} faces lies within another and is wound like it"

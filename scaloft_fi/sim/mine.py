@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
 from pathlib import Path
@@ -201,6 +201,7 @@ class MeshMine(_Rock):
         scale_m: metres per unit of the file; left out: what the file says (DAE, glTF), else 1 [m].
         up: axis of the file that is up; left out: what the file says (DAE, glTF), else z.
         shift_m: moves the mesh, in world axes, so that the floor is at z = 0 where the mission begins [m].
+        decimate_to: triangles to which a larger mesh, such as a scan, is reduced; left out: it stays as it is.
         ground: objects of the file that form the floor; left out: the level faces with no face below.
         mesh_limits: limits of the file.
     """
@@ -209,6 +210,7 @@ class MeshMine(_Rock):
     scale_m: Annotated[MoreThanZero | None, Examples(0.01)] = None
     up: Literal["y", "z"] | None = None
     shift_m: tuple[Metres, Metres, Metres] = (0.0, 0.0, 0.0)
+    decimate_to: Annotated[int | None, Bounds(least=100, most=1_000_000), Examples(50_000)] = None
     ground: tuple[str, ...] = ()
     mesh_limits: MeshLimits = field(default_factory=MeshLimits)
 
@@ -218,9 +220,15 @@ class MeshMine(_Rock):
         Raises:
             InputError: the mesh is unreadable.
         """
-        path = item.path.parent / self.mesh
-        file = meshes.read_mesh(path, item.need("mesh").place, *self.reading(path), self.mesh_limits)
-        return path, file._replace(mesh=file.mesh.moved(self.shift_m)) if any(self.shift_m) else file
+        path, place, limits = item.path.parent / self.mesh, item.need("mesh").place, self.mesh_limits
+        if self.decimate_to is not None:
+            limits = replace(limits, triangles=max(limits.triangles, meshes.MOST_DECIMATED))
+        file = meshes.read_mesh(path, place, *self.reading(path), limits)
+        if self.decimate_to is not None:
+            file = meshes.decimated(file, self.decimate_to, item.need("decimate_to").place)
+        if any(self.shift_m):
+            file = file._replace(mesh=file.mesh.moved(self.shift_m))
+        return path, file
 
     def reading(self, path: Path) -> tuple[float, str]:
         """Metres per unit of the file, and its axis that is up."""
@@ -236,6 +244,13 @@ class MeshMine(_Rock):
         _, file = self.surface(item)
         place = (item.get("ground") or item.need("mesh")).place
         wall, ground = meshes.split_floor(file.mesh, file.names, list(self.ground), place)
+        for part, what in ((wall, "walls"), (ground, "floor")):
+            faces, corners = len(part.faces), len(part.vertices)
+            if faces > meshes.MOST_FACES_OF_ONE or corners > meshes.MOST_CORNERS:
+                most = f"{meshes.MOST_FACES_OF_ONE:,} and {meshes.MOST_CORNERS:,} of one surface"
+                sentence = f"the {what} of the mesh have {faces:,} triangles and {corners:,} vertices"
+                remedy = "`decimate_to: 100000` beside `mesh` makes fewer"
+                raise InputError(f"{item.need('mesh').place}: {sentence}, PyBullet takes at most {most}; {remedy}")
         return Mine(wall, ground, False, self.wall_reflectivity, self.ground_reflectivity, (), math.nan)
 
 

@@ -329,6 +329,26 @@ def test_a_floor_below_the_start_is_told_with_the_shift_that_raises_it(copy: Pat
     assert errors(check_study(copy)) == []
 
 
+def test_what_a_large_mesh_costs_is_told_and_decimated_if_the_study_asks(copy: Path) -> None:
+    _room(copy, ROOM.faces.tolist())
+    large = trimesh.load(copy / "sim" / "room.obj")
+    for _ in range(7):
+        large = large.subdivide()
+    large.export(copy / "sim" / "room.ply")
+    world = copy / "sim" / "world.yaml"
+    _edit(world, "mesh: room.obj", "mesh: room.ply")
+    told = [str(one) for one in check_study(copy).findings if "triangles" in one.what]
+    assert len(told) == 1
+    assert "the mesh has 196,608 triangles; each 100,000 triangles take" in told[0]
+    assert told[0].endswith("`decimate_to: 50000` makes fewer")
+    _edit(world, "mesh: room.ply", "mesh: room.ply\n  mesh_limits: {triangles: 100_000}")
+    (error,) = errors(check_study(copy))
+    assert "the mesh must have at most 100,000 triangles; `mesh_limits: {triangles: ...}` beside `mesh` allows" in error
+    _edit(world, "mesh: room.ply", "mesh: room.ply\n  decimate_to: 1000")
+    assert not [one for one in check_study(copy).findings if "triangles" in one.what]
+    assert errors(check_study(copy)) == []
+
+
 def test_the_map_shows_the_flaws_of_a_mesh_that_cannot_be_flown(copy: Path, tmp_path: Path) -> None:
     _room(copy, [*ROOM.faces.tolist(), *ROOM.faces[:, ::-1].tolist()])
     picture = tmp_path / "map.svg"

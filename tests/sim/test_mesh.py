@@ -16,10 +16,13 @@ from studies import build
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim import mesh
 from scaloft_fi.sim.mesh import (
+    MeshFile,
     MeshLimits,
     Stated,
     box,
     cylinder,
+    decimated,
+    lathe,
     read_mesh,
     read_obj,
     stated,
@@ -392,3 +395,37 @@ def test_an_outer_hull_around_a_mine_is_told_where_a_place_in_the_mine_counts_as
     assert (told.place, told.grave) == ("room.obj:1", True)
     assert not list(surface_flaws(surface, lines, Path("room.obj"), "line", [(8.0, 0.0, 0.0)]))  # in the rock
     assert not list(surface_flaws(tunnel, lines[:12], Path("room.obj"), "line", [(0.0, 0.0, 0.0)]))
+
+
+def _ball(rings):
+    """A closed ball of many faces, whose upper half has a name."""
+    angles = np.pi * np.arange(rings + 1) / rings
+    form = lathe([(abs(math.sin(a)) * (0 < i < rings), -math.cos(a)) for i, a in enumerate(angles)], 2 * rings)
+    names = tuple("top" if z > 0 else "" for z in form.triangles[:, :, 2].mean(axis=1))
+    return MeshFile(form, names, np.arange(1, len(form.faces) + 1))
+
+
+@pytest.mark.parametrize("most", [200, 700, 2000])
+def test_a_decimated_mesh_has_few_triangles_is_closed_and_keeps_names_and_lines(most):
+    file = _ball(40)
+    fewer = decimated(file, most, "world.yaml:3")
+    assert 0.9 * most <= len(fewer.mesh.faces) <= most
+    triangles = fewer.mesh.triangles
+    assert not list(surface_flaws(triangles, fewer.lines, Path("ball.obj")))
+    assert np.linalg.norm(fewer.mesh.vertices, axis=1) == pytest.approx(1.0, abs=0.1)
+    middles = triangles[:, :, 2].mean(axis=1)
+    assert all((name == "top") == (z > 0) for name, z in zip(fewer.names, middles, strict=True) if abs(z) > 0.2)
+    assert set(fewer.lines) <= set(file.lines)
+    again = decimated(file, most, "world.yaml:3")
+    assert again.mesh.vertices.tobytes() == fewer.mesh.vertices.tobytes()
+
+
+def test_a_mesh_that_is_small_already_is_not_decimated():
+    file = _ball(10)
+    assert decimated(file, len(file.mesh.faces), "world.yaml:3") is file
+
+
+def test_decimation_without_its_library_is_one_sentence(monkeypatch):
+    monkeypatch.setattr("scaloft_fi.sim.mesh.find_spec", lambda _: None)
+    with pytest.raises(InputError, match=r"^world.yaml:3: decimate_to=100 needs pip install fast-simplification$"):
+        decimated(_ball(10), 100, "world.yaml:3")

@@ -176,6 +176,13 @@ def test_a_users_own_mine_is_read_from_an_obj_file(with_mesh, keys):
     assert all(math.isfinite(config.scenario(situation).t_max_s) for situation in config.grid.situations)
 
 
+@pytest.mark.parametrize(("limit", "most"), [("MOST_FACES_OF_ONE", 9), ("MOST_CORNERS", 7)])
+def test_a_surface_that_the_physics_cannot_hold_is_refused_with_the_remedy(with_mesh, monkeypatch, limit, most):
+    monkeypatch.setattr(f"scaloft_fi.sim.mesh.{limit}", most)
+    with pytest.raises(InputError, match=r"PyBullet takes at most .* of one surface; `decimate_to: 100000`"):
+        load(with_mesh())
+
+
 def test_a_users_mine_may_be_wound_either_way(with_mesh):
     lines = (line.split() for line in OBJ_ROOM.splitlines())
     flipped = "\n".join(" ".join([word, *(rest[::-1] if word == "f" else rest)]) for word, *rest in lines)
