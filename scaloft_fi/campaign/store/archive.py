@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 import numpy as np
 
 from scaloft_fi import document
+from scaloft_fi.apart import most_unpacked, read_apart
 from scaloft_fi.campaign.store import record
 from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.record import BadCellError, Cell, Origin, Planned, TooLargeError, decoded, most_flights
@@ -54,7 +55,7 @@ _SHOWN = 200
 
 
 def read_columns(path: Path, content: bytes, types: Mapping[str, str]) -> pyarrow.Table:
-    """Columns of a file.
+    """Columns of a file, read in a process of its own: a value that stands once may be meant a million times.
 
     Args:
         path: path of the file, for messages.
@@ -65,11 +66,19 @@ def read_columns(path: Path, content: bytes, types: Mapping[str, str]) -> pyarro
         InputError: pyarrow is not installed, or the file is damaged, lacks a column or is too large.
     """
     try:
-        import pyarrow
-        import pyarrow.parquet
+        import pyarrow.parquet  # noqa: F401 - the process of its own has it then
     except ImportError as error:
         raise InputError(f"{path}: reading it needs pyarrow: pip install 'scaloft-fi[parquet]'") from error
+    table: pyarrow.Table = read_apart(path, lambda: _columns(path, content, types))
+    return table
+
+
+def _columns(path: Path, content: bytes, types: Mapping[str, str]) -> pyarrow.Table:
+    import pyarrow
+    import pyarrow.parquet
+
     most = most_flights()
+    pyarrow.set_memory_pool(pyarrow.system_memory_pool())  # the other pools take room in advance, which no limit sees
     try:
         file = pyarrow.parquet.ParquetFile(pyarrow.BufferReader(content))
         there = {field.name: _named(field.type) for field in file.schema_arrow}
@@ -80,7 +89,7 @@ def read_columns(path: Path, content: bytes, types: Mapping[str, str]) -> pyarro
         if file.metadata.num_rows > most or sum(group.total_byte_size for group in groups) > most * MOST_ROW_BYTES:
             raise TooLargeError(path.name)
         parts, size = [], 0
-        for part in file.iter_batches(CHUNK, columns=list(types)):
+        for part in file.iter_batches(CHUNK, columns=list(types), use_threads=False):
             parts.append(part)
             size += part.nbytes
             if size > most * MOST_ROW_BYTES:  # a value that is repeated is larger than its file says
@@ -88,6 +97,8 @@ def read_columns(path: Path, content: bytes, types: Mapping[str, str]) -> pyarro
         return pyarrow.Table.from_batches(parts, pyarrow.schema(file.schema_arrow.field(name) for name in types))
     except TooLargeError as error:
         raise InputError(f"{path}: {error}") from error
+    except MemoryError:  # Arrow's own is an ArrowException too
+        raise
     except (pyarrow.ArrowException, OSError, ValueError) as error:
         own = ascii(str(error).partition("\n")[0])[1:-1][:_SHOWN]
         raise InputError(f"{path}: the file holds no flights of an archive: {own}") from error
@@ -579,8 +590,9 @@ def _unpacked(path: Path, _changed_ns: int, _size: int) -> Path:
         with document.opened(path) as file, zipfile.ZipFile(file) as archive:
             entries = [entry for entry in archive.infolist() if not entry.is_dir()]
             # no more is read of a file than the list of files says
-            if len(entries) > MOST_FILES or sum(entry.file_size for entry in entries) > FILE_BYTES:
-                raise InputError(f"{path}: the archive has more than {MOST_FILES} files or {FILE_BYTES:,} bytes")
+            most = min(FILE_BYTES, most_unpacked(_size))
+            if len(entries) > MOST_FILES or sum(entry.file_size for entry in entries) > most:
+                raise InputError(f"{path}: the archive has more than {MOST_FILES} files or {most:,} bytes")
             for entry in entries:
                 target = _target(folder, entry.filename)
                 target.parent.mkdir(parents=True, exist_ok=True)
