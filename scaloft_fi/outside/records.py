@@ -7,6 +7,7 @@ a record lacks are derived from others.
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -1036,28 +1037,40 @@ def draft(fields: Sequence[RecordedField]) -> str:
                 more += f", offset: {entry.offset!r}" if entry.offset else ""
                 more += f", unknown: {entry.unknown!r}" if entry.unknown is not None else ""
                 more += f", gap_s: {min(entry.gap_s, LONGEST_HELD_S)!r}" if entry.gap_s is not None else ""
-                lines.append(f'  {signal}: {{topic: {entry.topic}, field: "{entry.field}"{more}}}')
+                lines.append(f"  {signal}: {{{_where(entry.topic, entry.field)}{more}}}")
             return "\n".join(lines)
     lines = ["signals:"]
-    short = {one.name: re.split(r"[./: ]+", one.field.lower())[-1] for one in fields}
+    paths = {one.name: re.sub(r"[/: ]+", ".", one.field.lower()) for one in fields}
     clocks = ((one, found) for one in fields if not one.topic and (found := TIME_COLUMN.fullmatch(one.field)))
     if clock := next(clocks, None):
         unit, guessed = (clock[1][1].lower(), "") if clock[1][1] else (_likely_unit(clock[0]), "  # a guess")
-        lines = [f'time: {{column: "{clock[0].field}", unit: {unit}}}{guessed}', *lines]
+        lines = [f"time: {{{_where('', clock[0].field)}, unit: {unit}}}{guessed}", *lines]
+    home: str | None = None
     for signal in DRAFTED:
-        stem = signal.removesuffix("_mps").removesuffix("_m").lower()
-        alike = re.compile(ALIKE[stem[0]].format(stem[-1]) if stem[:-1] in ("", "v") else f"{stem}|{signal}")
-        one = next((there[name] for name, last in short.items() if alike.fullmatch(last)), None)
+        stem = signal.removesuffix("_mps").removesuffix("_m")
+        alike = re.compile(ALIKE.get(stem[:-1], f"(?:.*\\.)?{stem}(?:_m)?").format(stem[-1]))
+        fitting = [there[name] for name, path in paths.items() if alike.fullmatch(path)]
+        one = next((one for one in fitting if one.topic == home), fitting[0] if fitting else None)
         if one is None:
             lines.append(f"  # {signal}: {{...}}")
         else:
-            where = f'topic: {one.topic}, field: "{one.field}"' if one.topic else f'column: "{one.field}"'
-            lines.append(f"  {signal}: {{{where}}}")
+            home = one.topic if home is None else home
+            lines.append(f"  {signal}: {{{_where(one.topic, one.field)}}}")
     return "\n".join(lines)
 
 
-ALIKE = {**dict.fromkeys("xyz", r"(?:p|pos|position)?_?{0}(?:_m)?"), "v": r"(?:v|vel|velocity)_?{0}(?:_mps)?"}
-"""The names of columns that are taken for a position or a velocity, by the first letter of the signal."""
+def _where(topic: str, field: str) -> str:
+    """Where a signal stands, in YAML, for which the texts of JSON are texts too."""
+    quoted = json.dumps(field, ensure_ascii=False)
+    return f"topic: {json.dumps(topic, ensure_ascii=False)}, field: {quoted}" if topic else f"column: {quoted}"
+
+
+ALIKE = {
+    "": r"(?!.*(?:linear|angular|orientation|rotation|velocity|accel)[^.]*\.)(?:.*\.)?(?:p|pos|position)?_?{0}(?:_m)?",
+    "v": r"(?:.*\.)?(?:linear|velocity|vel|v)[._]?{0}(?:_mps)?",
+    "q": r"(?:.*\.)?(?:orientation|rotation|quaternion|quat|q)[._]?{0}",
+}
+"""The fields that are taken for a position, a velocity, an attitude, by the signal's name without its axis."""
 
 
 def _likely_unit(clock: RecordedField) -> str:

@@ -19,6 +19,7 @@ from scaloft_fi.outside.records import (
     Known,
     Lost,
     MappedSignal,
+    RecordedField,
     RecordedFlight,
     Series,
     draft,
@@ -551,6 +552,40 @@ def test_a_column_without_a_name_is_no_field_of_an_autopilot(tmp_path: Path) -> 
         "vx_mps": "v_x",
     }
     assert drafted.timing.unit_s == 1e-6  # 100 Hz
+
+
+def _fields(*names: str) -> list[RecordedField]:
+    return [RecordedField(topic, field, 9, 0.0, 1.0) for topic, field in (name.split(" ") for name in names)]
+
+
+def test_position_velocity_and_attitude_are_drafted_from_the_topic_that_has_them(tmp_path: Path) -> None:
+    axes = "xyz"
+    fields = _fields(
+        *(f"/cmd_vel {part}.{axis}" for part in ("linear", "angular") for axis in axes),
+        *(f"/imu {part}.{axis}" for part in ("angular_velocity", "linear_acceleration") for axis in axes),
+        *(f"/odom pose.pose.position.{axis}" for axis in axes),
+        *(f"/odom pose.pose.orientation.{axis}" for axis in "xyzw"),
+        *(f"/odom twist.twist.{part}.{axis}" for part in ("linear", "angular") for axis in axes),
+    )
+    mapping = tmp_path / "drafted.yaml"
+    mapping.write_text(draft(fields))
+    drafted = load_record_map(mapping).signals
+    assert {entry.topic for entry in drafted.values()} == {"/odom"}
+    assert {name: entry.field for name, entry in drafted.items()} == {
+        **{f"{axis}_m": f"pose.pose.position.{axis}" for axis in axes},
+        **{f"v{axis}_mps": f"twist.twist.linear.{axis}" for axis in axes},
+        **{f"q{axis}": f"pose.pose.orientation.{axis}" for axis in "xyzw"},
+    }
+
+
+def test_a_drafted_mapping_is_yaml_whatever_the_names_of_the_columns(tmp_path: Path) -> None:
+    path, mapping = tmp_path / "own.csv", tmp_path / "drafted.yaml"
+    path.write_text('t;own "x;back\\slash y;z\n0;1;2;3\n')
+    mapping.write_text(draft(fields_of(path)[0]))
+    assert {name: entry.column for name, entry in load_record_map(mapping).signals.items()} == {
+        "y_m": "back\\slash y",
+        "z_m": "z",
+    }
 
 
 @pytest.mark.parametrize(("step", "unit"), [(0.02, "s"), (1.0, "s"), (20, "ms"), (4000, "us"), (1e7, "ns")])
