@@ -119,7 +119,7 @@ def _work_apart(end: int, path: Path, work: Callable[[], Any], most_bytes: int, 
         try:
             told = (True, work())
         except InputError as error:
-            told = (False, _too_much(path, most_bytes) if _lacks_room(error) else str(error))
+            told = (False, _too_much(path, most_bytes) if lacks_room(error) else str(error))
         except MemoryError:
             told = (False, _too_much(path, most_bytes))
         with os.fdopen(end, "wb") as file:
@@ -129,7 +129,7 @@ def _work_apart(end: int, path: Path, work: Callable[[], Any], most_bytes: int, 
         os._exit(0)
 
 
-def _lacks_room(error: BaseException | None) -> bool:
+def lacks_room(error: BaseException | None) -> bool:
     """Whether the cause of an error is a file that became too large, or want of memory."""
     while error is not None:
         if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == errno.EFBIG):

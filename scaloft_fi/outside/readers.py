@@ -22,6 +22,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from scaloft_fi.apart import lacks_room
 from scaloft_fi.document import is_folder, opened, read_text
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.outside.records import (
@@ -104,7 +105,7 @@ def until_cut(path: Path, messages: Iterable[Message], losses: list[Loss]) -> It
     """The messages that can be read; what ends them before the end of the record is a loss.
 
     Raises:
-        InputError: none can be read.
+        InputError: none can be read, or there is no room for what one unpacks to.
     """
     count = 0
     try:
@@ -113,7 +114,7 @@ def until_cut(path: Path, messages: Iterable[Message], losses: list[Loss]) -> It
     except (InputError, MemoryError):
         raise
     except Exception as error:
-        if not count:
+        if not count or lacks_room(error):
             raise damaged(path, error) from error
         losses.append(Loss(Lost.CUT, why=said_by(error)))
 

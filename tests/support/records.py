@@ -102,7 +102,7 @@ def mcap_of_many_chunks(folder: Path, *, summary: bool = True, odd: str = "") ->
 
 
 def bomb(folder: Path, kind: str, size: int) -> Path:
-    """A small record whose one message unpacks to `size` bytes."""
+    """A small record whose second message unpacks to `size` bytes."""
     import mcap.writer
     from rosbags import rosbag1
 
@@ -110,9 +110,11 @@ def bomb(folder: Path, kind: str, size: int) -> Path:
     if kind.startswith("mcap"):
         with path.open("wb") as file:
             packed = mcap.writer.CompressionType[kind.partition("-")[2]]
-            writer = mcap.writer.Writer(file, chunk_size=2 * size, compression=packed)
+            writer = mcap.writer.Writer(file, chunk_size=100, compression=packed)
             writer.start()
-            writer.add_message(writer.register_channel("/x", "json", 0), 0, bytes(size), 0)
+            topic = writer.register_channel("/x", "json", 0)
+            for at_ns, data in enumerate((b"1" * 200, bytes(size))):
+                writer.add_message(topic, at_ns, data, at_ns)
             writer.finish()
         return path
     bag = rosbag1.Writer(path)
