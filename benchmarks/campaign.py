@@ -31,7 +31,7 @@ from unittest.mock import patch
 from scaloft_fi.campaign.flights.fly import Batch, Worker, left_of, lost
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import alone, plan, together
-from scaloft_fi.campaign.pool import ProcessPool
+from scaloft_fi.campaign.processes import ProcessPool
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.catalogue import defaults
 from scaloft_fi.mutants.mutant import PLACEBO

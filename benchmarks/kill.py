@@ -50,7 +50,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.campaign.workers.cluster import MAKE
+from scaloft_fi.campaign.workers import MAKE
 
 MARK = "SCALOFT_BENCHMARK_KILL"
 GRACE_S = 5.0

@@ -22,7 +22,7 @@ from scaloft_fi.campaign.plan import together
 from scaloft_fi.campaign.store.archive import STORE_NAME, outcome_of, subject_of
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.workers.local import Local
+from scaloft_fi.campaign.workers import Local
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.catalogue import realise

@@ -17,7 +17,7 @@ TYPE_CHECKING = False
 """As `typing` has it, whose import takes twenty times as long as this package's; checkers of types take it for true."""
 if TYPE_CHECKING:
     from scaloft_fi.analysis.roster import Ratio
-    from scaloft_fi.campaign.workers.local import Interrupted
+    from scaloft_fi.campaign.workers import Interrupted
     from scaloft_fi.errors import GateError, InputError, ScaloftError
     from scaloft_fi.scripting.flight import Figure, FlownFlight, Log
     from scaloft_fi.scripting.study import CampaignScore, OpenCampaign, OpenStudy
@@ -49,7 +49,7 @@ _LATE = {
     name: f"scaloft_fi.{module}"
     for module, names in {
         "analysis.roster": "Ratio",
-        "campaign.workers.local": "Interrupted",
+        "campaign.workers": "Interrupted",
         "errors": "GateError InputError ScaloftError",
         "scripting.flight": "Figure FlownFlight Log",
         "scripting.study": "CampaignScore OpenCampaign OpenStudy open",

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from scaloft_fi.campaign.workers.local import Interrupted
+from scaloft_fi.campaign.workers import Interrupted
 from scaloft_fi.errors import ExitCode, GateError, InputError, ScaloftError
 
 ROOT = Path(__file__).resolve().parents[1]

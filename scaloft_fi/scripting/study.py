@@ -20,8 +20,7 @@ from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.request import Request, fly, planned_run
 from scaloft_fi.campaign.seeking.finds import Allowance
 from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive, study_of, study_of_all
-from scaloft_fi.campaign.workers.cluster import LOCAL, executor_named
-from scaloft_fi.campaign.workers.local import Executor, Local
+from scaloft_fi.campaign.workers import LOCAL, Executor, Local, executor_named
 from scaloft_fi.checks.check import check_study
 from scaloft_fi.defaults import CAMPAIGN, SEARCHED
 from scaloft_fi.errors import InputError, did_you_mean

@@ -159,7 +159,7 @@ def run_command(
     from scaloft_fi.campaign.flights.fly import CAN_FORK
     from scaloft_fi.campaign.runs import gates, request, run
     from scaloft_fi.campaign.store import archive
-    from scaloft_fi.campaign.workers.cluster import executor_named
+    from scaloft_fi.campaign.workers import executor_named
     from scaloft_fi.verbs import score
 
     campaign = campaign_over(grid, campaign)

@@ -20,7 +20,7 @@ from running import Runs
 
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.campaign.flights.fly import Batch, Flight, invalid, reason_of
-from scaloft_fi.campaign.workers.cluster import MAKE, security_of
+from scaloft_fi.campaign.workers import MAKE, security_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Matrix

@@ -14,8 +14,7 @@ from typing import Any
 import pytest
 from processes import alive, soon
 
-from scaloft_fi.campaign.pool import ProcessPool
-from scaloft_fi.campaign.processes import ATTEMPTS, cores, started_clean
+from scaloft_fi.campaign.processes import ATTEMPTS, ProcessPool, cores, started_clean
 
 
 def _square(number: int, home: Callable[[Any], None]) -> None:

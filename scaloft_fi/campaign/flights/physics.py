@@ -11,8 +11,7 @@ from functools import partial
 from threading import Timer
 
 from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker, fly_log, fly_shared, judged, left_of, lost, wire_of
-from scaloft_fi.campaign.pool import ProcessPool
-from scaloft_fi.campaign.processes import PATIENCE_S
+from scaloft_fi.campaign.processes import PATIENCE_S, ProcessPool
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.log import FlightLog

@@ -17,7 +17,7 @@ from scaloft_fi.campaign.plan import alone
 from scaloft_fi.campaign.store import platforms
 from scaloft_fi.campaign.store.held import counting_flights, flight_named
 from scaloft_fi.campaign.store.store import FlownFlight, Store
-from scaloft_fi.campaign.workers.local import Executor, Workers
+from scaloft_fi.campaign.workers import Executor, Workers
 from scaloft_fi.errors import GateError
 from scaloft_fi.hazop.matrix import cell_of
 from scaloft_fi.judge import status

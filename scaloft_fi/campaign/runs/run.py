@@ -33,7 +33,7 @@ from scaloft_fi.campaign.store import archive
 from scaloft_fi.campaign.store.held import Keys, counting_flights, current_in, flight_named
 from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim, fingerprint
 from scaloft_fi.campaign.store.store import Store, read_store
-from scaloft_fi.campaign.workers.local import Interrupted, Local, Workers, interruptible
+from scaloft_fi.campaign.workers import Interrupted, Local, Workers, interruptible
 from scaloft_fi.console import json_text
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.seeking import REJECTED, WORST, Breach, Signature, breaches, breaking, shrunk
 from scaloft_fi.campaign.flights.fly import Flight, Flyer
-from scaloft_fi.campaign.pool import ProcessPool
+from scaloft_fi.campaign.processes import ProcessPool
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Run

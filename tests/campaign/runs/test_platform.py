@@ -36,7 +36,7 @@ from scaloft_fi.campaign.runs.run import Report, opened
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.platforms import DECIDES, Platforms, fingerprint, warning_for
 from scaloft_fi.campaign.store.store import FlownFlight
-from scaloft_fi.campaign.workers.local import Interrupted
+from scaloft_fi.campaign.workers import Interrupted
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import Status, flights_of

@@ -24,7 +24,7 @@ from scaloft_fi.campaign.runs.request import Choice, Look, choose_situations, re
 from scaloft_fi.campaign.runs.run import Report
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.campaign.workers.local import Interrupted
+from scaloft_fi.campaign.workers import Interrupted
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.score import look_table

@@ -11,7 +11,7 @@ from finding import BAR, Ruled, fast, found, never, small_study
 from scaloft_fi.analysis.seeking import POOL, SEEDS
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.seeking.finds import BLOCK, FRESH, SeekReport, break_saver, holding, keep, replicate, saver
-from scaloft_fi.campaign.workers.local import Interrupted
+from scaloft_fi.campaign.workers import Interrupted
 from scaloft_fi.sim.grid import Find, read_finds
 from scaloft_fi.study import Study
 

@@ -23,8 +23,18 @@ from processes import alive, soon
 
 from scaloft_fi.campaign.flights.fly import Batch, Flight
 from scaloft_fi.campaign.processes import HANGUP
-from scaloft_fi.campaign.workers.cluster import MAKE, Cluster, executor_named, packed, security_of, unpacked
-from scaloft_fi.campaign.workers.local import ECHO_S, Interrupted, Local, interruptible
+from scaloft_fi.campaign.workers import (
+    ECHO_S,
+    MAKE,
+    Cluster,
+    Interrupted,
+    Local,
+    executor_named,
+    interruptible,
+    packed,
+    security_of,
+    unpacked,
+)
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
@@ -100,7 +110,7 @@ def test_what_flies_for_a_run_that_is_killed_ends_with_it(
 ) -> None:
     program = (
         "import cluster_flyer\nfrom pathlib import Path\n"
-        "from scaloft_fi.campaign.workers.cluster import Cluster\n"
+        "from scaloft_fi.campaign.workers import Cluster\n"
         "from scaloft_fi.campaign.flights.fly import Batch, Flight\n"
         "from scaloft_fi.study import Study\n"
         f"study, flyer = Study.open({str(ROOT)!r}), cluster_flyer.Flyer(slow_s=300.0, mark={str(tmp_path / 'pid')!r})\n"
@@ -128,7 +138,7 @@ def test_a_further_grid_is_flown_by_its_own_situations(dask: Any, address: str, 
 def test_another_platform_is_said(
     dask: Any, address: str, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.fingerprint", lambda: {"machine": "PDP-11"})
+    monkeypatch.setattr("scaloft_fi.campaign.workers.fingerprint", lambda: {"machine": "PDP-11"})
     home, said = _flown(dask, address, reference, flyer(), _flights(reference))
     assert len(home) == 3
     assert len(said) == 1
@@ -195,7 +205,7 @@ def test_a_scheduler_that_ends_interrupts_the_run(
     caplog: pytest.LogCaptureFixture,
     until_the_client_gives_up_s: float,
 ) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.CONNECT_S", 2.0)
+    monkeypatch.setattr("scaloft_fi.campaign.workers.CONNECT_S", 2.0)
     address = dask.scheduler()
     scheduler = dask.last
     dask.worker(address, "--no-nanny")
@@ -237,7 +247,7 @@ def test_a_scheduler_that_ends_and_starts_again_at_its_address_interrupts_a_run_
 def test_a_scheduler_that_does_not_answer_is_one_sentence(
     dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.CONNECT_S", 0.3)
+    monkeypatch.setattr("scaloft_fi.campaign.workers.CONNECT_S", 0.3)
     with pytest.raises(InputError, match=r"^--executor=dask://127.0.0.1:9 cannot be reached: no Dask scheduler"):
         _flown(dask, "127.0.0.1:9", reference, flyer(), _flights(reference))
 
@@ -268,7 +278,7 @@ def test_a_client_without_the_certificate_is_not_let_in(address: str, strange: P
 def test_a_run_with_another_certificate_is_refused_in_a_sentence(
     address: str, strange: Path, flyer: Any, reference: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scaloft_fi.campaign.workers.cluster.CONNECT_S", 1.0)
+    monkeypatch.setattr("scaloft_fi.campaign.workers.CONNECT_S", 1.0)
     cluster = Cluster(address, strange)
     with (
         pytest.raises(InputError, match=r"cannot be reached: no Dask scheduler answers .* with the certificates in"),
@@ -418,7 +428,7 @@ def test_the_second_signal_does_what_it_did_before_and_an_echo_of_the_first_does
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     now_s = 100.0
-    monkeypatch.setattr("scaloft_fi.campaign.workers.local.time.monotonic", lambda: now_s)
+    monkeypatch.setattr("scaloft_fi.campaign.workers.time.monotonic", lambda: now_s)
     stopped = threading.Event()
     with interruptible(stopped):
         signal.raise_signal(signal.SIGINT)

@@ -1,1 +1,0 @@
-"""Who flies: processes of this machine, or a cluster."""
