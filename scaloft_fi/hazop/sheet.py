@@ -197,13 +197,12 @@ def _csv(path: Path, content: bytes) -> list[tuple[str, Rows]]:
 
 def _workbook(path: Path, content: bytes) -> list[tuple[str, Rows]]:
     try:
-        from openpyxl import load_workbook
-        from openpyxl.utils.escape import unescape
+        import openpyxl
     except ImportError:
         raise InputError(f"{path}: reading it needs openpyxl: pip install 'scaloft-fi[xlsx]'") from None
     try:
         with warnings.catch_warnings(action="ignore"):  # of parts that no cell depends on
-            book = load_workbook(io.BytesIO(content), data_only=True)
+            book = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
     except MemoryError:
         raise
     except Exception as error:  # noqa: BLE001 - whatever a damaged workbook makes of the library
@@ -212,7 +211,8 @@ def _workbook(path: Path, content: bytes) -> list[tuple[str, Rows]]:
     for page in book.worksheets:
         _check_size(path, f"sheet {page.title!r}", page.max_row, page.max_column)
         rows = [
-            ["" if cell is None else unescape(_text(cell)) for cell in row] for row in page.iter_rows(values_only=True)
+            ["" if cell is None else openpyxl.utils.escape.unescape(_text(cell)) for cell in row]
+            for row in page.iter_rows(values_only=True)
         ]
         for merged in page.merged_cells.ranges:
             for row in rows[merged.min_row - 1 : merged.max_row]:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scaloft_fi.apart import read_apart
-from scaloft_fi.document import FILE_BYTES, MIB, UnreadableError, is_file, read_text
+from scaloft_fi.document import FILE_BYTES, MIB, UnreadableError, is_file, opened, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.marks import Bounds
 from scaloft_fi.registry import in_one_line
@@ -357,7 +357,7 @@ def stated(path: Path) -> Stated:
         return Stated("y", 1.0)
     if path.suffix.lower() != ".dae" or not is_file(path):
         return Stated()
-    with path.open("rb") as file:
+    with opened(path) as file:
         head = file.read(_HEAD).decode("latin-1")
     axis, unit = _UP_AXIS.search(head), _UNIT.search(head)
     with suppress(ValueError):

@@ -114,17 +114,22 @@ def called(function: Callable[..., Any]) -> Callable[..., Any]:
         if (name is not None and hasattr(hints[name], "__metadata__")) or name == "study":
             tell_study(given[name], quiet=given.get("quiet", False), campaign=given.get("campaign", ""))
         if name == "study":
-            from scaloft_fi.campaign.store.archive import study_of
-            from scaloft_fi.study import Study
-
-            folder, grid = given["study"], given.get("grid")
-            given["study"] = study_of(folder, given["campaign"], grid) if "grid" in given else Study.open(folder)
+            given["study"] = _opened(given)
         if not _answers(hints):
             return function(**given)
         style, tables = given.pop("style"), given.pop("tables_folder")
         return answer(function(**given), style, tables)
 
     return call
+
+
+def _opened(given: Mapping[str, Any]) -> Study:
+    """The study that the command line names, or that of the campaign that it names, over its grid."""
+    from scaloft_fi.campaign.store.archive import study_of
+    from scaloft_fi.study import Study
+
+    folder, grid = given["study"], given.get("grid")
+    return study_of(folder, given["campaign"], grid) if "grid" in given else Study.open(folder)
 
 
 def _answers(hints: dict[str, Any]) -> bool:

@@ -74,7 +74,6 @@ def read_columns(path: Path, content: bytes, types: Mapping[str, str]) -> pyarro
 
 
 def _columns(path: Path, content: bytes, types: Mapping[str, str]) -> pyarrow.Table:
-    import pyarrow
     import pyarrow.parquet
 
     most = most_flights()

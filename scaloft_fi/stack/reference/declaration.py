@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -103,16 +104,20 @@ CLAIMS = (
 )
 
 
-def _make(task: Task, wire: Wire) -> Stack:
-    from scaloft_fi.stack.reference.stack import ReferenceStack
+def _module() -> ModuleType:
+    from scaloft_fi.stack.reference import stack
 
-    return ReferenceStack(task, wire)
+    return stack
+
+
+def _make(task: Task, wire: Wire) -> Stack:
+    made: Stack = _module().ReferenceStack(task, wire)
+    return made
 
 
 def _settings() -> type:
-    from scaloft_fi.stack.reference.stack import ReferenceConfig
-
-    return ReferenceConfig
+    kind: type = _module().ReferenceConfig
+    return kind
 
 
 REFERENCE = Declaration(

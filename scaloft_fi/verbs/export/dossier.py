@@ -20,6 +20,8 @@ from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
+import numpy as np
+
 from scaloft_fi.analysis.coverage import Coverage, coverage
 from scaloft_fi.analysis.detection import Spending, Verdict
 from scaloft_fi.analysis.margin import Scale
@@ -598,8 +600,6 @@ def track_file(tracks: Mapping[str, array[float]]) -> bytes:
     Raises:
         InputError: pyarrow is not installed.
     """
-    import numpy as np
-
     pyarrow, width = needed_pyarrow(), len(TRACK_COLUMNS)
     ends = np.cumsum([0, *(len(track) // width for track in tracks.values())])
     samples = np.concatenate([*tracks.values(), np.empty(0, np.float32)]).reshape(-1, width)
