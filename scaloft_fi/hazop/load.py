@@ -301,6 +301,9 @@ def read_cell(
         raise item.need("severity").error(f"left out in a study without classes: hazop/{SEVERITIES} lists them")
     faults = model.faults
     if seams is not None:
+        if faults and not seams:
+            offers = "left out where what flies offers no seam: `seams` of sim/flyer.yaml names them"
+            raise item.need("faults").error(offers)
         faults = tuple(replace(fault, message=seams[fault.seam].message) for fault in faults)
     told = model.deviation, model.causes, model.effect, model.requirements, faults, "", model.predicted, team
     place, requirements_place = item.place, item.need("requirements").place

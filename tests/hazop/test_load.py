@@ -206,3 +206,10 @@ def test_a_named_folder_that_is_no_study_says_what_it_lacks(tmp_path: Path) -> N
 
 def test_a_named_study_is_taken_as_it_was_named(tmp_path: Path) -> None:
     assert find_study(str(study(tmp_path / "mine"))) == tmp_path / "mine"
+
+
+def test_a_fault_where_what_flies_offers_no_seam_is_refused_with_its_place(tmp_path: Path) -> None:
+    with pytest.raises(
+        InputError, match=r"matrix/\w+\.yaml:\d+: faults=\[\.\.\.\] must be left out where what flies offers"
+    ):
+        load_matrix(hazop(tmp_path), seams={})

@@ -157,8 +157,8 @@ MESHES: Mapping[str, Callable[[Path], Path]] = {"glb": glb, "ply": ply, "stl": s
 
 
 def slow_bag(folder: Path) -> Path:
-    """A bag of 82 chunks, each of which unpacks to 256 MiB, in the time that they take."""
-    zeros = bz2.compress(ZEROS) * 64
+    """A bag of 82 chunks, each of which unpacks to 96 MiB, in the time that they take."""
+    zeros = bz2.compress(ZEROS) * 24
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(globals(), "by_bz2", lambda data: bz2.compress(data) + zeros)
         patch.setattr(rosbags.rosbag1.Writer, "__init__", _of_small_chunks(rosbags.rosbag1.Writer.__init__))
