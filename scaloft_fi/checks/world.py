@@ -173,6 +173,13 @@ class RouteCheck:
                 walks = "" if way[0] == way[1] else f" on its way from {_text(way[0])} to {_text(way[1])}"
                 sentence = f"body {body.name!r}{walks} reaches {depth_m:.2f} m into {name!r}"
                 self.findings.note(place, sentence, "move one of them, or its path", situation=scenario.key)
+            for name, depth_m in crossed_ways(world, body):
+                sentence = (
+                    f"the ways of bodies {body.name!r} and {name!r} overlap by {depth_m:.2f} m: they may meet there"
+                )
+                self.findings.note(
+                    place, sentence, "move one of the paths, or let one start later", situation=scenario.key
+                )
 
     def _look(
         self, scenario: Scenario, way: list[Point], hull_m: Point, item: Item, what: str, *, ground: bool = True
@@ -258,9 +265,7 @@ def overlaps(world: World, body: Body) -> Iterator[tuple[str, float, tuple[Corne
     Seen from above, what the body sweeps is the hull of its outlines at both ends of a leg.  A body that another one
     carries, or that stands on the floor, reaches into nothing: what lies above or below does not count.
     """
-    outline, heights_m = body.mesh.vertices[:, :2], body.mesh.vertices[:, 2]
-    less_m = min(SLACK_M, 0.25 * float(np.ptp(heights_m)))
-    low, high = float(heights_m.min()) + less_m, float(heights_m.max()) - less_m
+    low, high = _heights(body)
     parts = {WALL: world.mine.wall, GROUND: world.mine.ground}
     parts |= {other.name: other.mesh for other in world.present if other is not body}
     start, *stops = world.path_of(body) or (body.centre[:2],)
@@ -270,15 +275,49 @@ def overlaps(world: World, body: Body) -> Iterator[tuple[str, float, tuple[Corne
             continue  # the other one tells of both
         triangles = part.triangles
         for one, other in legs:
-            swept = np.concatenate([outline + np.subtract(end, start) for end in (one, other)])
+            swept = _swept(body, start, one, other)
             floor, roof = np.append(swept.min(axis=0), low), np.append(swept.max(axis=0), high)
             near = triangles[((triangles.min(axis=1) <= roof) & (triangles.max(axis=1) >= floor)).all(axis=1)]
-            corners = np.array(hull(list(map(tuple, swept.tolist()))))
+            corners = _outline(swept)
             cuts = (_cut(_cut(triangle, low, 1.0), -high, -1.0) for triangle in near.tolist())
             depth_m = max((depth(corners, np.array(cut)[:, :2]) for cut in cuts if len(cut) > 1), default=0.0)
             if depth_m > SLACK_M:
                 yield name, depth_m, (one, other)
                 break
+
+
+def crossed_ways(world: World, body: Body) -> Iterator[tuple[str, float]]:
+    """Each other body that moves and whose way crosses that of `body` at a height of both: name, and by how far [m].
+
+    When they are there does not count: a drone that holds one of them up changes that.
+    """
+    low, high = _heights(body)
+    legs = list(pairwise(world.path_of(body)))
+    for other in world.present if legs else ():
+        (floor, roof), others = _heights(other), list(pairwise(world.path_of(other)))
+        if not others or other.name <= body.name or floor >= high or roof <= low:
+            continue
+        mine = [_outline(_swept(body, legs[0][0], *leg)) for leg in legs]
+        theirs = [_outline(_swept(other, others[0][0], *leg)) for leg in others]
+        depth_m = max(depth(one, two) for one in mine for two in theirs)
+        if depth_m > SLACK_M:
+            yield other.name, depth_m
+
+
+def _heights(body: Body) -> tuple[float, float]:
+    """Foot and top of a body, without a little of each [m]."""
+    heights_m = body.mesh.vertices[:, 2]
+    less_m = min(SLACK_M, 0.25 * float(np.ptp(heights_m)))
+    return float(heights_m.min()) + less_m, float(heights_m.max()) - less_m
+
+
+def _swept(body: Body, start: Corner, one: Corner, other: Corner) -> Array:
+    """Corners (N, 2) of a body at both ends of a leg of its way, which begins at `start` [m]."""
+    return np.concatenate([body.mesh.vertices[:, :2] + np.subtract(end, start) for end in (one, other)])
+
+
+def _outline(points: Array) -> Array:
+    return np.array(hull(list(map(tuple, points.tolist()))))
 
 
 def depth(one: Array, other: Array) -> float:

@@ -653,11 +653,17 @@ def surface_flaws(
         sentence = f"this closed surface of {int(hull_of.sum())} faces lies around the mine and is wound against it"
         sentence = f"{sentence}, as the outside of a block of rock is, so the space in the mine counts as outside"
         yield flaw(int(hull_of.argmax()), sentence, "delete these faces: only the inside is flown", grave=True)
-    if len(surface.open_edges):
-        face, corner = surface.open_edges[0]
+    crowded = surface.open_edges[surface.edge_uses > 1]
+    if len(crowded):
+        joins = f"3 or more faces meet at an edge of {len(np.unique(crowded[:, 0]))} faces, the first at this line"
+        remedy = "remove the faces inside: a surface has two at each edge"
+        yield flaw(int(crowded[0, 0]), f"{joins}, so no side is the open space there", remedy, grave=False)
+    single = surface.open_edges[surface.edge_uses == 1]
+    if len(single):
+        face, corner = single[0]
         ends = ([f"{number:.3g}" for number in triangles[face, place]] for place in (corner, (corner + 1) % 3))
         edge = " to ".join(f"({', '.join(end)})" for end in ends)
-        sentence = f"the surface has holes: {len(surface.open_edges)} edges have no second face, the first is {edge}"
+        sentence = f"the surface has holes: {len(single)} edges have no second face, the first is {edge}"
         remedy = "close it, and merge the vertices that stand at one place"
         yield flaw(face, f"{sentence} of the face at this line", remedy, grave=False)
 
@@ -717,6 +723,7 @@ class _Surface:
         turned: (F,) whether the face is wound the other way than most of its piece.
         one_sided: (F,) whether the piece of the face has one side only.
         open_edges: (E, 2) face, and place of the first corner of the edge, of edges with an odd number of faces.
+        edge_uses: (E,) how many faces each of these edges has: 1, 3, 5, ...
         pairs: (P, 2) faces that share an edge with each other alone.
     """
 
@@ -725,6 +732,7 @@ class _Surface:
     turned: NDArray[np.bool_]
     one_sided: NDArray[np.bool_]
     open_edges: Faces
+    edge_uses: Faces
     pairs: Faces
 
     @classmethod
@@ -756,7 +764,7 @@ class _Surface:
         most = np.bincount(piece, weights=np.where(side, 1.0, -1.0), minlength=pieces) > 0.0
         odd = np.flatnonzero(uses[edge] % 2 == 1)
         turned, open_edges = (side != most[piece]) & (as_is != around), np.stack([odd // 3, odd % 3], axis=1)
-        return cls(piece, pieces, turned, as_is == around, open_edges, pairs)
+        return cls(piece, pieces, turned, as_is == around, open_edges, uses[edge][odd], pairs)
 
     def upright_neighbour(self, face: int) -> int:
         """A face that is not turned beside a turned one, or the nearest such face of the piece in the file."""

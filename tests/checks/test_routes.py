@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.checks.world import depth, gaps, overlaps
+from scaloft_fi.checks.world import crossed_ways, depth, gaps, overlaps
 from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.sim.mesh import box
-from scaloft_fi.sim.world import Box, World
+from scaloft_fi.sim.world import Box, Turned, World
 
 GRID = load_grid(Path(__file__).parents[2] / "sim")
 
@@ -115,3 +115,34 @@ def test_what_a_body_sweeps_on_its_way_is_held_against_rock_and_bodies(
     world = body_in(body_in(WORLD, "a", (0.4, 0.4, 1.0), (0.3, 4.0), 45.0), "b", (0.6, 0.6, 1.0), (0.0, 1.0), 0.0)
     walk = SimpleNamespace(effect=SimpleNamespace(moved="b", path=tuple(stops)))
     assert overlaps_of(replace(world, happenings=(walk,)), "b") == into
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "at", "told"),
+    [
+        ([(0.0, 4.0)], [(0.5, 1.0)], (0.5, 4.0), False),  # beside each other
+        ([(0.0, 4.0)], [(-0.5, 2.0)], (0.5, 3.0), True),  # across
+        ([(0.0, 1.5), (0.0, 4.0)], [(0.0, 3.5)], (0.0, 5.5), True),  # towards each other
+        ([(0.0, 4.0)], [(-0.5, 2.0)], (0.5, 3.0, 1.5), False),  # above its head
+        ([(0.0, 4.0)], [], (0.0, 2.5), False),  # the other one stands: `overlaps` tells
+    ],
+)
+def test_ways_of_two_bodies_that_cross_are_told_once(
+    first: list[tuple[float, float]], second: list[tuple[float, float]], at: tuple[float, ...], told: bool
+) -> None:
+    world = body_in(body_in(WORLD, "a", (0.3, 0.3, 1.0), (0.0, 1.0), 30.0), "b", (0.3, 0.3, 1.0), at, 0.0)
+    ways = (("a", first), ("b", second))
+    walks = tuple(SimpleNamespace(effect=SimpleNamespace(moved=name, path=tuple(path))) for name, path in ways if path)
+    world = replace(world, happenings=walks)
+    assert [name for name, _ in crossed_ways(world, world.bodies["a"])] == ["b"] * told
+    assert not list(crossed_ways(world, world.bodies["b"]))
+
+
+@pytest.mark.parametrize("role", ["person", "obstacle", "structure"])
+@pytest.mark.parametrize(("at", "into"), [((0.0, 2.0), set()), ((1.4, 2.0), {"wall"}), ((0.0, 2.0, -0.3), {"ground"})])
+def test_persons_are_held_against_rock_as_any_other_body(role: str, at: tuple[float, ...], into: set[str]) -> None:
+    made = Turned("extra", role, at, 0.3, True, "capsule", 0.25, 1.7)
+    world = replace(WORLD, bodies={**WORLD.bodies, "extra": made})
+    assert overlaps_of(world, "extra") == into
+    walk = SimpleNamespace(effect=SimpleNamespace(moved="extra", path=((0.0, 3.0), (1.35, 3.0))))
+    assert overlaps_of(replace(world, happenings=(walk,)), "extra") == {*into, "wall"}

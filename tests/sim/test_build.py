@@ -11,9 +11,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from scaloft_fi.sim import mesh
-from scaloft_fi.sim.build import blocked, build, nearest, outside
+from scaloft_fi.sim.build import blocked, build, nearest, outside, place
 from scaloft_fi.sim.contact import contacts
 from scaloft_fi.sim.vehicle import Airframe, spawn
+from scaloft_fi.sim.world import Box
 
 points = st.tuples(*[st.floats(-2, 2)] * 3).map(np.array)
 FORM = mesh.join([mesh.box((0.5, 0.6, 0.7)), mesh.capsule(0.2, 1.0).moved((0.9, 0.2, 0.1))])
@@ -144,3 +145,14 @@ def test_a_box_is_as_far_as_the_nearest_of_its_points(point, size):
     box, found = np.array([[0.0, 0.0, 0.0, *size], [-9.0, -9.0, -9.0, 9.0, 9.0, 9.0]]), np.empty(2)
     outside(box, *point, found)
     assert found == pytest.approx([np.linalg.norm(np.clip(point, 0.0, size) - point), 0.0], abs=1e-12)
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(("yaw_deg", "half_m"), [(0.0, 0.2), (90.0, 0.6), (-270.0, 0.6)])
+def test_a_turned_body_that_moves_stays_turned(client, config, world, yaw_deg, half_m):
+    train = Box("train", "obstacle", (-0.5, 2.0), 0.3, True, "box", (0.4, 1.2, 1.8), yaw_deg=yaw_deg)
+    ids = build(client, replace(world, bodies={"train": train}))
+    place(client, ids, {"train": (0.3, 1.0, 0.0)})
+    vehicle = config.vehicle
+    gap = gap_m(client, ids, vehicle, "train", (-0.2 + half_m + 0.5 * vehicle.hull_m[0] + 0.1, 3.0, 1.0))
+    assert gap == pytest.approx(0.1, abs=2e-3)

@@ -429,3 +429,11 @@ def test_decimation_without_its_library_is_one_sentence(monkeypatch):
     monkeypatch.setattr("scaloft_fi.sim.mesh.find_spec", lambda _: None)
     with pytest.raises(InputError, match=r"^world.yaml:3: decimate_to=100 needs pip install fast-simplification$"):
         decimated(_ball(10), 100, "world.yaml:3")
+
+
+def test_an_edge_of_three_faces_is_told_apart_from_a_hole():
+    inner = np.array([[ROOM[0][0], ROOM[0][1], [0.0, 0.0, 0.0]]])
+    hole, crowd = sorted(flaws(ROOM, inner), key=lambda flaw: flaw.sentence, reverse=True)
+    assert hole.sentence.startswith("the surface has holes: 2 edges have no second face")
+    assert crowd.sentence.startswith("3 or more faces meet at an edge of 3 faces, the first at this line")
+    assert (crowd.place, crowd.grave) == ("room.obj:100", False)
