@@ -109,19 +109,23 @@ def _work_apart(end: int, path: Path, work: Callable[[], Any], most_bytes: int, 
         os.dup2(silent, stream)
     limits = import_module("resource")
     used = int(Path("/proc/self/statm").read_text().split()[0]) * limits.getpagesize() if _LINUX else 0
+    before, cpu_s = limits.getrlimit(limits.RLIMIT_AS), 2 * math.ceil(most_s)  # for the case that nobody waits for it
+    memory = used + most_bytes if _LINUX else limits.RLIM_INFINITY
+    too_much = False, f"{path}: it unpacks to more than {most_bytes // MIB:,} MiB, which a file of its size may take"
     try:
-        if _LINUX:
-            limits.setrlimit(limits.RLIMIT_AS, (used + most_bytes, used + most_bytes))
-        limits.setrlimit(limits.RLIMIT_FSIZE, (most_bytes, most_bytes))
-        cpu_s = 2 * math.ceil(most_s)  # for the case that nobody waits for it
-        limits.setrlimit(limits.RLIMIT_CPU, (cpu_s, cpu_s))
+        for what, most in ((limits.RLIMIT_FSIZE, most_bytes), (limits.RLIMIT_CPU, cpu_s), (limits.RLIMIT_AS, memory)):
+            soft, hard = limits.getrlimit(what)
+            limits.setrlimit(
+                what, (min((one for one in (most, soft, hard) if one != limits.RLIM_INFINITY), default=soft), hard)
+            )
         tempfile.tempdir = folder
         try:
-            told = (True, work())
+            told = True, work()
         except InputError as error:
-            told = (False, _too_much(path, most_bytes) if lacks_room(error) else str(error))
+            told = too_much if lacks_room(error) else (False, str(error))
         except MemoryError:
-            told = (False, _too_much(path, most_bytes))
+            told = too_much
+        limits.setrlimit(limits.RLIMIT_AS, before)  # to tell it takes memory too
         with os.fdopen(end, "wb") as file:
             pickle.dump(told, file)
     finally:
@@ -138,7 +142,3 @@ def lacks_room(error: BaseException | None) -> bool:
             return True
         error = error.__cause__ or error.__context__
     return False
-
-
-def _too_much(path: Path, most_bytes: int) -> str:
-    return f"{path}: it unpacks to more than {most_bytes // MIB:,} MiB, which a file of its size may take"

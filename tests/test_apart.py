@@ -27,6 +27,7 @@ from scaloft_fi.campaign.store.archive import _unpacked, read_columns
 from scaloft_fi.cli import main
 from scaloft_fi.document import MIB
 from scaloft_fi.errors import ExitCode, InputError
+from scaloft_fi.hazop.sheet import read_sheet
 from scaloft_fi.outside.records import fields_of
 from scaloft_fi.sim.mesh import MeshLimits, read_mesh
 
@@ -155,6 +156,22 @@ def test_judge_says_one_sentence_of_a_bomb_and_exits_with_2(name: str, tmp_path:
     assert time.monotonic() - began_s < 20.0
     assert told.exit_code == ExitCode.BAD_INPUT
     assert len(told.stderr.splitlines()) == 1
+
+
+@pytest.mark.release
+@pytest.mark.parametrize("name", bombs.SHEETS)
+def test_a_workbook_that_unpacks_to_too_much_is_one_sentence(name: str, peaks: list[int], tmp_path: Path) -> None:
+    path = bombs.SHEETS[name](tmp_path)
+    assert str(path) in refused(peaks, lambda: read_sheet(path))
+
+
+def test_a_limit_of_the_user_stays_a_limit() -> None:
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, hard))
+    try:
+        assert read_apart(HERE, lambda: resource.getrlimit(resource.RLIMIT_FSIZE)) == (1 << 20, hard)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 def test_time_is_earned_by_what_is_read_unless_the_file_packs_nothing(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bz2
+import io
 import json
 import struct
 import zipfile
@@ -13,6 +14,7 @@ from typing import Any
 
 import lz4.frame
 import mcap.writer
+import openpyxl
 import pyarrow.parquet
 import pytest
 import records
@@ -180,6 +182,32 @@ def parquet(folder: Path) -> Path:
         for _ in range(50):
             writer.write_table(pyarrow.table({"text": ["x" * 100_000] * 1_000}))
     return path
+
+
+def workbook(folder: Path, cells: int = 20_000_000, at: str = "") -> Path:
+    """A worksheet of so many cells in one row, or with a cell at a place far away."""
+    path, made = folder / "risks.xlsx", io.BytesIO()
+    book = openpyxl.Workbook()
+    book.save(made)
+    cell = b'<c%s t="inlineStr"><is><t>Node</t></is></c>' % (f' r="{at}"'.encode() if at else b"")
+    row = b'<row r="%d">' % int(at.strip("XFD") or 1)
+    with zipfile.ZipFile(made) as source, zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        for entry in source.infolist():
+            if entry.filename != "xl/worksheets/sheet1.xml":
+                file.writestr(entry, source.read(entry))
+        with file.open("xl/worksheets/sheet1.xml", "w", force_zip64=True) as sheet:
+            sheet.write(b'<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><sheetData>')
+            sheet.write(row)
+            for _ in range(max(1, cells // 10_000)):
+                sheet.write(cell * min(cells, 10_000))
+            sheet.write(b"</row></sheetData></worksheet>")
+    return path
+
+
+SHEETS: Mapping[str, Callable[[Path], Path]] = {
+    "a row of 20 million cells": workbook,
+    "a cell far away": lambda folder: workbook(folder, 1, "XFD1048576"),
+}
 
 
 def archive(folder: Path) -> Path:
