@@ -264,7 +264,9 @@ def known_signals(study: Study, stack: Declaration | None, world: World | None) 
 
 
 def _longest_s(study: Study) -> float:
-    """The longest time limit in the situations of the grid, by pairs of values where they are many [s]."""
+    """The longest time limit in the situations of the study's own grid, by pairs of values where they are many [s]."""
+    if study.grid_name is not None:
+        return math.inf
     try:
         sim = load_sim(study.folder / "sim", grid=study.grid)
         return max(sim.scenario(study.grid.by_key[key]).t_max_s for key in _chosen(study.grid)[0]) + TICK_S
