@@ -76,10 +76,9 @@ def check_reading(mesh: Item, mine: Item, rock: Mine, findings: Findings) -> Non
     if count > MANY_TRIANGLES:
         findings.note(mesh.place, f"the mesh has {count:,} triangles; {COST}", "`decimate_to: 50000` makes fewer")
     if told:
-        size = " x ".join(f"{edge:.3g}" for edge in rock.extents[1] - rock.extents[0])
         keys = " and ".join(f"`{key}`" for key in ("up", "scale_m") if mine.get(key) is None)
         remedy = f"state {keys} beside `mesh` where that is wrong"
-        findings.note(mesh.place, f"{', and '.join(told)}, so the mine is {size} m", remedy)
+        findings.note(mesh.place, f"{', and '.join(told)}, so the mine is {rock.size_text()}", remedy)
 
 
 def check_size(world: World, item: Item, findings: Findings) -> None:
@@ -94,11 +93,10 @@ def check_size(world: World, item: Item, findings: Findings) -> None:
         mine, edges = world.mine.extents_text, high - low
         smaller = [(name, one) for name, one in UNITS_M.items() if one < 1.0]
         unit, factor = min(smaller, key=lambda one: abs(math.log(one[1] * min(edges) / USUAL_M)))
-        size = " x ".join(f"{edge * factor:.3g}" for edge in edges)
         findings.note(
             mesh.place,
             f"the mine reaches from {mine} m, and no two waypoints are more than {way_m:.3g} m apart",
-            f"`scale_m` is metres per unit of the file: with {factor:g} ({unit}) the mine is {size} m",
+            f"`scale_m` is metres per unit of the file: with {factor:g} ({unit}) it is {world.mine.size_text(factor)}",
         )
 
 

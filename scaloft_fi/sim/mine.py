@@ -83,6 +83,11 @@ class Mine:
         low, high = ([float(f"{value:.3g}") for value in corner] for corner in self.extents)
         return ", ".join(f"{axis} {least:g} to {most:g}" for axis, least, most in zip("xyz", low, high, strict=True))
 
+    def size_text(self, factor: float = 1.0) -> str:
+        """Its extents times `factor`, as in: 12 x 8 x 4 m."""
+        edges = (self.extents[1] - self.extents[0]) * factor
+        return " x ".join(f"{float(f'{edge:.3g}'):g}" for edge in edges) + " m"
+
     def holds(self, point: Sequence[float]) -> bool:
         """Whether `point` (3,) [m, world] is in the open space of the mine."""
         x, y, z = place = tuple(map(float, point))

@@ -375,14 +375,15 @@ def misplaced(world: Any, item: Item) -> Iterator[InputError]:
     reach = f"; the mine reaches from {mine.extents_text} m{scaled}"
     points = [world.waypoints[name] for name in places]
     reading = cache(lambda: reading_for(item.need("mine"), points[:MOST_TRIED]))
+    flaws = cache(lambda: sorted(flaws_of(item.need("mine"), points[:MOST_TRIED]), key=lambda flaw: not flaw.grave))
     if not abs(world.floor_m) < 0.1:  # where the stack takes off
         actual = "there is none" if math.isnan(world.floor_m) else f"it is at z={world.floor_m:.2f} m"
         sentence = f"home={list(world.mission.home)!r} must have the floor at z=0, but {actual}"
         moves = f"`shift_m: [0, 0, {-world.floor_m:.3g}]` beside `mesh` moves it" * (not mine.footprint)
-        remedy = reading() or moves * math.isfinite(world.floor_m)
+        grave = [f"the mesh may be the cause: {flaw}" for flaw in flaws()[:1] if flaw.grave]
+        remedy = reading() or "; ".join(grave) or moves * math.isfinite(world.floor_m)
         yield InputError(f"{home.place}: {sentence}{reach}{'; ' * bool(remedy)}{remedy}")
         del places["home"]
-    flaws = cache(lambda: sorted(flaws_of(item.need("mine"), points[:MOST_TRIED]), key=lambda flaw: not flaw.grave))
     for name, place in places.items():
         why, point = _obstructed(world, name), world.waypoints[name]
         if why == _ROCK and not ((point >= mine.extents[0]) & (point <= mine.extents[1])).all():

@@ -256,9 +256,7 @@ def test_a_room_in_millimetres_is_noted(copy: Path) -> None:
     found = [finding for finding in check_study(copy).findings if "the mine reaches" in finding.what]
     assert [finding.severity for finding in found] == [Severity.NOTE]
     assert "from x -5000 to 5000, y -2000 to 18000, z 0 to 3000 m, and no two waypoints" in found[0].what
-    assert found[0].remedy == (
-        "`scale_m` is metres per unit of the file: with 0.001 (millimetres) the mine is 10 x 20 x 3 m"
-    )
+    assert found[0].remedy == ("`scale_m` is metres per unit of the file: with 0.001 (millimetres) it is 10 x 20 x 3 m")
     world = copy / "sim" / "world.yaml"
     _edit(world, "mesh: room.obj", "mesh: room.obj\n  scale_m: 0.001")
     assert errors(check_study(copy)) == []
@@ -347,6 +345,23 @@ def test_what_a_large_mesh_costs_is_told_and_decimated_if_the_study_asks(copy: P
     _edit(world, "mesh: room.ply", "mesh: room.ply\n  decimate_to: 1000")
     assert not [one for one in check_study(copy).findings if "triangles" in one.what]
     assert errors(check_study(copy)) == []
+
+
+@pytest.mark.parametrize("ending", ["obj", "stl", "ply", "dae"])
+def test_a_hull_around_the_mine_is_the_cause_and_without_it_the_mine_can_be_flown(copy: Path, ending: str) -> None:
+    _room(copy, ROOM.faces.tolist())
+    room = trimesh.load(copy / "sim" / "room.obj", process=False)
+    block = trimesh.creation.box((40.0, 60.0, 13.0))
+    for parts, count in (((block, room), 2), ((room,), 0)):
+        whole = trimesh.util.concatenate([*parts[:-1], trimesh.Trimesh(room.vertices, room.faces[:, ::-1])])
+        whole.export(copy / "sim" / f"hull.{ending}")
+        world = copy / "sim" / "world.yaml"
+        text = world.read_text().replace("mesh: room.obj", f"mesh: hull.{ending}\n  up: z\n  scale_m: 1.0")
+        world.write_text(text)
+        caused = [error for error in errors(check_study(copy)) if "world.yaml" in error]
+        assert len(caused) >= count
+        assert all("this closed surface of 12 faces lies around the mine" in error for error in caused)
+        assert bool(caused) == bool(count)
 
 
 def test_the_map_shows_the_flaws_of_a_mesh_that_cannot_be_flown(copy: Path, tmp_path: Path) -> None:
