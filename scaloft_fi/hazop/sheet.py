@@ -78,8 +78,8 @@ WORDS: Mapping[str, str] = {
     "PARTOF": "part of|partof|partial|incomplete|teilweise|teil von|une partie de|partie de|partiellement|parte de"
     "|parte di|deel van",
     "REVERSE": "reverse|reversed|opposite|inverse|umkehrung|umgekehrt|gegenteil|inverso|inversione|contraire|omgekeerd",
-    "OTHERTHAN": "other than|otherthan|other|instead of|wrong|incorrect|different|anders als|etwas anderes|anders"
-    "|falsch|autre que|autre|otro que|en vez de|diverso da|altro|outro que|anders dan|value",
+    "OTHERTHAN": "other than|otherthan|other|instead of|wrong|incorrect|different|anders als|anderer|andere"
+    "|etwas anderes|anders|falsch|autre que|autre|otro que|en vez de|diverso da|altro|outro que|anders dan|value",
     "EARLY": "early|too early|earlier|sooner|zu fruh|fruher|fruh|trop tot|plus tot|tot|temprano|antes de tiempo"
     "|in anticipo|cedo|te vroeg|vroeg",
     "LATE": "late|too late|later|delayed|delay|zu spat|spater|spat|verspatet|trop tard|plus tard|tard|tarde|in ritardo"
@@ -155,7 +155,7 @@ def read_sheet(path: Path, columns: Mapping[str, str] | None = None, sheets: Col
     content = read_bytes(path, SHEET_BYTES)
     asked = {plain(head): key for key, head in (columns or {}).items()}
     pages = read_apart(path, lambda: kind(path, content))
-    heads, lines = set[str](), list[Line]()
+    heads, lines = dict[str, None](), list[Line]()
     names = [name for name, _ in pages]
     for name in sheets:
         if name not in names:
@@ -168,7 +168,7 @@ def read_sheet(path: Path, columns: Mapping[str, str] | None = None, sheets: Col
             f"{path}: no column is headed {(columns or {})[key]!r}{did_you_mean(plain((columns or {})[key]), heads)}"
         )
     if not lines:
-        told = ", ".join(shown(head) for head in sorted(heads)[:12])
+        told = ", ".join(shown(head) for head in list(heads)[:12])
         raise InputError(
             f"{path}: no row has the heads of a HAZOP or STPA sheet: a guideword or a deviation, beside a node or a "
             f"parameter; name them with --column deviation=HEAD{f' (read: {told})' if told else ''}"
@@ -177,7 +177,7 @@ def read_sheet(path: Path, columns: Mapping[str, str] | None = None, sheets: Col
 
 
 Rows = list[list[str]]
-_MARKED = re.compile(r"'[=+\-@＝＋－＠\s]")  # noqa: RUF001 - a text that would be a formula, as `worksheet --format csv` writes it
+_MARKED = re.compile(r"'+[=+\-@＝＋－＠\s]")  # noqa: RUF001 - a text that would be a formula, as `worksheet --format csv` writes it
 
 
 def _csv(path: Path, content: bytes) -> list[tuple[str, Rows]]:
@@ -186,13 +186,24 @@ def _csv(path: Path, content: bytes) -> list[tuple[str, Rows]]:
     except UnicodeDecodeError:
         text = content.decode("utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "cp1252", errors="replace")
     first = text[: text.find("\n", 2000) + 1 or None]
-    comma = max(",;\t|", key=first.count)
     try:
+        comma = max(",;\t|", key=lambda one: (_heads_between(first, one), _fewest(first, one), first.count(one)))
         rows = [list(row) for row in csv.reader(io.StringIO(text, newline=""), delimiter=comma)]
     except csv.Error as error:
         raise InputError(f"{path}: is no CSV: {error}") from None
     _check_size(path, "the table", len(rows), max(map(len, rows), default=0))
     return [("", [[cell[1:] if _MARKED.match(cell) else cell for cell in row] for row in rows])]
+
+
+def _heads_between(text: str, comma: str) -> int:
+    """The heads that are known in the row of a text that has most, where this sign stands between cells."""
+    rows = csv.reader(io.StringIO(text, newline=""), delimiter=comma)
+    return max((sum(_key(plain(cell)) is not None for cell in row) for row in rows), default=0)
+
+
+def _fewest(text: str, comma: str) -> int:
+    """How often a sign stands in the line of a text where it stands least."""
+    return min((line.count(comma) for line in text.splitlines() if line.strip()), default=0)
 
 
 def _workbook(path: Path, content: bytes) -> list[tuple[str, Rows]]:
@@ -209,12 +220,17 @@ def _workbook(path: Path, content: bytes) -> list[tuple[str, Rows]]:
         raise InputError(f"{path}: is no workbook that can be read: {type(error).__name__}: {error}") from None
     pages = []
     for page in book.worksheets:
-        _check_size(path, f"sheet {page.title!r}", page.max_row, page.max_column)
+        # where something stands, not `max_row`: a column that is only coloured ends in row 1,048,576
+        held = [at for at, cell in page._cells.items() if cell.value is not None]
+        last, width = max((row for row, _ in held), default=0), max((column for _, column in held), default=0)
+        _check_size(path, f"sheet {page.title!r}", last, width)
         rows = [
             ["" if cell is None else openpyxl.utils.escape.unescape(_text(cell)) for cell in row]
-            for row in page.iter_rows(values_only=True)
+            for row in (page.iter_rows(max_row=last, max_col=width, values_only=True) if held else ())
         ]
         for merged in page.merged_cells.ranges:
+            if merged.min_row > last or merged.min_col > width:
+                continue
             for row in rows[merged.min_row - 1 : merged.max_row]:
                 row[merged.min_col - 1] = rows[merged.min_row - 1][merged.min_col - 1]
         pages.append((page.title, rows))
@@ -222,7 +238,7 @@ def _workbook(path: Path, content: bytes) -> list[tuple[str, Rows]]:
 
 
 def _text(cell: object) -> str:
-    return f"{cell:g}" if isinstance(cell, float) else str(cell)
+    return f"{cell:.15g}" if isinstance(cell, float) else str(cell)
 
 
 def _check_size(path: Path, what: str, rows: int, columns: int) -> None:
@@ -231,8 +247,8 @@ def _check_size(path: Path, what: str, rows: int, columns: int) -> None:
         raise InputError(f"{path}: {what} has {rows:,} rows and {columns:,} columns; it must have {allowed}")
 
 
-def _lines(name: str, rows: Rows, asked: Mapping[str, str], heads: set[str]) -> Iterator[Line]:
-    """The rows below the heads of one page; `heads` gets every head that was looked at."""
+def _lines(name: str, rows: Rows, asked: Mapping[str, str], heads: dict[str, None]) -> Iterator[Line]:
+    """The rows below the heads of one page; `heads` gets every head that was looked at, in their order."""
     best: tuple[int, int, dict[int, str], dict[int, tuple[str, ...]]] = (0, 0, {}, {})
     for at, row in enumerate(rows[:HEAD_WITHIN]):
         below = rows[at + 1] if at + 1 < len(rows) else []
@@ -244,7 +260,7 @@ def _lines(name: str, rows: Rows, asked: Mapping[str, str], heads: set[str]) -> 
             words = _words_of(told, asked)
             words = words if len(words) > 1 else {}
             roles = _roles(told, asked, words, above)
-            heads.update(filter(None, map(plain, told)) if roles or words else ())
+            heads |= dict.fromkeys(head for head in map(plain, told) if head and (roles or words))
             if len(roles) + len(words) > best[0]:
                 best = (len(roles) + len(words), at + height, roles, words)
     known, begin, roles, words = best

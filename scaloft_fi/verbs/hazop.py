@@ -69,7 +69,7 @@ class Edit:
         key: in the YAML of the study.
         before: in the study.
         after: in the worksheet.
-        where: the file and line of the cell or parameter.
+        where: the file and line of the cell or parameter; of a cell that the study lacks, sheet and row.
         written: whether the study has it now.
         why: why it can only be changed by hand; null: `--write` changes it.
     """
@@ -244,13 +244,15 @@ def edits_of(matrix: Matrix, hazop: Path, lines: Iterable[Line]) -> Iterator[tup
         lines: rows of the worksheet.
 
     Raises:
-        InputError: a row names a cell that the study lacks, or one text was edited in two ways.
+        InputError: one text was edited in two ways.
     """
     told = dict[tuple[str, str], str]()
     parameters = {one.id: one for one in matrix.parameters}
     for line in lines:
         name = line.texts.get("cell", "")
         if name not in matrix:
+            why = f"the study has no such cell{did_you_mean(name, [cell.name for cell in matrix])}"
+            yield from [(Edit(name, "cell", "", name, line.place, False, why), (hazop, (), None))] if name else ()
             continue
         cell = matrix.cell(name)
         values = SheetRow(cell, parameters[cell.parameter], matrix.severities.get(name)).values

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from openpyxl import Workbook
+from openpyxl.styles import Font
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
@@ -214,6 +215,34 @@ def test_what_is_no_sheet_is_refused_in_a_sentence(tmp_path: Path, name: str, co
         read_sheet(path)
     assert said in str(refused.value)
     assert str(refused.value).startswith(str(path))
+
+
+@pytest.mark.parametrize("row", [30_000, 1_048_576])
+def test_a_sheet_ends_where_its_texts_end_not_where_its_colours_do(tmp_path: Path, row: int) -> None:
+    made = Workbook()
+    for texts in (("Node", "Guideword", "Deviation", "Cause"), ("radar", "No", "no echo", 1234567.25)):
+        made.active.append(texts)
+    made.active.cell(row, 600).font = Font(bold=True)
+    made.save(tmp_path / "a.xlsx")
+    (line,) = read_sheet(tmp_path / "a.xlsx")
+    assert line.texts["causes"] == "1234567.25"
+    made.active.cell(row, 1).value = "too far"
+    made.save(tmp_path / "a.xlsx")
+    with pytest.raises(InputError, match=f"has {row:,} rows"):
+        read_sheet(tmp_path / "a.xlsx")
+
+
+@pytest.mark.parametrize("title", ["", "HAZOP, of the drone, in May, first part, second part\n"])
+@pytest.mark.parametrize("comma", [";", "\t", "|"])
+def test_the_sign_between_cells_is_the_one_that_parts_the_heads(tmp_path: Path, comma: str, title: str) -> None:
+    rows = (("Knoten", "Leitwort", "Abweichung", "Ursache"), ("radar", "kein", "a, b, c, d, e", "f, g, h, i"))
+    text = title + "\n".join(map(comma.join, rows))
+    assert cells(read_sheet(sheet(tmp_path, text))) == ["NO-radar"]
+
+
+def test_a_refusal_names_the_heads_that_were_read_in_their_order(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"read: 'zzz', 'causes', 'aaa', '7'"):
+        read_sheet(sheet(tmp_path, "Zzz,Causes,Aaa\n7,cause,x\n"))
 
 
 def test_every_word_stands_for_one_guideword() -> None:

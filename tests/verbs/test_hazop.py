@@ -152,6 +152,18 @@ def test_the_worksheet_that_a_study_writes_changes_nothing(
         assert [edit for edit, _ in edits_of(matrix, folder, lines)] == []
 
 
+@pytest.mark.parametrize("text", ["'=1", "''=1", "'-a", "''x", "=1+1", "_x0041_", "'", "a [cut]", "a; b", "x" * 40_000])
+def test_a_text_with_marks_of_a_spreadsheet_comes_back_as_it_was(tmp_path: Path, text: str) -> None:
+    part = MATRIX.only(["LATE"], ["human"])
+    (cell,) = (replace(one, deviation=text, causes=(text, "b"), effect=text) for one in part)
+    matrix = replace(part, cells={("LATE", "human"): cell})
+    rows = (SheetRow(cell, part.parameters[0], matrix.severities.get(cell.name)),)
+    (tmp_path / "a.xlsx").write_bytes(to_xlsx(rows))
+    (tmp_path / "a.csv").write_text(to_csv(rows), encoding="utf-8")
+    for name in ("a.xlsx", "a.csv"):
+        assert [edit for edit, _ in edits_of(matrix, tmp_path, read_sheet(tmp_path / name))] == []
+
+
 @pytest.fixture
 def worksheet(folder: Path) -> Path:
     """The worksheet of the study as a workbook."""
@@ -213,6 +225,13 @@ def test_what_is_taken_out_of_a_list_is_left_to_a_person(folder: Path, worksheet
     (one,) = told(folder, "diff", worksheet, "--write")["edits"]
     assert (one["key"], one["written"]) == ("causes", False)
     assert "by hand" in one["why"]
+
+
+def test_a_row_of_a_cell_that_the_study_lacks_is_told(folder: Path, worksheet: Path) -> None:
+    edit(worksheet, "NO-human", Deviation_id="NO-humann")
+    (one,) = told(folder, "diff", worksheet, "--write")["edits"]
+    assert (one["cell"], one["written"]) == ("NO-humann", False)
+    assert "the study has no such cell; did you mean 'NO-human'?" in one["why"]
 
 
 def test_a_sheet_of_others_has_nothing_to_compare(folder: Path) -> None:
