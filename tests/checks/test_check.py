@@ -337,7 +337,7 @@ def test_what_a_large_mesh_costs_is_told_and_decimated_if_the_study_asks(copy: P
     _edit(world, "mesh: room.obj", "mesh: room.ply")
     told = [str(one) for one in check_study(copy).findings if "triangles" in one.what]
     assert len(told) == 1
-    assert "the mesh has 196,608 triangles; each 100,000 triangles take" in told[0]
+    assert "the mesh has 196,608 triangles; each 100,000 triangles add" in told[0]
     assert told[0].endswith("`decimate_to: 50000` makes fewer")
     _edit(world, "mesh: room.ply", "mesh: room.ply\n  mesh_limits: {triangles: 100_000}")
     (error,) = errors(check_study(copy))
