@@ -493,7 +493,9 @@ class RecordMap:
         kept = {
             name: entry
             for name, entry in self.signals.items()
-            if entry.constant is not None or entry.column in there or f"{entry.topic}: {entry.field}" in there
+            if entry.constant is not None
+            or (entry.column and entry.column in there)
+            or f"{entry.topic}: {entry.field}" in there
         }
         return replace(self, signals=kept)
 

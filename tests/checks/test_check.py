@@ -327,6 +327,7 @@ def test_a_floor_below_the_start_is_told_with_the_shift_that_raises_it(copy: Pat
     assert errors(check_study(copy)) == []
 
 
+@pytest.mark.release
 def test_what_a_large_mesh_costs_is_told_and_decimated_if_the_study_asks(copy: Path) -> None:
     _room(copy, ROOM.faces.tolist())
     large = trimesh.load(copy / "sim" / "room.obj")

@@ -41,6 +41,7 @@ def test_the_catalogue_of_the_reference_study_serves_it(site: Path, study: Path)
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.release
 @pytest.mark.flight
 def test_it_stops_before_the_obstacle_on_the_straight_line(site: Path, study: Path) -> None:
     done = call(site, "-c", WATCH, cwd=study)

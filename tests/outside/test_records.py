@@ -4,6 +4,7 @@ import math
 import struct
 import sys
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,9 @@ from scaloft_fi.outside.records import (
     stale_at,
 )
 from scaloft_fi.sim.log import Ending, FlightLog
+
+for library in ("pymavlink.mavutil", "pymavlink.DFReader", "mcap.reader", "pyulog", "rosbags.highlevel"):
+    import_module(library)  # the processes that read apart have it then
 
 KNOWN = Known(("wall",), (0.0, 0.0))
 NEEDED = {"clearance_m": "requirement SR1", "speed_mps": "requirement SR2"}

@@ -140,6 +140,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return study
 
 
+@pytest.mark.release
 @settings(max_examples=usually(1, release=8), suppress_health_check=list(HealthCheck))
 @given(happenings=st.lists(kinds, max_size=2), walk=walks, mutants=st.sets(st.sampled_from(MUTANTS), min_size=2))
 def test_in_a_world_where_things_happen_sharing_replay_and_placebo_are_exact(

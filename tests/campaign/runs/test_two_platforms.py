@@ -73,6 +73,7 @@ def test_a_replay_on_another_platform_names_both_and_compares_the_facts(campaign
     assert "and the same status, ending and violations; the drones are more than 1 mm apart at no time" in said
 
 
+@pytest.mark.release
 def test_doctor_tells_other_bits_from_other_facts() -> None:
     code, said = _call("HASWELL", "doctor", "--format", "json")
     assert code == 0, said
