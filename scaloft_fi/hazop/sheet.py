@@ -11,6 +11,7 @@ import io
 import re
 import unicodedata
 import warnings
+import zipfile
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import zip_longest
@@ -212,9 +213,13 @@ def _workbook(path: Path, content: bytes) -> list[tuple[str, Rows]]:
     except ImportError:
         raise InputError(f"{path}: reading it needs openpyxl: pip install 'scaloft-fi[xlsx]'") from None
     try:
+        with zipfile.ZipFile(io.BytesIO(content)) as packed:  # which unpacks no more of a part than it declares
+            unpacked = sum(part.file_size for part in packed.infolist() if part.filename.endswith(".xml"))
+        if unpacked > SHEET_BYTES:
+            raise InputError(f"{path}: it unpacks to {unpacked:,} bytes of XML, and may to {SHEET_BYTES:,} at most")
         with warnings.catch_warnings(action="ignore"):  # of parts that no cell depends on
             book = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
-    except MemoryError:
+    except (InputError, MemoryError):
         raise
     except Exception as error:  # noqa: BLE001 - whatever a damaged workbook makes of the library
         raise InputError(f"{path}: is no workbook that can be read: {type(error).__name__}: {error}") from None

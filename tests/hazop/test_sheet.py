@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,16 @@ from openpyxl.styles import Font
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
-from scaloft_fi.hazop.sheet import MOST_COLUMNS, WORDS, Line, guideword_of, parameter_name, read_sheet, sort
+from scaloft_fi.hazop.sheet import (
+    MOST_COLUMNS,
+    SHEET_BYTES,
+    WORDS,
+    Line,
+    guideword_of,
+    parameter_name,
+    read_sheet,
+    sort,
+)
 
 MATRIX = load_matrix(Path(__file__).parents[2] / "hazop")
 
@@ -215,6 +225,14 @@ def test_what_is_no_sheet_is_refused_in_a_sentence(tmp_path: Path, name: str, co
         read_sheet(path)
     assert said in str(refused.value)
     assert str(refused.value).startswith(str(path))
+
+
+def test_a_workbook_that_unpacks_to_too_much_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.xlsx"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as packed:
+        packed.writestr("xl/sharedStrings.xml", b" " * (SHEET_BYTES + 1))
+    with pytest.raises(InputError, match=r"bomb\.xlsx: it unpacks to 67,108,865 bytes of XML, and may to 67,108,864"):
+        read_sheet(path)
 
 
 @pytest.mark.parametrize("row", [30_000, 1_048_576])
