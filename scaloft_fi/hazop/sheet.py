@@ -31,7 +31,8 @@ HEAD_WITHIN = 40
 HEADS: Mapping[str, str] = {
     "cell": "deviation id|cell",
     "guideword": "guideword|guide word|keyword|leitwort|mot guide|mot cle|palabra guia|parola guida"
-    "|palavra guia|gidsord",
+    "|palavra guia|gidsord|uca type|type of uca|uca category|guide phrase|type of unsafe control action"
+    "|unsafe control action type",
     "deviation": "deviation|failure mode|unsafe control action|uca|hazardous deviation|abweichung|deviazione|desviacion"
     "|desvio|ecart|derive|afwijking|avvikelse",
     "causes": "cause|causes|possible causes|causal factor|causal scenario|loss scenario|ursache|ursachen|causas|causa"
@@ -350,11 +351,28 @@ def _words_of(told: Sequence[str], asked: Mapping[str, str]) -> dict[int, tuple[
         {at: (word,) for at, word in words} if len({word for _, word in words}) > 2 else {}
     )
     for at, head in enumerate(heads):
-        meant = [words for pattern, words in STPA if re.search(pattern, head)] if head not in asked else []
-        if meant and at not in found and len(head) < MOST_HEAD:
-            ways = meant[:1] if meant[0] == ("NO",) else [one for one in meant if one != PROVIDED] or meant
-            found[at] = tuple(word for words in ways for word in words)
+        if head not in asked and at not in found and len(head) < MOST_HEAD and (ways := _ways(head)):
+            found[at] = ways
     return found
+
+
+def _ways(text: str) -> tuple[str, ...]:
+    """The guidewords that a way in which a control action is unsafe may mean."""
+    meant = [words for pattern, words in STPA if re.search(pattern, text)]
+    ways = meant[:1] if meant[:1] == [("NO",)] else [one for one in meant if one != PROVIDED] or meant
+    return tuple(word for words in ways for word in words)
+
+
+def _meant(words: tuple[str, ...], told: str, known: Sequence[str]) -> tuple[str, ...]:
+    """Of the guidewords that a way may mean, the one that a deviation tells of."""
+    meant = [word for word in words if word in known]
+    if len(meant) < 2 or words == PROVIDED:
+        return tuple(meant[:1])
+    ways = (words for pattern, words in STPA if re.search(pattern, told))
+    spoken = (word for word in meant if any(f" {one} " in f" {told} " for one in WORDS[word].split("|")))
+    return next(
+        (tuple(both[:1]) for words in ways if (both := [one for one in words if one in meant])), tuple(spoken)[:1]
+    )
 
 
 def guideword_of(text: str) -> str | None:
@@ -378,18 +396,11 @@ def named_words(line: Line, own: Mapping[str, str], known: Sequence[str]) -> tup
     said = {plain(text): word for text, word in own.items()}
     text, told = line.texts.get("guideword", ""), plain(line.texts.get("deviation", ""))
     if line.words:
-        meant = [word for word in line.words if word in known]
-        if len(meant) < 2 or line.words == PROVIDED:
-            return tuple(meant[:1])
-        ways = (words for pattern, words in STPA if re.search(pattern, told))
-        spoken = (word for word in meant if any(f" {one} " in f" {told} " for one in WORDS[word].split("|")))
-        return next(
-            (tuple(both[:1]) for words in ways if (both := [one for one in words if one in meant])), tuple(spoken)[:1]
-        )
+        return _meant(line.words, told, known)
     if text:
         whole = said.get(plain(text)) or _known(text, known)
         parts = [whole] if whole else [said.get(plain(one)) or _known(one, known) for one in re.split(r"[/,;&]", text)]
-        return tuple(dict.fromkeys(word for word in parts if word))
+        return tuple(dict.fromkeys(word for word in parts if word)) or _meant(_ways(plain(text)), told, known)
     first = told.split()
     starts = (" ".join(first[:length]) for length in (3, 2, 1) if len(first) >= length)
     return next(((word,) for start in starts if (word := said.get(start) or _known(start, known))), ())

@@ -258,6 +258,15 @@ def test_the_sign_between_cells_is_the_one_that_parts_the_heads(tmp_path: Path, 
     assert cells(read_sheet(sheet(tmp_path, text))) == ["NO-radar"]
 
 
+@pytest.mark.parametrize("head", ["UCA type", "Guide word", "Type of UCA"])
+def test_a_table_of_stpa_may_have_a_row_for_each_way(tmp_path: Path, head: str) -> None:
+    ways = ("Not provided", "Provided", "Too late", "Stopped too soon", "Applied too long", "Wrong order")
+    rows = (f"1,brake,{way},it is so" for way in ways)
+    text = "\n".join((f"UCA ID,Control action,{head},Unsafe control action", *rows))
+    words = ("NO", "UNINTENDED", "LATE", "LESS", "MORE", "BEFORE")
+    assert cells(read_sheet(sheet(tmp_path, text))) == [f"{word}-brake" for word in words]
+
+
 def test_a_refusal_names_the_heads_that_were_read_in_their_order(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"read: 'zzz', 'causes', 'aaa', '7'"):
         read_sheet(sheet(tmp_path, "Zzz,Causes,Aaa\n7,cause,x\n"))
