@@ -40,7 +40,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """
     config.option.loadscopereorder = False
     EFFORT.release = config.option.release
-    settings.register_profile("scaloft-fi", derandomize=True, deadline=None, max_examples=usually(25, release=200))
+    settings.register_profile("scaloft-fi", derandomize=True, deadline=None, max_examples=usually(10, release=200))
     settings.load_profile("scaloft-fi")
     if _runs_programs(MEMORY) and shutil.disk_usage(MEMORY).free > ROOM:
         os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))

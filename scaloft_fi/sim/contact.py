@@ -176,7 +176,7 @@ class Clearances:
         meshes = {WALL: world.mine.wall, GROUND: world.mine.ground, **{body.name: body.mesh for body in world.present}}
         corners = [mesh.vertices for mesh in meshes.values()]
         self._names, self._boxes = tuple(meshes), np.array([(*v.min(axis=0), *v.max(axis=0)) for v in corners])
-        self._at_rest = self._boxes.copy()
+        self._at_rest, self._distances = self._boxes.copy(), np.empty(len(corners))
         self.gaps_m: Mapping[str, float] = {}
         self._pose: Sequence[float] = (0.0,) * 7
         self._moved_m = math.inf
@@ -188,10 +188,9 @@ class Clearances:
         for name, by_m in shifts.items():
             number = self._names.index(name)
             self._boxes[number] = self._at_rest[number] + (*by_m, *by_m)
-        distances = np.empty(len(self._boxes))
-        outside(self._boxes, pose[0], pose[1], pose[2], distances)
+        outside(self._boxes, pose[0], pose[1], pose[2], self._distances)
         radius_m = self._radius_m
-        self.gaps_m = {name: d - radius_m for name, d in zip(self._names, distances.tolist(), strict=True)}
+        self.gaps_m = {name: d - radius_m for name, d in zip(self._names, self._distances.tolist(), strict=True)}
         self._before, self._measured = self._measured, {}
         self._moved_m = moved_m(self._pose, pose, radius_m)
         self._pose = pose

@@ -75,6 +75,7 @@ class Observer:
         self._airborne = False
         self._top_square = 0.0
         self._touched: set[str] = set()
+        self._foot = np.empty(3)
         self._before: Sequence[float] = (0.0,) * STATE_SIZE
 
     def step(self, t_s: float, state: Sequence[float], contacts: Iterable[Contact]) -> None:
@@ -130,7 +131,13 @@ class Observer:
         home_m = math.hypot(x - self._home[0], y - self._home[1])
         excused = self._excused(x, y)
         self._clearances.look((x, y, z, qx, qy, qz, qw), self._around.shifts)
-        clearances = {name: self._clearance(name, excused) for name in self._surfaces}
+        gaps_m, touched = self._clearances.gaps_m, self._touched
+        clearances = {
+            name: CLEARANCE_CAP_M
+            if gaps_m.get(name, math.inf) >= CLEARANCE_CAP_M and name not in touched
+            else self._clearance(name, excused)
+            for name in self._surfaces
+        }
         person_range_m, person_sight_m = self._person(state)
         clearance_m = self.room_m = min(clearances.values())
         if excused:
@@ -139,7 +146,11 @@ class Observer:
         obstacle_pixels = 0.0
         if view is not None and self._any_obstacle:
             obstacle_pixels = float(pixels_of(view.segments, view.depth, self._obstacles, self._range_m))
-        near_waypoint = any(math.hypot(x - wx, y - wy) <= PASS_M for wx, wy in self._waypoints)
+        near_waypoint = False
+        for wx, wy in self._waypoints:
+            if abs(x - wx) <= PASS_M and math.hypot(x - wx, y - wy) <= PASS_M:
+                near_waypoint = True
+                break
         row = [
             t_s,
             scenario.t_max_s - t_s,
@@ -156,7 +167,7 @@ class Observer:
             obstacle_pixels,
             clearances[WALL] if near_waypoint else FAR_M,
             *clearances.values(),
-            *(measure(state) for measure in self._measures),
+            *[measure(state) for measure in self._measures],
             *self._around.row(),
         ]
         self._top_square = 0.0
@@ -178,7 +189,7 @@ class Observer:
 
     def _person(self, state: Array) -> tuple[float, float]:
         """Range of the nearest person's surface, and of the nearest person in sight [m]."""
-        scene, centre, foot = self._scene, state[:3], np.empty(3)
+        scene, centre, foot = self._scene, state[:3], self._foot
         range_m, sight_m = FAR_M, FAR_M
         for name, owner, axis in self._persons:
             distance_m = nearest(scene.vertices, scene.faces, scene.owner, owner, centre, foot)
@@ -187,10 +198,10 @@ class Observer:
                 continue
             by_m = self._around.shifts.get(name)
             points = axis if by_m is None else [point + by_m for point in axis]
-            if any(
-                not blocked(scene.vertices, scene.faces, scene.owner, owner, centre, point) for point in (foot, *points)
-            ):
-                sight_m = distance_m
+            for point in (foot, *points):
+                if not blocked(scene.vertices, scene.faces, scene.owner, owner, centre, point):
+                    sight_m = distance_m
+                    break
         return range_m, sight_m
 
     def _pass_waypoints(self, x: float, y: float) -> None:

@@ -42,7 +42,7 @@ FEW_SEEDS = ["--baseline-seeds", "1"]
 """Whether a command runs shows in few flights."""
 
 
-@pytest.fixture(scope="module", params=FLOWN)
+@pytest.fixture(scope="module", params=usually(["study"], release=[*FLOWN]))
 def study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Study:
     """The study that records a table, and the one that records a rosbag2."""
     folder = tmp_path_factory.mktemp("own") / request.param

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from jsonschema import Draft202012Validator, ValidationError
+from options import usually
 from printed import READERS, STUDY, Call, no_terms, of_form, one_table, sentence
 
 import scaloft_fi
@@ -191,10 +192,10 @@ def test_a_screen_fits_the_terminal_and_says_the_same_without_colours(
         assert done.exit_code == 0, done.output
         return AVAILABLE.sub("9.9 GiB available", done.stdout)
 
-    plain = {width: shown(width, "NO_COLOR") for width in (60, 80, 160)}
-    assert {width: _too_wide(text, width) for width, text in plain.items()} == {60: [], 80: [], 160: []}
+    plain = {width: shown(width, "NO_COLOR") for width in usually((60,), release=(60, 80, 160))}
+    assert {width: _too_wide(text, width) for width, text in plain.items()} == dict.fromkeys(plain, [])
     assert not any(map(MARK.search, plain.values()))
-    assert MARK.sub("", shown(80, "FORCE_COLOR")) == plain[80]
+    assert MARK.sub("", shown(60, "FORCE_COLOR")) == plain[60]
 
 
 RECORD = Path(__file__).with_suffix(".txt")

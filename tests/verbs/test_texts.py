@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 import pytest
 import yaml
 from click.testing import CliRunner, Result
+from options import usually
 from paper_flyer import Whole
 from papers import flight
 from printed import Call, obeyed
@@ -118,7 +119,7 @@ def _is_formula(cell: str) -> bool:
     return cell.startswith(("=", "+", "-", "@", "\t", "\r")) and not re.fullmatch(r"-|[-+]?[\d.]+(e[-+]?\d+)?", cell)
 
 
-@pytest.mark.parametrize("style", FORMATS)
+@pytest.mark.parametrize("style", usually(["table"], release=FORMATS))
 def test_no_table_of_any_verb_is_obeyed(told: Call, style: str) -> None:
     for verb in VERBS:
         done = told(*verb, "--format", style)

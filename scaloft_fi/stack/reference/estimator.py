@@ -13,7 +13,6 @@ the time of its stamp.
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import accumulate
@@ -23,7 +22,6 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 from numba import types
 from numba.extending import intrinsic
-from scipy.linalg.lapack import dgesv
 
 from scaloft_fi.marks import NotNegative, Positive
 from scaloft_fi.stack.declaration import TICK_S
@@ -200,7 +198,20 @@ def corrected(p: Array, noise: Array, inverse: Array, z: Array) -> tuple[Array, 
     return gain, error, _both_sides(kept, p) + _times(_times(gain, noise), gain.T)
 
 
-_IDENTITY = np.eye(_FIX)
+@jit
+def updated(p: Array, noise: Array, z: Array) -> tuple[Array, Array, Array, Array]:
+    """Innovation's covariance (4, 4), and gain, error and covariance as of `corrected`, after the innovation `z` (4,).
+
+    Raises:
+        numpy.linalg.LinAlgError: the covariance of the innovation is singular.
+    """
+    spread = np.empty((_FIX, _FIX))
+    for i in range(_FIX):
+        for j in range(_FIX):
+            spread[i, j] = p[MEASURED[i], MEASURED[j]] + noise[i, j]
+    inverse = np.linalg.solve(spread, np.eye(_FIX))  # by LAPACK's dgesv, as in scipy
+    gain, error, left = corrected(p, noise, inverse, z)  # type: ignore[arg-type]
+    return spread, gain, error, left
 
 
 class ErrorFilter(KalmanFilter):  # type: ignore[misc]
@@ -221,11 +232,10 @@ class ErrorFilter(KalmanFilter):  # type: ignore[misc]
         Raises:
             numpy.linalg.LinAlgError: the covariance of the innovation is singular.
         """
-        self.S = self.P[np.ix_(MEASURED, MEASURED)] + self.R
-        *_, inverse, singular = dgesv(self.S, _IDENTITY)
-        if singular:
-            raise np.linalg.LinAlgError("Singular matrix")
-        self.K, self.x, self.P = corrected(self.P, self.R, inverse, z)
+        try:
+            self.S, self.K, self.x, self.P = updated(self.P, self.R, z)
+        except np.linalg.LinAlgError:
+            raise np.linalg.LinAlgError("Singular matrix") from None
 
 
 def error_filter(config: EstimatorConfig) -> ErrorFilter:
@@ -277,37 +287,127 @@ def plausible(error: Array, covariance: Array, noise: Array, gate_sigma: float) 
     return True
 
 
+TAU, HALF_TURN = 2.0 * math.pi, math.pi
+
+
+@jit
+def wrapped(angle: float) -> float:
+    """`math.remainder(angle, 2 pi)`: the exact rest (IEEE 754) within half a turn.
+
+    Raises:
+        ValueError: the angle is infinite.
+    """
+    if math.isinf(angle):
+        raise ValueError("math domain error")
+    turns = np.rint(angle / TAU)
+    if turns == 0.0 or math.isnan(angle):
+        return angle
+    rest = fused(-turns, TAU, angle)
+    if abs(rest) > HALF_TURN:  # the quotient was rounded across the middle
+        turns += 1.0 if rest > 0.0 else -1.0
+        rest = fused(-turns, TAU, angle)
+    if abs(rest) == HALF_TURN and turns % 2.0 != 0.0:
+        return -rest
+    return rest if rest != 0.0 else math.copysign(0.0, angle)
+
+
+@jit
+def recalled(rows: Array, begin: int, end: int, stamp_s: float, out: Array) -> None:
+    """Write into `out` (4,) position and heading at `stamp_s`; outside the rows those of the last or the first.
+
+    Args:
+        rows: (N, 5) time [s], position x, y, z [m, world], heading [rad].
+        begin, end: which of the rows count.
+        stamp_s: time [s].
+        out: (4,) receives the result.
+    """
+    before = after = end - 1
+    for k in range(end - 1, begin - 1, -1):
+        before = k
+        if rows[k, 0] <= stamp_s:
+            break
+        after = k
+    for axis in range(4):
+        out[axis] = rows[before, 1 + axis]
+    t, later_s = rows[before, 0], rows[after, 0]
+    if not t < stamp_s or not t < later_s:
+        return
+    share = (stamp_s - t) / (later_s - t)
+    share = share if share < 1.0 else 1.0
+    for axis in range(3):
+        out[axis] += share * (rows[after, 1 + axis] - rows[before, 1 + axis])
+    out[3] += share * wrapped(rows[after, 4] - rows[before, 4])
+
+
+@jit
+def shifted(rows: Array, begin: int, end: int, by: Array, yaw_rad: float) -> None:
+    """Add a correction of position (3,) [m] and heading [rad] to the rows that count, as of `recalled`."""
+    for k in range(begin, end):
+        for axis in range(3):
+            rows[k, 1 + axis] += by[axis]
+        rows[k, 4] += yaw_rad
+
+
+@jit
+def noted(rows: Array, begin: int, end: int, now_s: float, numbers: Array, span_s: float) -> int:
+    """Write the estimate of `now_s` into row `end`; returns the first row that is not older than the span.
+
+    Args:
+        rows, begin, end: as of `recalled`.
+        now_s: time [s].
+        numbers: (33,) of the estimate, as of `parts_of`.
+        span_s: how long rows count [s].
+    """
+    rows[end, 0] = now_s
+    for axis in range(3):
+        rows[end, 1 + axis] = numbers[POSITION + axis]
+    rows[end, 4] = yaw_of(numbers[ATTITUDE:RATE_BIAS])
+    while now_s - rows[begin, 0] > span_s:
+        begin += 1
+    return begin
+
+
 class History:
-    """Estimates of the last `span_s` seconds, as rows of time [s], position x, y, z [m, world] and heading [rad]."""
+    """Estimates of the last `span_s` seconds.
+
+    Attributes:
+        rows: (N, 5) as of `recalled`; those from `begin` to `end` count.
+    """
 
     def __init__(self, span_s: float) -> None:
-        self._span_s, self._rows = span_s, deque[list[float]]()
+        self._span_s, self.rows, self.begin, self.end = span_s, np.empty((64, 5)), 0, 0
 
-    def add(self, now_s: float, position: Array, yaw_rad: float) -> None:
-        """Add the estimate of `now_s` and drop estimates that are older than the span."""
-        self._rows.append([now_s, *position.tolist(), yaw_rad])
-        while now_s - self._rows[0][0] > self._span_s:
-            self._rows.popleft()
+    def add(self, now_s: float, numbers: Array) -> None:
+        """Add the estimate of `now_s`, as of `parts_of`, and drop estimates that are older than the span."""
+        if self.end == len(self.rows):
+            kept = self.rows[self.begin :]
+            self.rows = np.empty((max(64, 4 * len(kept)), 5))
+            self.rows[: len(kept)] = kept
+            self.begin, self.end = 0, len(kept)
+        self.begin = noted(self.rows, self.begin, self.end, now_s, numbers, self._span_s)
+        self.end += 1
 
-    def at(self, stamp_s: float) -> tuple[Array, float]:
-        """Position (3,) and heading at `stamp_s`, interpolated; outside the history those of its last or first row."""
-        later = self._rows[-1]
-        for row in reversed(self._rows):
-            if row[0] <= stamp_s:
-                break
-            later = row
-        (t, *place, yaw_rad), (later_s, *there, later_rad) = row, later
-        if not t < stamp_s or not t < later_s:
-            return np.array(place), yaw_rad
-        share = min(1.0, (stamp_s - t) / (later_s - t))
-        turned = math.remainder(later_rad - yaw_rad, 2.0 * math.pi)
-        return np.array([a + share * (b - a) for a, b in zip(place, there, strict=True)]), yaw_rad + share * turned
 
-    def shift(self, position: Array, yaw_rad: float) -> None:
-        """Apply a correction to the recent past as well; otherwise late fixes would correct the same error twice."""
-        x, y, z = position.tolist()
-        for row in self._rows:
-            row[1:] = row[1] + x, row[2] + y, row[3] + z, row[4] + yaw_rad
+@jit
+def innovation(
+    fix_position: Array, fix_yaw_rad: float, stamp_s: float, rows: Array, begin: int, end: int, out: Array
+) -> None:
+    """Write into `out` (4,) the fix minus the estimate of its time: position x, y, z [m] and heading [rad]."""
+    recalled(rows, begin, end, stamp_s, out)
+    for axis in range(3):
+        out[axis] = fix_position[axis] - out[axis]
+    out[3] = wrapped(fix_yaw_rad - out[3])
+
+
+@jit
+def taken(error: Array, numbers: Array, rows: Array, begin: int, end: int) -> None:
+    """Take the estimated `error` (15,) off the numbers (33,) of the estimate, and off the recent past (`recalled`)."""
+    for i in range(ATTITUDE):
+        numbers[i] += error[i]
+    for i in range(STATE_SIZE - RATE_BIAS):
+        numbers[RATE_BIAS + i] += error[9 + i]
+    turn(numbers[ATTITUDE:RATE_BIAS], error[6], error[7], error[8], True)
+    shifted(rows, begin, end, error[:3], error[8])
 
 
 @dataclass(frozen=True)
@@ -381,7 +481,7 @@ class Estimator:
             transition(self._filter.F, dt_s, self.world_force, self.rotation)
             self.world_force[:] = 0.0
             self._filter.predict()
-        self._history.add(now_s, self.state[POSITION:VELOCITY], yaw_of(self.state[ATTITUDE:RATE_BIAS]))
+        self._history.add(now_s, self.numbers)
         if fix is not None:
             self._correct(now_s, fix)
         attitude = self.state[ATTITUDE:RATE_BIAS].copy()
@@ -396,25 +496,20 @@ class Estimator:
         ):
             return
         self._fix_stamp_s = fix.stamp_s
-        position, yaw_rad = self._history.at(fix.stamp_s)
-        error = np.empty(4)
-        error[:3] = fix.position - position
-        error[3] = math.remainder(fix.yaw_rad - yaw_rad, 2.0 * math.pi)
-        kf = self._filter
+        past = (self._history.rows, self._history.begin, self._history.end)
+        error, kf = np.empty(_FIX), self._filter
+        innovation(fix.position, fix.yaw_rad, fix.stamp_s, *past, error)
         if not plausible(error, kf.P, kf.R, config.gate_sigma):
             if self._refused_since_s is None:
                 self._refused_since_s = now_s
             if now_s - self._refused_since_s < config.reset_after_s:
                 return
             self.state[POSITION:VELOCITY] += error[:3]
-            self._history.shift(error[:3], error[3])
+            shifted(*past, error[:3], error[3])
             turn(self.state[ATTITUDE:RATE_BIAS], 0.0, 0.0, error[3], True)
         else:
             kf.update(error)
-            self.state[:6] += kf.x[:6]
-            self.state[RATE_BIAS:] += kf.x[9:]
-            turn(self.state[ATTITUDE:RATE_BIAS], kf.x[6], kf.x[7], kf.x[8], True)
-            self._history.shift(kf.x[:3], kf.x[8])
+            taken(kf.x, self.numbers, *past)
             kf.x[:] = 0.0
         self._refused_since_s = None
         self.last_fix_s = now_s

@@ -424,6 +424,7 @@ def test_what_nohup_ignores_stays_ignored(hangup: signal.Signals) -> None:
     assert signal.getsignal(hangup) == signal.SIG_IGN
 
 
+@pytest.mark.release
 def test_the_second_signal_does_what_it_did_before_and_an_echo_of_the_first_does_nothing(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -108,18 +108,35 @@ def test_a_singular_innovation_is_refused_as_by_numpy(config):
         kf.update(np.zeros(4))
 
 
-@given(st.lists(st.tuples(*[st.floats(-10, 10)] * 4), min_size=1, max_size=40), st.floats(-0.5, 2.5))
+@given(st.lists(st.tuples(*[st.floats(-10, 10)] * 4), min_size=1, max_size=200), st.floats(-0.5, 2.5))
 def test_the_past_is_interpolated_within_its_span_and_shifted_by_corrections(steps, age_s):
     history = History(0.62)
     for k, estimate in enumerate(steps):
-        history.add(k / 20, np.array(estimate[:3]), estimate[3])
-    history.shift(np.array([1.0, 2.0, 3.0]), 0.5)
+        numbers = np.zeros(compiled.NUMBERS)
+        numbers[:3] = estimate[:3]
+        numbers[8], numbers[9] = math.sin(0.5 * estimate[3]), math.cos(0.5 * estimate[3])
+        history.add(k / 20, numbers)
+    rows = (history.rows, history.begin, history.end)
+    compiled.shifted(*rows, np.array([1.0, 2.0, 3.0]), 0.5)
     place, now_s = (np.array(steps) + np.array([1.0, 2.0, 3.0, 0.5]))[-13:], (len(steps) - 1) / 20
     times, stamp_s = [now_s - k / 20 for k in reversed(range(len(place)))], now_s - age_s
-    position, yaw_rad = history.at(stamp_s)
-    assert position == pytest.approx([np.interp(stamp_s, times, place[:, axis]) for axis in range(3)])
+    found = np.empty(4)
+    compiled.recalled(*rows, stamp_s, found)
+    assert found[:3] == pytest.approx([np.interp(stamp_s, times, place[:, axis]) for axis in range(3)])
     yaw = np.interp(stamp_s, times, np.unwrap(place[:, 3]))
-    assert math.remainder(yaw_rad - yaw, 2 * math.pi) == pytest.approx(0.0, abs=1e-6)
+    assert math.remainder(found[3] - yaw, 2 * math.pi) == pytest.approx(0.0, abs=1e-6)
+
+
+@settings(max_examples=200)
+@given(st.one_of(st.floats(-1e6, 1e6), st.integers(-2000, 2000).map(lambda k: k * math.pi), st.just(math.nan)))
+def test_an_angle_is_wrapped_as_the_standard_library_does_to_the_bit(angle):
+    ours, theirs = compiled.wrapped(angle), math.remainder(angle, 2.0 * math.pi)
+    assert (ours == theirs and math.copysign(1.0, ours) == math.copysign(1.0, theirs)) or math.isnan(theirs)
+
+
+def test_an_infinite_angle_has_no_rest():
+    with pytest.raises(ValueError, match="math domain error"):
+        compiled.wrapped(math.inf)
 
 
 @pytest.fixture

@@ -121,6 +121,7 @@ def test_every_asset_is_part_of_the_page() -> None:
     assert names == {*STYLES, *SCRIPTS, "page.html"}
 
 
+@pytest.mark.release
 def test_a_page_that_would_be_too_large_keeps_less_of_the_tracks_and_says_so(study: Study) -> None:
     outcomes = [
         jitter(o, seed)
@@ -229,6 +230,7 @@ def test_flights_that_equal_their_baseline_share_its_track(evidence: Evidence) -
         assert all(f["track"] == clean[f["seed"]] for f in same)
 
 
+@pytest.mark.release
 @pytest.mark.parametrize("detail", DETAILS)
 def test_less_detail_leaves_every_flight_and_every_baselines_track(evidence: Evidence, detail: Detail) -> None:
     for flights in _read(evidence, detail).values():
