@@ -16,7 +16,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.study import Study
 
-SEEDS = usually(20, release=500)
+SEEDS = usually(8, release=500)
 OWN = ROOT / "examples" / "own_stack"
 
 

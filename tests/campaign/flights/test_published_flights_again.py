@@ -83,10 +83,9 @@ def test_kernels_are_asked_for_only_where_they_can_run(
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize(
-    ("grid", "number"), [("paper", FLOWN["paper"]), pytest.param("wide", FLOWN["wide"], marks=pytest.mark.release)]
-)
-def test_published_flights_flown_again_are_the_published_ones(grid: str, number: int) -> None:
+@pytest.mark.parametrize("grid", ["paper", pytest.param("wide", marks=pytest.mark.release)])
+def test_published_flights_flown_again_are_the_published_ones(grid: str) -> None:
+    number = FLOWN[grid]
     words = [sys.executable, "-m", "experiments.reflown", "--grid", grid, "--sample", str(number), "--jobs", "1"]
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
