@@ -9,6 +9,7 @@ import pytest
 import scaloft_ros1.border  # noqa: F401 - the study of the testbed names it
 import trimesh
 from click.testing import CliRunner
+from options import usually
 from processes import call, install, install_project
 from studies import ROOT, copied
 
@@ -355,7 +356,7 @@ def test_what_a_large_mesh_costs_is_told_and_decimated_if_the_study_asks(copy: P
     assert errors(check_study(copy)) == []
 
 
-@pytest.mark.parametrize("ending", ["obj", "stl", "ply", "dae"])
+@pytest.mark.parametrize("ending", usually(["obj"], release=["obj", "stl", "ply", "dae"]))
 def test_a_hull_around_the_mine_is_the_cause_and_without_it_the_mine_can_be_flown(copy: Path, ending: str) -> None:
     _room(copy, ROOM.faces.tolist())
     room = trimesh.load(copy / "sim" / "room.obj", process=False)

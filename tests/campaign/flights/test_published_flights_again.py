@@ -15,7 +15,7 @@ pytest.importorskip("pyarrow.parquet")
 
 ROOT = Path(__file__).parents[3]
 NUMBER = 180
-FLOWN = {"paper": usually(10, release=NUMBER), "wide": 24}
+FLOWN = {"paper": usually(6, release=NUMBER), "wide": 24}
 """How many flights of each grid are flown again."""
 FLAGS = "flags : fpu avx2 avx512f avx512cd avx512bw avx512dq avx512vl"
 

@@ -415,6 +415,7 @@ def test_the_first_signal_asks_to_stop_and_the_handlers_come_back(number: signal
     assert signal.getsignal(number) == before
 
 
+@pytest.mark.release
 def test_what_nohup_ignores_stays_ignored(hangup: signal.Signals) -> None:
     signal.signal(hangup, signal.SIG_IGN)
     stopped = threading.Event()
