@@ -39,11 +39,11 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property, lru_cache
-from itertools import chain
+from itertools import product
 from typing import Annotated, NamedTuple, TypeVar
 
 import numpy as np
@@ -153,6 +153,11 @@ class Sample:
         """Flights that violate a requirement."""
         return self.counts.get(requirement, 0)
 
+    @cached_property
+    def places(self) -> Mapping[int, int]:
+        """Place of the flight with each seed."""
+        return {seed: place for place, seed in enumerate(self.seeds)}
+
 
 @dataclass(frozen=True)
 class Detection:
@@ -242,14 +247,19 @@ def holm(raw: Mapping[K, float]) -> dict[K, float]:
     return {name: adjusted_p[name] for name in raw}
 
 
-def _strata(samples: Iterable[Sample], pool: Pool, name: str, left_out: int | None) -> Iterable[Stratum]:
+def _strata(
+    samples: Iterable[Sample], pool: Pool, name: str, left_out: int | None, own: int | None = None
+) -> Iterable[Stratum]:
+    """The situations that test a requirement, without a seed of the pool, and without a seed of the mutant's `own`."""
     gone = pool.by_seed.get(left_out, {}) if left_out is not None else {}
     for sample in samples:
         pair = pool.pairs.get((sample.situation, name))
         if pair is not None and pair.tests:
-            violated, judged = gone.get((sample.situation, name), (0, 0))
-            own, most = (sample.count(name), len(sample.violated)), pair.judged // GATE
-            yield Stratum(*own, pair.violated - violated, pair.judged - judged, most)
+            violated, judged = gone.get((sample.situation, name), (0, 0)) if gone else (0, 0)
+            k, n, at = sample.counts.get(name, 0), len(sample.violated), None if own is None else sample.places.get(own)
+            if at is not None:
+                k, n = k - (name in sample.violated[at]), n - 1
+            yield Stratum(k, n, pair.violated - violated, pair.judged - judged, pair.judged // GATE)
 
 
 def reaches(p: float, share: float) -> bool:
@@ -334,22 +344,25 @@ def firmness(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spend
     own = sorted({seed for sample in samples for seed in sample.seeds})
     names = pool.requirements(kind)
 
-    def detected(left: Sequence[Sample], seed: int | None, share: float) -> bool:
-        return reaches(min(adjusted(left, pool, names, seed).values()), share)
+    def detected(left: Sequence[Sample], seed: int | None, own_seed: int | None, share: float) -> bool:
+        strata = (_strata(left, pool, name, seed, own_seed) for name in names)
+        return any(reaches(min(1.0, len(names) * p_value(one)), share) for one in strata)  # the least of Holm's
 
-    def cases() -> Iterator[list[tuple[list[Sample], int | None, float]]]:
-        for seed in own if len(own) > 1 else ():
-            yield [([sample.without(seed) for sample in looked], None, share) for looked, share in looks]
-        for seed in pool.by_seed:
-            yield [(looked, seed, share) for looked, share in looks]
-
-    lost = [case for case in cases() if not any(detected(*look) for look in case)]
+    lost = [
+        (seed, own_seed)
+        for seed, own_seed in (
+            *((None, seed) for seed in own if len(own) > 1),
+            *((seed, None) for seed in pool.by_seed),
+        )
+        if not any(detected(looked, seed, own_seed, share) for looked, share in looks)
+    ]
     if not lost:
         return Firmness.FIRM if len(own) > 1 else Firmness.FIRM_BY_POOL
-    for left, seed, share in chain(*lost):
+    for (seed, own_seed), (looked, share) in product(lost, looks):
+        left = looked if own_seed is None else [sample.without(own_seed) for sample in looked]
         # the flights that put the fault to the test, if each violated all that it could
         worst = at_worst([one for one in left if one.infected and pool.steady(one.situation, kind)], pool, kind)
-        if detected(worst, seed, share):
+        if detected(worst, seed, None, share):
             return Firmness.HANGS
     return Firmness.TOO_FEW
 

@@ -32,7 +32,7 @@ class State(StrEnum):
     """Between: the unmutated drone holds it or not by chance."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Pair:
     """A requirement in a situation, by the baseline flights that count.
 
@@ -56,12 +56,12 @@ class Pair:
     open: int
     triggered: int
 
-    @property
+    @cached_property
     def judged(self) -> int:
         """Flights that violate the requirement or hold it to their end: what a mutant's flights are compared with."""
         return self.flights - self.open
 
-    @property
+    @cached_property
     def state(self) -> State:
         """What the pool says."""
         if self.flights < LEAST:
@@ -74,7 +74,7 @@ class Pair:
             return State.STEADY
         return State.RED if 2 * self.violated > self.flights else State.UNSTEADY
 
-    @property
+    @cached_property
     def tests(self) -> bool:
         """Whether the pair enters the stratified test: it is neither unknown nor vacuous nor open."""
         return self.state in (State.STEADY, State.RED, State.UNSTEADY)
