@@ -21,11 +21,14 @@ from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.status import Status
 from scaloft_fi.mutants.operator import Need
+from scaloft_fi.outside.records import Lost
 from scaloft_fi.reference import command_reference, outputs_page, yaml_keys_page
 from scaloft_fi.scripting.study import OpenCampaign
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.dossier import EXPORT, FORMATS, HEAD
+from scaloft_fi.verbs.hazop import RowState
+from scaloft_fi.verbs.judge import RecordVerdict
 from scaloft_fi.verbs.listing import Listing, operator_list, seam_list, shown
 from scaloft_fi.verbs.report.analyses import Sign
 from scaloft_fi.verbs.signals import signal_list
@@ -60,6 +63,9 @@ VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
     ("Parts of a score", "What `score --by` divides it by.", By),
     ("A finding of check", "Only an error fails.", Severity),
     ("Standing of a survivor", "Beside the dispositions of the study.", Standing),
+    ("What a record says", "Of a requirement: `judge`.", RecordVerdict),
+    ("What a record lost", "Told beside the readings of `judge`.", Lost),
+    ("A row of a sheet", "What `hazop import` did with it.", RowState),
 )
 """The enumerations whose values are printed: title, what they tell."""
 
