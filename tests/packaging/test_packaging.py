@@ -92,6 +92,7 @@ def _with_what_they_need(names: Iterable[str]) -> set[str]:
     return found
 
 
+@pytest.mark.release
 def test_without_extras_every_module_is_imported() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     needed = _with_what_they_need(project["dependencies"])

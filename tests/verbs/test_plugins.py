@@ -90,6 +90,7 @@ def test_the_operators_of_a_stack_that_cannot_be_imported_are_named(tmp_path: Pa
 
 
 @pytest.mark.flight
+@pytest.mark.release
 def test_an_operator_that_raises_is_named(tmp_path: Path, copy: Path) -> None:
     cells = copy / "hazop" / "matrix" / "clock.yaml"
     cells.write_text(
