@@ -456,9 +456,9 @@ def decimated(file: MeshFile, most: int, place: str) -> MeshFile:
 
 
 def _text(path: Path, place: str, limits: MeshLimits) -> str:
-    """The text of a mesh file, if it is not too large; many programs write names and comments in Latin-1."""
+    """The text of a mesh file, if it is not too large; programs write a mark of the encoding, or names in Latin-1."""
     try:
-        return read_text(path, limits.size_bytes, other="latin-1")
+        return read_text(path, limits.size_bytes, other="latin-1").removeprefix("\ufeff")
     except UnreadableError as error:
         sentence = f"mesh={shown(str(path))} cannot be read: {error.reason}"
         if "larger" in error.reason:

@@ -384,9 +384,22 @@ def _flight(tmp_path: Path, text: str, more: str = "") -> RecordedFlight:
     return flight_log(path, load_record_map(mapping), KNOWN, needed=NEEDED)
 
 
-def test_a_flight_begins_when_every_signal_is_known_and_says_which_was_the_last(tmp_path: Path) -> None:
-    flight = _flight(tmp_path, "t,x,near\n0,0,\n0.5,,1\n1,1,1\n")
-    assert (flight.begins_s, flight.waits_for, flight.log.duration_s) == (0.5, "clearance_m", 0.5)
+@pytest.mark.parametrize(
+    ("text", "waits_for", "begins_s"),
+    [
+        ("t,x,near\n0,0,\n0.5,,1\n1,1,1\n", "clearance_m", 0.5),
+        ("t,x,near\n0,,1\n0.5,0,\n1,1,1\n", "", 0.5),
+        ("t,x,near\n0,0,\n0.002,,1\n1.002,1,1\n", "clearance_m", 0.002),
+        ("t,x,near\n0,,\n0.25,0,\n0.5,,1\n1,1,1\n", "clearance_m", 0.5),
+    ],
+    ids=["later", "the position is later", "by 2 ms", "one after the other"],
+)
+def test_a_flight_begins_when_every_signal_is_known_and_says_which_was_the_last(
+    text: str, waits_for: str, begins_s: float, tmp_path: Path
+) -> None:
+    flight = _flight(tmp_path, text)
+    assert (flight.waits_for, flight.begins_s) == (waits_for, begins_s)
+    assert flight.log.duration_s == pytest.approx(float(text.splitlines()[-1].split(",")[0]) - begins_s)
 
 
 @pytest.mark.parametrize(("more", "old"), [("", 0.9), ("gap_s: 60", 0.0), ("gap_s: 0.5", 0.99)])

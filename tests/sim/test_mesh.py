@@ -308,8 +308,20 @@ def test_a_mesh_of_any_format_has_the_limits_of_the_study(limits, said, tmp_path
         read_mesh(path, "world.yaml:3", 1.0, "z", limits)
 
 
-def test_a_comment_in_latin_1_carries_no_geometry(read):
-    assert len(read(b"# M\xf6ller\n" + SQUARE.encode()).mesh.faces) == 2
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"# M\xf6ller\n" + SQUARE.encode(),
+        SQUARE.encode().rstrip() + b" # M\xf6ller\n",
+        b"# 5\x80 in Windows-1252, \x93quoted\x94\r\n" + SQUARE.replace("\n", "\r\n").encode(),
+        b"mtllib M\xf6ller.mtl\nusemtl Stra\xdfe\n" + SQUARE.encode(),
+        b"o M\xf6ller\n" + SQUARE.encode(),
+        b"\xef\xbb\xbf" + SQUARE.encode(),
+    ],
+    ids=["comment", "end of a line", "Windows", "material", "name", "mark of its encoding"],
+)
+def test_bytes_that_are_no_utf_8_carry_no_geometry(content, read):
+    assert read(content).mesh.triangles.tolist() == read(SQUARE).mesh.triangles.tolist()
 
 
 def test_faces_that_are_there_twice_are_the_fault_of_the_mesh_and_not_of_the_waypoints():

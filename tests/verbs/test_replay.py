@@ -198,28 +198,47 @@ def test_a_violation_is_a_finding_with_time_and_place_and_the_exit_code_is_0(tmp
     assert (rows["SR1"]["robustness"], rows["SR2"]["verdict"], rows["SR2"]["robustness"]) == (-0.001, "open", None)
 
 
-def test_of_many_records_every_verdict_is_told_before_the_errors(tmp_path: Path) -> None:
-    good, bad = a_record(tmp_path), tmp_path / "bad.csv"
-    bad.write_text("elapsed_s\n")
-    done = judge(good, bad, tmp_path / "none.csv", "--format", "json")
+@pytest.mark.parametrize("order", ["good bad none", "bad good none", "none bad good", "bad none", "bad good folder"])
+def test_of_many_records_every_verdict_is_told_before_the_errors(order: str, tmp_path: Path) -> None:
+    good = a_record(tmp_path)
+    places = {"good": good, "bad": tmp_path / "bad.csv", "none": tmp_path / "none.csv", "folder": tmp_path / "folder"}
+    places["bad"].write_text("elapsed_s\n")
+    places["folder"].mkdir()
+    done = judge(*(places[name] for name in order.split()), "--format", "json")
     told = of_form("judge", done.stdout)
+    unread = [name for name in order.split() if name != "good"]
     assert done.exit_code == 2
-    assert [Path(one["file"]).name for one in told["unread"]] == ["bad.csv", "none.csv"]
-    assert {Path(one["file"]) for one in told["readings"]} == {good}
-    assert [line.partition(":")[0] for line in done.stderr.splitlines()] == ["error", "error"]
+    assert [Path(one["file"]).stem for one in told["unread"]] == unread
+    assert {Path(one["file"]) for one in told["readings"]} == ({good} if "good" in order else set())
+    assert [line.partition(":")[0] for line in done.stderr.splitlines()] == ["error"] * len(unread)
 
 
-def test_a_record_without_a_time_limit_ends_and_is_not_at_its_limit(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("heights_m", "more", "ending"),
+    [
+        ((0, 1, 2), "", None),
+        ((0, 1, 0), "", None),
+        ((1, 1, 1), "end: {column: t, least: 1.5}", None),
+        ((0, 1, 0), "landed: {column: down}", "landed"),
+    ],
+    ids=["in the air", "on the ground again", "by the mapping", "landed"],
+)
+def test_a_record_without_a_time_limit_ends_and_is_not_at_its_limit(
+    heights_m: tuple[int, ...], more: str, ending: str | None, tmp_path: Path
+) -> None:
     study, mapping = copied(tmp_path / "study"), tmp_path / "own.yaml"
-    columns = ", ".join(f"{name}: {{column: t}}" for name in ("x_m", "y_m", "z_m", "far"))
-    mapping.write_text(f"time: {{column: t}}\nsignals: {{clearance_m: {{constant: 2}}, {columns}}}")
+    columns = ", ".join(f"{name}: {{column: t}}" for name in ("x_m", "y_m", "far"))
+    landed, more = (f", {more}", "") if "landed" in more else ("", more)
+    signals = f"clearance_m: {{constant: 2}}, z_m: {{column: z}}, {columns}{landed}"
+    mapping.write_text(f"time: {{column: t}}\nsignals: {{{signals}}}\n{more}")
     (study / "sim" / "requirements.yaml").write_text(
         "requirements: {A: {kind: safety, formula: always(far < 6 and clearance_m > 1.5)}}"
     )
-    (tmp_path / "own.csv").write_text("t\n0\n1\n2\n")
+    rows = [f"{t_s},{z_m},{int(t_s != 1)}" for t_s, z_m in enumerate(heights_m)]
+    (tmp_path / "own.csv").write_text("\n".join(["t,z,down", *rows]) + "\n")
     done = judge(tmp_path / "own.csv", "--record", mapping, "--format", "json", study=study)
     told = of_form("judge", done.stdout)
-    assert (told["records"][0]["ending"], told["readings"][0]["verdict"]) == (None, "held")
+    assert (told["records"][0]["ending"], told["readings"][0]["verdict"]) == (ending, "held")
 
 
 @pytest.mark.parametrize(
