@@ -26,6 +26,8 @@ RECORD = Path(__file__).with_name("breaks.json")
 SEED, NUMBER = 34, 40
 MOST_S = 500
 """How long the tests of a break may take [s, wall]."""
+FLOWN_AGAIN = "tests/campaign/flights/test_published_flights_again.py"
+"""The test that sees any change of a flight."""
 USAGE, NO_TESTS, NEVER_ENDS = 4, 5, "it never ends"
 """How pytest ends where it does not know a test or finds none, and what stands for tests that take too long."""
 SWAPS = {
@@ -179,8 +181,9 @@ def failing(copy: Path, tests: Sequence[str], *options: str) -> tuple[str, ...]:
 def caught(one: Break, known: dict[str, list[str]]) -> tuple[str, ...]:
     """Up to three tests that fail with a break.
 
-    Asked are of the recorded ones those that still are, wherever they stand; then those that mirror its folder, and
-    those of the verbs; then the same with `--release`, which stands before the tests that only a release runs.
+    Asked are of the recorded ones those that still are, wherever they stand; then published flights flown again, those
+    that mirror its folder, and those of the verbs; then the same with `--release`, which stands before the tests that
+    only a release runs.
     """
     names = {test.split("::")[-1].split("[")[0] for test in one.caught or ()}
     with tempfile.TemporaryDirectory() as scratch:
@@ -188,7 +191,7 @@ def caught(one: Break, known: dict[str, list[str]]) -> tuple[str, ...]:
         path, _ = apply(one, copy / "scaloft_fi")
         near = Path("tests") / path.relative_to(copy / "scaloft_fi").parent
         tests = [place for name in sorted(names) for place in known.get(name, ())]
-        every = [tests, [str(near)], ["tests/verbs", "tests/test_outputs.py"]]
+        every = [tests, [FLOWN_AGAIN], [str(near)], ["tests/verbs", "tests/test_outputs.py"]]
         for options in ((), ("--release", "-m", "release")):
             for asked in every:
                 found = failing(copy, asked, "--maxfail=3", *options) if asked else ()
