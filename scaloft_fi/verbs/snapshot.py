@@ -29,22 +29,21 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.verdict import MOST_NAMED, in_campaign
 
 
-def stale_of(study: Study, store: Store, now: Now, name: str) -> Stale:
+def stale_of(study: Study, now: Now, name: str) -> Stale:
     """The flights of a campaign that no longer count and were not flown again, with the command that does it.
 
     Args:
         study: the study, with the grid of the campaign.
-        store: of the campaign, open.
         now: its flights beside the study.
         name: of the campaign.
     """
-    found = stale_in(now, store)
-    return Stale.of(found.why, _again(study, store, name, found.flown) if found.flown else "")
+    found = stale_in(now)
+    return Stale.of(found.why, _again(study, now, name, found.flown) if found.flown else "")
 
 
-def _again(study: Study, store: Store, name: str, stale: Sequence[FlownFlight]) -> str:
+def _again(study: Study, now: Now, name: str, stale: Sequence[FlownFlight]) -> str:
     """The `run` that flies these flights; of what it asks for besides, the campaign holds the flights that count."""
-    held = store.flights()
+    held = now.flights
     known = {flight.mutant for flight in held}
     asking = stale if _mutants(stale, study.roster) else held  # baselines alone are flown again beside their mutants
     mutants = _mutants(asking, study.roster) or [PLACEBO_ID]
@@ -54,7 +53,9 @@ def _again(study: Study, store: Store, name: str, stale: Sequence[FlownFlight]) 
     ids = {mutant.id for mutant in defaults(study.matrix)}
     if len(mutants) <= MOST_NAMED or not (ids.issuperset(mutants) and known.issuperset(ids)):
         words += [f"--mutant {shlex.quote(id_)}" for id_ in mutants]
-    words += _situations(study, store, {flight.situation for flight in stale}, {flight.situation for flight in held})
+    words += _situations(
+        study, now.store, {flight.situation for flight in stale}, {flight.situation for flight in held}
+    )
     words += [] if seeds == {0} else [f"--seeds {_range(seeds)}"]
     words += [f"--baseline-seeds {_range(pool)}"] if pool - seeds - set(range(LEAST)) else []
     return " ".join(words)
@@ -190,12 +191,12 @@ class Snapshot:
     @cached_property
     def held(self) -> Held:
         """The same outcomes, of which there may be none, beside what is stale and what is planned and not flown."""
-        return held_in(self.study, self.store, self.folder)
+        return held_in(self.now, self.folder)
 
     @cached_property
     def stale(self) -> Stale:
         """The stored flights that no longer count and were not flown again."""
-        return stale_of(self.study, self.store, self.now, self.name)
+        return stale_of(self.study, self.now, self.name)
 
     @cached_property
     def latest(self) -> tuple[Outcome, ...]:

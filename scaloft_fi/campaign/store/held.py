@@ -9,8 +9,9 @@ import hashlib
 import json
 import math
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -115,28 +116,25 @@ class StaleFlights:
     flown: tuple[FlownFlight, ...] = ()
 
 
-def held_in(study: Study, store: Store, folder: Path) -> Held:
+def held_in(now: Now, folder: Path) -> Held:
     """Read the outcomes of an open store."""
-    with store.snapshot():
-        now = Now(study, store)
-        flights = store.flights()
-        planned = store.planned()
+    with now.store.snapshot():
+        planned = now.store.planned()
         due = {flight.key for flight in planned if now.origin(flight.mutant, flight.situation) == flight.origin}
-        stale = now.stale(flights)
         return Held(
             folder=folder,
-            current=store.standing(now.stands),
-            why=_counted(map(now.why, stale)),
-            owed=len(due - store.known(due)),
-            flown_again=len(stale) - len(now.lost(flights)),
+            current=now.store.standing(now.stands),
+            why=_counted(map(now.why, now.stale)),
+            owed=len(due - now.store.known(due)),
+            flown_again=len(now.stale) - len(now.lost),
         )
 
 
-def stale_in(now: Now, store: Store) -> StaleFlights:
+def stale_in(now: Now) -> StaleFlights:
     """The flights of an open store that no longer count and were not flown again."""
-    if all(flight.origin is not None and now.stands(flight) for flight in store.flights(one_each=True)):
+    if all(flight.origin is not None and now.stands(flight) for flight in now.store.flights(one_each=True)):
         return StaleFlights()
-    lost = {flight[1:4]: flight for flight in now.lost(store.flights())}.values()
+    lost = {flight[1:4]: flight for flight in now.lost}.values()
     flown = [flight for flight in lost if not isinstance(now.origin(flight.mutant, flight.situation), str)]
     return StaleFlights(_counted(map(now.why, lost)), tuple(flown))
 
@@ -192,15 +190,21 @@ def _mutant(study: Study, name: str) -> Mutant | None:
 
 
 class Now:
-    """The origins of flights in the study as it is now; each mutant and each situation is looked up once."""
+    """The origins of flights in the study as it is now; each mutant and each situation is looked up once.
+
+    Attributes:
+        store: the open store whose flights are asked about; its list of flights is read once.
+    """
 
     def __init__(self, study: Study, store: Store) -> None:
+        self.store = store
         self._study, self._keys, self._then = study, Keys(study), store.origins()
         self._grid = study.grid  # read here, so that an error in the grid itself is raised
         self._mutants: dict[str, Mutant | None] = {}
         self._situations: dict[str, Situation] = {}
         self._origins: dict[tuple[str, str], Origin | str] = {}
         self._stand: dict[tuple[str, str, int], bool] = {}
+        self._why: dict[tuple[str, str, int | None], str] = {}
 
     def origin(self, mutant: str, situation: str) -> Origin | str:
         """The origin of a flight in the current study, or the reason why the flight no longer exists."""
@@ -220,29 +224,43 @@ class Now:
             self._stand[what] = self.origin(mutant, situation) == self._then.get(number)
         return self._stand[what]
 
-    def stale(self, flights: Sequence[FlownFlight]) -> list[FlownFlight]:
-        """The stale outcomes among `flights`."""
-        return [flight for flight in flights if not self.stands(flight)]
+    @cached_property
+    def flights(self) -> list[FlownFlight]:
+        """The flights of the store with an outcome, ordered by mutant, situation, seed."""
+        return self.store.flights()
 
-    def lost(self, flights: Sequence[FlownFlight]) -> list[FlownFlight]:
-        """The stale outcomes among `flights` of flights without a current one."""
-        stale = self.stale(flights)
-        names = {flight[1:4] for flight in stale}
-        again = {flight[1:4] for flight in flights if flight[1:4] in names and self.stands(flight)} if stale else ()
-        return [flight for flight in stale if flight[1:4] not in again]
+    @cached_property
+    def stale(self) -> list[FlownFlight]:
+        """The stale outcomes of the store."""
+        return [flight for flight in self.flights if not self.stands(flight)]
+
+    @cached_property
+    def lost(self) -> list[FlownFlight]:
+        """The stale outcomes of flights without a current one."""
+        names = {flight[1:4] for flight in self.stale}
+        again = (
+            {flight[1:4] for flight in self.flights if flight[1:4] in names and self.stands(flight)} if names else ()
+        )
+        return [flight for flight in self.stale if flight[1:4] not in again]
 
     def why(self, flight: FlownFlight) -> str:
         """Why an outcome is stale."""
-        now = self.origin(flight.mutant, flight.situation)
+        what = flight.mutant, flight.situation, flight.origin
+        if what not in self._why:
+            self._why[what] = self._reason(*what)
+        return self._why[what]
+
+    def _reason(self, mutant: str, situation: str, number: int | None) -> str:
+        now = self.origin(mutant, situation)
         if isinstance(now, str):
             return now
-        then = None if flight.origin is None else self._then.get(flight.origin)
+        then = None if number is None else self._then.get(number)
         if then is None:
             return "flown for reasons that were not kept"
         if then.platform:
             return f"flown on a platform with other digests: {then.platform}"
-        mutant = self._mutants[flight.mutant]
-        words = {**_PARTS, "mutant": f"mutant {flight.mutant}", "operator": f"operator {mutant and mutant.operator}"}
+        realised = self._mutants[mutant]
+        words = {**_PARTS, "mutant": f"mutant {mutant}", "operator": f"operator {realised and realised.operator}"}
         return f"{' and '.join(words[part] for part in then.changed(now))} changed"
 
     def _origin(self, mutant: str, situation: str) -> Origin | str:

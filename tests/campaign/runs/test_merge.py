@@ -13,7 +13,7 @@ from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.plan import Plan
 from scaloft_fi.campaign.runs.merge import merge
 from scaloft_fi.campaign.store.archive import LOG_NAME, STORE_NAME
-from scaloft_fi.campaign.store.held import held_in
+from scaloft_fi.campaign.store.held import Now, held_in
 from scaloft_fi.campaign.store.platforms import Platforms
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import GateError, InputError
@@ -136,7 +136,7 @@ def test_parts_of_two_platforms_join_and_every_mutant_keeps_a_baseline_of_its_ow
         folder = study.folder / f"merged {len(parts)} {parts[-1].name}"
         merge(study, folder, parts)
         with Store(folder / STORE_NAME, create=False) as store:
-            current = held_in(study, store, folder).current
+            current = held_in(Now(study, store), folder).current
             mixture = Platforms(store).mixture(current)
         here = {(o.situation, o.seed, o.digest.startswith("other")) for o in current}
         assert len(here) == len({(situation, seed) for situation, seed, _ in here}) == 8

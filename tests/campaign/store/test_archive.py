@@ -44,7 +44,7 @@ from scaloft_fi.campaign.store.archive import (
     with_grid,
     writable,
 )
-from scaloft_fi.campaign.store.held import Keys, held_in
+from scaloft_fi.campaign.store.held import Keys, Now, held_in
 from scaloft_fi.campaign.store.record import MOST_FLIGHTS
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
@@ -241,7 +241,7 @@ def test_a_flight_that_the_study_no_longer_has_is_stale(folder: Path, files: dic
     axes = study / "sim" / "situations.yaml"
     axes.write_text(re.sub(r"\bT(?=[:01])", "U", axes.read_text()))
     now, store = opened(Study.open(study), place)
-    held = held_in(now, store, place)
+    held = held_in(Now(now, store), place)
     assert held.current == ()
     assert held.why == {"the situation is not in the grid any more": len(store.flights())}
 

@@ -19,7 +19,7 @@ from running import CONTROL, LATE, MORE, Runs, asked
 from scaloft_fi import sources
 from scaloft_fi.campaign.plan import plan
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.campaign.store.held import Held, Keys, current_in, flight_named, held_in, with_tracks
+from scaloft_fi.campaign.store.held import Held, Keys, Now, current_in, flight_named, held_in, with_tracks
 from scaloft_fi.campaign.store.record import Origin
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
@@ -109,7 +109,7 @@ def test_a_flight_of_which_no_reason_was_kept_is_said_to_have_none(study: Any, f
     fly()
     with Store(study.folder / "c" / STORE_NAME) as store:
         store._connection.execute("UPDATE outcomes SET origin = NULL")
-        assert held_in(study, store, study.folder / "c").stale == 0
+        assert held_in(Now(study, store), study.folder / "c").stale == 0
     assert _why(_inputs(study, sim="x")) == {"flown for reasons that were not kept": 16}
 
 
