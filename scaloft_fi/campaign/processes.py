@@ -22,7 +22,6 @@ from dataclasses import KW_ONLY, dataclass, field
 from itertools import islice
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection, wait
-from multiprocessing.connection import wait as wait_for
 from typing import Any, Generic, NamedTuple, TypeVar
 
 LINUX = sys.platform.startswith("linux")
@@ -176,13 +175,6 @@ def _serve(work: Work, connection: Connection) -> None:
             connection.send(("raised", error))
 
 
-if __name__ == "__main__":  # a worker in a new interpreter, whose standard input closes when its parent ends
-    die_with(int(sys.argv[2]), sys.stdin.fileno())
-    parent = Connection(int(sys.argv[1]))
-    with suppress(EOFError):
-        _serve(parent.recv(), parent)
-
-
 TaskT = TypeVar("TaskT")
 ResultT = TypeVar("ResultT")
 
@@ -269,7 +261,7 @@ class ProcessPool(Generic[TaskT, ResultT]):
                 busy = {worker.started.connection: worker for worker in self._workers if worker.trial is not None}
                 if not busy:
                     return
-                for connection in wait_for(list(busy), timeout=LOOK_UP_S):
+                for connection in wait(list(busy), timeout=LOOK_UP_S):
                     yield from self._receive(busy[connection], waiting)  # type: ignore[index]
                 yield from self._end_hung(waiting)
         finally:
@@ -337,3 +329,10 @@ class ProcessPool(Generic[TaskT, ResultT]):
             waiting.appendleft(_Try(left, attempt))
         else:
             yield from self.lost(left, f"{how} every time it was flown")
+
+
+if __name__ == "__main__":  # a worker in a new interpreter, whose standard input closes when its parent ends
+    die_with(int(sys.argv[2]), sys.stdin.fileno())
+    parent = Connection(int(sys.argv[1]))
+    with suppress(EOFError):
+        _serve(parent.recv(), parent)
