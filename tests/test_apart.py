@@ -37,11 +37,11 @@ HERE = Path(__file__)
 
 
 @given(st.recursive(st.integers() | st.text() | st.floats(allow_nan=False), st.lists, max_leaves=20))
-def test_what_the_work_makes_comes_home_whatever_it_is(made: Any) -> None:
+def test_what_the_work_makes_comes_home_whatever_it_is(made: Any):
     assert read_apart(HERE, lambda: made) == made
 
 
-def test_an_error_of_the_work_is_told_as_it_is() -> None:
+def test_an_error_of_the_work_is_told_as_it_is():
     def refuse() -> None:
         raise InputError("flight.bag: no")
 
@@ -49,17 +49,17 @@ def test_an_error_of_the_work_is_told_as_it_is() -> None:
         read_apart(HERE, refuse)
 
 
-def test_what_a_library_prints_beside_python_is_not_shown(capfd: pytest.CaptureFixture[str]) -> None:
+def test_what_a_library_prints_beside_python_is_not_shown(capfd: pytest.CaptureFixture[str]):
     assert read_apart(HERE, lambda: os.write(1, b"bad") + os.write(2, b"header")) == 9
     assert capfd.readouterr() == ("", "")
 
 
-def test_what_unpacks_to_too_much_is_one_sentence() -> None:
+def test_what_unpacks_to_too_much_is_one_sentence():
     with pytest.raises(InputError, match=r"test_apart\.py: it unpacks to more than 512 MiB"):
         read_apart(HERE, lambda: len(bytearray(2 << 30)))
 
 
-def test_what_takes_too_long_is_one_sentence_and_leaves_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_takes_too_long_is_one_sentence_and_leaves_no_process(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(apart, "APART_S", 0.3)
     begun: list[int] = []
     fork = os.fork
@@ -71,12 +71,12 @@ def test_what_takes_too_long_is_one_sentence_and_leaves_no_process(monkeypatch: 
 
 
 @pytest.mark.parametrize("ended_by", [signal.SIGKILL, signal.SIGABRT])
-def test_a_library_that_ends_its_process_ends_not_ours(ended_by: signal.Signals) -> None:
+def test_a_library_that_ends_its_process_ends_not_ours(ended_by: signal.Signals):
     with pytest.raises(InputError, match="reading it ended its process"):
         read_apart(HERE, lambda: (faulthandler.disable(), os.kill(os.getpid(), ended_by)))
 
 
-def test_the_bounds_grow_with_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_bounds_grow_with_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(apart, "BYTES_A_BYTE", 1 << 20)
     large = tmp_path / "large"
     large.write_bytes(bytes(2_000))
@@ -119,16 +119,14 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
 
 
 @pytest.mark.parametrize("name", usually([*bombs.RECORDS][:2], release=[*bombs.RECORDS]))
-def test_a_record_that_unpacks_to_2_gib_is_one_sentence(
-    name: str, peaks: list[int], temporary: Path, tmp_path: Path
-) -> None:
+def test_a_record_that_unpacks_to_2_gib_is_one_sentence(name: str, peaks: list[int], temporary: Path, tmp_path: Path):
     path = bombs.RECORDS[name](tmp_path)
     assert re.search(r": it unpacks to more than \d+ MiB, which", refused(peaks, lambda: fields_of(path)))
     assert len(peaks) == 1
 
 
 @pytest.mark.parametrize("name", bombs.MESHES)
-def test_a_mesh_that_declares_more_than_it_has_is_one_sentence(name: str, peaks: list[int], tmp_path: Path) -> None:
+def test_a_mesh_that_declares_more_than_it_has_is_one_sentence(name: str, peaks: list[int], tmp_path: Path):
     path = bombs.MESHES[name](tmp_path)
     told = refused(peaks, lambda: read_mesh(path, "world.yaml:3", 1.0, "z", MeshLimits()))
     assert told.startswith("world.yaml:3: mesh=")
@@ -136,14 +134,14 @@ def test_a_mesh_that_declares_more_than_it_has_is_one_sentence(name: str, peaks:
 
 
 @pytest.mark.release
-def test_a_parquet_whose_one_value_is_meant_often_is_one_sentence(peaks: list[int], tmp_path: Path) -> None:
+def test_a_parquet_whose_one_value_is_meant_often_is_one_sentence(peaks: list[int], tmp_path: Path):
     path = bombs.parquet(tmp_path)
     told = refused(peaks, lambda: read_columns(path, path.read_bytes(), {"text": "string"}))
     assert re.search(r"outcomes\.parquet: it unpacks to more than \d+ MiB, which", told)
 
 
 @pytest.mark.release
-def test_an_archive_that_unpacks_to_640_mib_is_one_sentence(peaks: list[int], temporary: Path, tmp_path: Path) -> None:
+def test_an_archive_that_unpacks_to_640_mib_is_one_sentence(peaks: list[int], temporary: Path, tmp_path: Path):
     path = bombs.archive(tmp_path)
     told = refused(peaks, lambda: _unpacked.__wrapped__(path, 0, path.stat().st_size))
     assert told.startswith(f"{path}: the archive has more than 10000 files or ")
@@ -152,7 +150,7 @@ def test_an_archive_that_unpacks_to_640_mib_is_one_sentence(peaks: list[int], te
 
 @pytest.mark.release
 @pytest.mark.parametrize("name", [*bombs.RECORDS, "slow bag"])
-def test_judge_says_one_sentence_of_a_bomb_and_exits_with_2(name: str, tmp_path: Path, temporary: Path) -> None:
+def test_judge_says_one_sentence_of_a_bomb_and_exits_with_2(name: str, tmp_path: Path, temporary: Path):
     path = {**bombs.RECORDS, "slow bag": bombs.slow_bag}[name](tmp_path)
     began_s = time.monotonic()
     told = CliRunner().invoke(main, ["judge", "--fields", str(path)])
@@ -163,12 +161,12 @@ def test_judge_says_one_sentence_of_a_bomb_and_exits_with_2(name: str, tmp_path:
 
 @pytest.mark.release
 @pytest.mark.parametrize("name", bombs.SHEETS)
-def test_a_workbook_that_unpacks_to_too_much_is_one_sentence(name: str, peaks: list[int], tmp_path: Path) -> None:
+def test_a_workbook_that_unpacks_to_too_much_is_one_sentence(name: str, peaks: list[int], tmp_path: Path):
     path = bombs.SHEETS[name](tmp_path)
     assert str(path) in refused(peaks, lambda: read_sheet(path))
 
 
-def test_a_limit_of_the_user_stays_a_limit() -> None:
+def test_a_limit_of_the_user_stays_a_limit():
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, hard))
     try:
@@ -177,9 +175,7 @@ def test_a_limit_of_the_user_stays_a_limit() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
-def test_time_is_earned_by_what_is_read_unless_the_file_packs_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_time_is_earned_by_what_is_read_unless_the_file_packs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(apart, "APART_S", 0.2)
     monkeypatch.setattr(apart, "BYTES_A_S", 1 << 23)
 

@@ -64,7 +64,7 @@ def without_addresses(text: str) -> str:
 
 
 @pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="other versions of Python write signatures otherwise")
-def test_the_public_surface_is_the_one_that_was_written_down() -> None:
+def test_the_public_surface_is_the_one_that_was_written_down():
     lines = [
         line
         for module, members in ((scaloft_fi, True), (api, False))
@@ -74,7 +74,7 @@ def test_the_public_surface_is_the_one_that_was_written_down() -> None:
     as_recorded(str(Path(__file__).with_name("api_surface")), {HEAD: "\n".join(lines)})
 
 
-def test_every_public_name_is_there_and_says_what_it_is() -> None:
+def test_every_public_name_is_there_and_says_what_it_is():
     for module in (scaloft_fi, api):
         for name in module.__all__:
             value = getattr(module, name)

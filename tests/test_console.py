@@ -46,45 +46,43 @@ class Failing(io.StringIO):
         raise OSError(self.number, "no room") if self.number != errno.EPIPE else BrokenPipeError(self.number, "left")
 
 
-def test_a_result_is_told_without_what_a_terminal_obeys(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_result_is_told_without_what_a_terminal_obeys(capsys: pytest.CaptureFixture[str]):
     console.tell("a\x1b[2J\nb\n")
     console.tell_line("one\nline\x07")
     console.tell(Marked("\x1b[1mours\x1b[0m\n"))
     assert capsys.readouterr().out == "a\\x1b[2J\nb\none line\\x07\n\x1b[1mours\x1b[0m\n"
 
 
-def test_bytes_are_those_of_a_file(capfdbinary: pytest.CaptureFixture[bytes]) -> None:
+def test_bytes_are_those_of_a_file(capfdbinary: pytest.CaptureFixture[bytes]):
     console.tell("\N{LATIN SMALL LETTER U WITH DIAERESIS}\r\n".encode())
     assert capfdbinary.readouterr().out == b"\xc3\xbc\r\n"
 
 
-def test_a_terminal_gets_bytes_as_printable_text(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_terminal_gets_bytes_as_printable_text(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
     console.tell(b"a\x1b[2J\xff\n")
     assert capsys.readouterr().out == "a\\x1b[2J\\xff\n"
 
 
-def test_a_message_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_message_is_one_line(capsys: pytest.CaptureFixture[str]):
     console.say("warning: a\nb \x1b[1m")
     assert capsys.readouterr().err == "warning: a b \\x1b[1m\n"
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EBADF, errno.EIO])
-def test_a_result_that_cannot_be_written_is_an_error(monkeypatch: pytest.MonkeyPatch, number: int) -> None:
+def test_a_result_that_cannot_be_written_is_an_error(monkeypatch: pytest.MonkeyPatch, number: int):
     monkeypatch.setattr("sys.stdout", Failing(number))
     with pytest.raises(InputError, match=r"standard output cannot be written: (no room|it is closed)"):
         console.tell("a")
 
 
-def test_a_reader_that_left_is_no_error(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_reader_that_left_is_no_error(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("sys.stdout", Failing(errno.EPIPE))
     console.tell("a")
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EPIPE])
-def test_a_message_that_cannot_be_written_stops_nothing(monkeypatch: pytest.MonkeyPatch, number: int) -> None:
+def test_a_message_that_cannot_be_written_stops_nothing(monkeypatch: pytest.MonkeyPatch, number: int):
     monkeypatch.setattr("sys.stderr", Failing(number))
     console.say("a")
 
@@ -105,13 +103,13 @@ def plain(monkeypatch: pytest.MonkeyPatch) -> None:
     ("said", "found"),
     [("60", 60), ("12", LEAST), ("0", PIPED), ("", PIPED), ("-5", PIPED), ("wide", PIPED), ("9" * 5000, PIPED)],
 )
-def test_columns_tell_the_width(said: str, found: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_columns_tell_the_width(said: str, found: int, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(sys, "stdout", io.StringIO())
     monkeypatch.setenv("COLUMNS", said)
     assert width() == found
 
 
-def test_a_terminal_tells_its_width() -> None:
+def test_a_terminal_tells_its_width():
     ours, theirs = pty.openpty()
     ioctl(theirs, TIOCSWINSZ, struct.pack("HHHH", 24, 73, 0, 0))
     program = "from scaloft_fi.console import width; print(width())"
@@ -136,13 +134,13 @@ def test_a_terminal_tells_its_width() -> None:
 )
 def test_colours_are_where_a_terminal_is_or_the_user_wants_them(
     said: dict[str, str], stream: io.StringIO, found: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     for name, value in said.items():
         monkeypatch.setenv(name, value)
     assert coloured(stream) is found
 
 
-def test_marks_are_kept_where_texts_are_joined() -> None:
+def test_marks_are_kept_where_texts_are_joined():
     assert isinstance(joined([Marked("a"), "b"]), Marked)
     assert type(joined(["a", "b"])) is str
     assert console.styled("", console.Style.BAD) == ""
@@ -152,7 +150,7 @@ WORDS = st.lists(st.sampled_from(["NO-depth@3s", "a", "`scaloft-fi run --seeds 3
 
 
 @given(WORDS, st.integers(30, 100))
-def test_no_word_and_no_command_that_fits_is_broken(words: list[str], width: int) -> None:
+def test_no_word_and_no_command_that_fits_is_broken(words: list[str], width: int):
     lines = wrapped(" ".join(words), width, "  ", "    ").split("\n")
     assert " ".join(" ".join(lines).split()) == " ".join(words)
     for row in lines:
@@ -160,7 +158,7 @@ def test_no_word_and_no_command_that_fits_is_broken(words: list[str], width: int
     assert sum(row.count("`scaloft-fi run --seeds 3`") for row in lines) == words.count("`scaloft-fi run --seeds 3`")
 
 
-def test_a_command_that_is_longer_than_a_line_is_broken_between_its_words() -> None:
+def test_a_command_that_is_longer_than_a_line_is_broken_between_its_words():
     assert wrapped("`scaloft-fi run --mutant LATE-human@3s`", 24) == "`scaloft-fi run --mutant\nLATE-human@3s`"
 
 
@@ -174,7 +172,7 @@ OBEYED = "\x00\x07\x08\x0c\r\x1b\x7f\x85\x9b\xad\u200b\u200d\u200e\u2028\u202e\u
 
 
 @given(texts)
-def test_no_printable_text_holds_what_a_terminal_obeys_or_hides(text: str) -> None:
+def test_no_printable_text_holds_what_a_terminal_obeys_or_hides(text: str):
     shown = printable(text)
     assert obeyed(shown) == set()
     assert printable(shown) == shown
@@ -182,34 +180,34 @@ def test_no_printable_text_holds_what_a_terminal_obeys_or_hides(text: str) -> No
 
 
 @pytest.mark.parametrize("letter", OBEYED)
-def test_what_is_obeyed_is_spelled_out(letter: str) -> None:
+def test_what_is_obeyed_is_spelled_out(letter: str):
     assert printable(f"a{letter}b") == f"a{ascii(letter)[1:-1]}b"
 
 
 @pytest.mark.parametrize("text", ["人が検出されない — Ürümqi ñ ٣ 🙂", "two\nlines\tand a tab", "a\xa0b", ""])
-def test_letters_of_every_script_line_breaks_and_tabs_stay(text: str) -> None:
+def test_letters_of_every_script_line_breaks_and_tabs_stay(text: str):
     assert printable(text) == text
 
 
 @given(texts)
-def test_a_line_is_one_line(text: str) -> None:
+def test_a_line_is_one_line(text: str):
     assert len(line(text).splitlines()) <= 1
     assert line(line(text)) == line(text)
 
 
 @given(values, st.booleans())
-def test_json_comes_back_and_shows_nothing_that_isobeyed(content: object, letters: bool) -> None:
+def test_json_comes_back_and_shows_nothing_that_isobeyed(content: object, letters: bool):
     text = json_text(content, indent=1, letters=letters)
     assert obeyed(text) == set()
     assert json.loads(text) == content
     text.encode()
 
 
-def test_a_number_that_is_not_finite_is_no_json() -> None:
+def test_a_number_that_is_not_finite_is_no_json():
     with pytest.raises(ValueError, match="Out of range"):
         json_text([float("nan")])
 
 
 @given(values)
-def test_all_texts_of_json_values_become_printable(content: object) -> None:
+def test_all_texts_of_json_values_become_printable(content: object):
     assert obeyed(json.dumps(all_printable(content), ensure_ascii=False)) == set()

@@ -91,7 +91,7 @@ def test_a_document_of_the_largest_depth_and_number_of_values_is_read(read):
         read(f"[{'1,' * ITEMS}]")
 
 
-def test_the_same_text_read_again_has_its_own_place(tmp_path: Path) -> None:
+def test_the_same_text_read_again_has_its_own_place(tmp_path: Path):
     first, second = tmp_path / "one" / "a.yaml", tmp_path / "two" / "a.yaml"
     for path in (first, second):
         path.parent.mkdir()
@@ -99,7 +99,7 @@ def test_the_same_text_read_again_has_its_own_place(tmp_path: Path) -> None:
     assert [load(path).need("size").place for path in (first, second)] == [f"{path}:1" for path in (first, second)]
 
 
-def test_every_document_and_every_key_is_on_the_page() -> None:
+def test_every_document_and_every_key_is_on_the_page():
     page = yaml_keys_page()
     sections = dict(re.findall(r"^## `(.*?)`\n(.*?)(?=^## |\Z)", page, re.MULTILINE | re.DOTALL))
     names = declared_names(own=True)
@@ -109,7 +109,7 @@ def test_every_document_and_every_key_is_on_the_page() -> None:
         assert {re.sub(r"\[\]|\?", "", name).rpartition(".")[2] for name in told} - {"*"} == keys, one.name
 
 
-def test_a_row_has_type_range_default_and_example() -> None:
+def test_a_row_has_type_range_default_and_example():
     page = yaml_keys_page()
     assert (
         "| `light` | number from 0 to 1 | brightness of visible light: 0 dark, 1 full  Such as `0.9`, `0.003`. |"
@@ -122,7 +122,7 @@ def test_a_row_has_type_range_default_and_example() -> None:
     assert "| `name` | reference |" in page
 
 
-def test_the_settings_for_an_editor_are_json_and_name_every_document() -> None:
+def test_the_settings_for_an_editor_are_json_and_name_every_document():
     settings = json.loads(re.search(r"```json\n(.*?)```", yaml_keys_page(), re.DOTALL)[1])  # type: ignore[index]
     assert set(settings["yaml.schemas"].values()) == {one.files for one in DOCUMENTS.values()}
 
@@ -162,11 +162,11 @@ NO:
 )
 def test_an_edit_changes_one_value_and_nothing_else(
     steps: tuple[str | int, ...], value: str | None, before: str, after: str
-) -> None:
+):
     assert edited(WRITTEN, steps, value, "a.yaml") == WRITTEN.replace(before, after)
 
 
-def test_what_would_change_something_else_too_is_not_edited() -> None:
+def test_what_would_change_something_else_too_is_not_edited():
     with pytest.raises(InputError, match="edit it by hand"):
         edited("a: &x one\nb: *x\n", ("a",), "two", "a.yaml")
 
@@ -174,7 +174,7 @@ def test_what_would_change_something_else_too_is_not_edited() -> None:
 @pytest.mark.parametrize(
     ("text", "value"), [("1_000", 1000), ("0x1F", 31), ("0.5", 0.5), ("0", 0), ("'017'", "017"), ("1:30 h", "1:30 h")]
 )
-def test_numbers_that_people_mean_are_read(tmp_path: Path, text: str, value: object) -> None:
+def test_numbers_that_people_mean_are_read(tmp_path: Path, text: str, value: object):
     (tmp_path / "a.yaml").write_text(f"a: {text}\n")
     assert load(tmp_path / "a.yaml").need("a").value == value
 
@@ -182,7 +182,7 @@ def test_numbers_that_people_mean_are_read(tmp_path: Path, text: str, value: obj
 @pytest.mark.parametrize(
     ("text", "value"), [("1:30", "90"), ("017", "15"), ("190:20:30", "685230"), ("1:30.5", "90.5")]
 )
-def test_a_number_of_another_base_is_refused_with_what_it_is(tmp_path: Path, text: str, value: str) -> None:
+def test_a_number_of_another_base_is_refused_with_what_it_is(tmp_path: Path, text: str, value: str):
     (tmp_path / "a.yaml").write_text(f"a: {text}\n")
     with pytest.raises(InputError, match=rf"a\.yaml:1: a={text} must .* takes it for {value}; write {value}"):
         load(tmp_path / "a.yaml")

@@ -51,7 +51,7 @@ def _follow(guide: str, tmp_path: Path, study: Path) -> tuple[Path, list[str]]:
 @pytest.mark.parametrize(
     "guide", [pytest.param(one, marks=[pytest.mark.release] * (one not in OFTEN)) for one in GUIDES]
 )
-def test_its_commands_run(guide: str, tmp_path: Path, study: Path) -> None:
+def test_its_commands_run(guide: str, tmp_path: Path, study: Path):
     site, commands = _follow(guide, tmp_path, study)
     assert commands
     for command in commands:
@@ -63,12 +63,12 @@ def test_its_commands_run(guide: str, tmp_path: Path, study: Path) -> None:
             assert "it keeps its contract" in done.stdout, done.stdout
 
 
-def test_the_operators_of_the_guide_do_what_their_examples_say(tmp_path: Path, study: Path) -> None:
+def test_the_operators_of_the_guide_do_what_their_examples_say(tmp_path: Path, study: Path):
     site, _ = _follow("operator", tmp_path, study)
     done = call(site, "-c", EXAMPLES, cwd=study)
     assert done.returncode == 0, done.stderr
 
 
-def test_a_guide_is_one_page() -> None:
+def test_a_guide_is_one_page():
     lengths = {guide: len((ROOT / "docs" / f"{guide}.md").read_text().splitlines()) for guide in GUIDES}
     assert {guide: lines for guide, lines in lengths.items() if lines > 120} == {}

@@ -32,17 +32,17 @@ COMMANDS = {
 @pytest.mark.parametrize(
     "rule", [pytest.param(rule, marks=[pytest.mark.release] if rule in SLOW else []) for rule in COMMANDS]
 )
-def test_the_rule_holds(rule: str) -> None:
+def test_the_rule_holds(rule: str):
     done = subprocess.run([sys.executable, *COMMANDS[rule]], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_a_data_folder_is_never_a_package() -> None:
+def test_a_data_folder_is_never_a_package():
     inits = [path for folder in ("hazop", "mutants", "sim", "results") for path in (ROOT / folder).rglob("__init__.py")]
     assert inits == []
 
 
-def test_tests_are_not_a_package() -> None:
+def test_tests_are_not_a_package():
     assert list((ROOT / "tests").rglob("__init__.py")) == []
 
 
@@ -76,7 +76,7 @@ def _opens(node: ast.AST) -> bool:
     return name in {"open", "fdopen"} and owner not in NO_FILES
 
 
-def test_one_module_opens_the_files_of_users() -> None:
+def test_one_module_opens_the_files_of_users():
     package = ROOT / "scaloft_fi"
     opening = {
         path.relative_to(package).as_posix()
@@ -86,20 +86,20 @@ def test_one_module_opens_the_files_of_users() -> None:
     assert opening == set(READERS)
 
 
-def test_every_module_says_what_it_is() -> None:
+def test_every_module_says_what_it_is():
     modules = (ROOT / "scaloft_fi").rglob("*.py")
     silent = [str(path) for path in modules if not path.read_text().startswith(('"""', 'r"""'))]
     assert silent == []
 
 
-def test_each_error_ends_with_a_code_that_has_a_meaning() -> None:
+def test_each_error_ends_with_a_code_that_has_a_meaning():
     assert [error.exit_code for error in (ScaloftError, InputError, GateError, Interrupted)] == [
         *(ExitCode.INTERNAL, ExitCode.BAD_INPUT, ExitCode.GATE, ExitCode.INTERRUPTED)
     ]
     assert all(code.meaning.endswith(".") for code in ExitCode)
 
 
-def test_no_error_of_the_package_ends_with_another_code() -> None:
+def test_no_error_of_the_package_ends_with_another_code():
     codes = {
         node.value.value
         for path in (ROOT / "scaloft_fi").rglob("*.py")

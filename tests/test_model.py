@@ -123,7 +123,7 @@ def told(**changes: Any) -> list[str]:
     return [str(one) for one in (error.faults if isinstance(error, FaultsError) else [error])]
 
 
-def test_every_kind_of_field_is_read() -> None:
+def test_every_kind_of_field_is_read():
     outer = build(Outer, GOOD)
     assert outer.parts == (Inner("left", "a", 1.0, "s.yaml:1"), Inner("right", "b", 2.0, "s.yaml:1"))
     assert (outer.shape, outer.stands) == (Flat("flat", (1.0, 1e12)), Far("/a"))
@@ -157,19 +157,19 @@ def test_every_kind_of_field_is_read() -> None:
         ({"point": 3}, ["point=3", "a mapping"]),
     ],
 )
-def test_a_fault_is_told_with_place_name_value_and_what_is_allowed(changes: dict[str, Any], facts: list[str]) -> None:
+def test_a_fault_is_told_with_place_name_value_and_what_is_allowed(changes: dict[str, Any], facts: list[str]):
     first = told(**changes)[0]
     assert all(fact in first for fact in ["s.yaml:1", *facts]), first
 
 
-def test_one_reading_tells_every_fault() -> None:
+def test_one_reading_tells_every_fault():
     parts = {"left": {"name": 3, "sise_m": 2}, "right": {"size_m": "x"}}
     faults = told(parts=parts, count=0, cuont=1, share=None, words=["", "x"])
     assert len(faults) == 8
     assert len({*faults}) == len(faults)
 
 
-def test_names_of_the_study_are_held_against_what_is_handed_over() -> None:
+def test_names_of_the_study_are_held_against_what_is_handed_over():
     assert read(Outer, item_of(GOOD | {"seam": "pose"}), {"seams": ["pose"]}).seam == "pose"
     assert build(Outer, GOOD | {"seam": "any"}).seam == "any"
     with pytest.raises(InputError, match="did you mean 'pose'"):
@@ -187,7 +187,7 @@ _VALUES = st.recursive(
 
 @given(st.sampled_from([*GOOD, "kind", "point", "seam"]), _VALUES)
 @settings(max_examples=usually(200, release=2_000))
-def test_a_value_is_read_if_and_only_if_the_schema_allows_it(key: str, value: Any) -> None:
+def test_a_value_is_read_if_and_only_if_the_schema_allows_it(key: str, value: Any):
     """Contradictions apart, and but for texts of white space, of which a schema knows nothing."""
     values = GOOD | {key: value}
     valid = Draft202012Validator(schema(Outer)).is_valid(values)

@@ -23,7 +23,7 @@ from scaloft_fi.output import write_whole
 ROOT = Path(__file__).parents[1]
 
 
-def test_a_new_file_and_an_earlier_file_get_the_whole_content_and_nothing_else_stays(tmp_path: Path) -> None:
+def test_a_new_file_and_an_earlier_file_get_the_whole_content_and_nothing_else_stays(tmp_path: Path):
     path = tmp_path / "out.csv"
     for content in (b"one", b"", b"three" * 100_000):
         write_whole(path, content)
@@ -31,7 +31,7 @@ def test_a_new_file_and_an_earlier_file_get_the_whole_content_and_nothing_else_s
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_permissions_of_an_earlier_file_stay_and_a_new_file_follows_the_mask(tmp_path: Path) -> None:
+def test_permissions_of_an_earlier_file_stay_and_a_new_file_follows_the_mask(tmp_path: Path):
     old, new = tmp_path / "old", tmp_path / "new"
     old.touch()
     old.chmod(0o640)
@@ -50,7 +50,7 @@ def test_permissions_of_an_earlier_file_stay_and_a_new_file_follows_the_mask(tmp
 @pytest.mark.parametrize("fails", ["fsync", "replace", "write"])
 def test_after_a_failure_the_earlier_file_is_as_it_was_and_no_other_file_stays(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fails: str
-) -> None:
+):
     path = tmp_path / "out"
     path.write_bytes(b"earlier")
 
@@ -65,7 +65,7 @@ def test_after_a_failure_the_earlier_file_is_as_it_was_and_no_other_file_stays(
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_link_stays_a_link_and_its_target_is_written(tmp_path: Path) -> None:
+def test_a_link_stays_a_link_and_its_target_is_written(tmp_path: Path):
     (tmp_path / "there").mkdir()
     target, link = tmp_path / "there" / "target", tmp_path / "link"
     link.symlink_to("there/target")
@@ -76,7 +76,7 @@ def test_a_link_stays_a_link_and_its_target_is_written(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["link", "target", "there"]
 
 
-def test_a_file_that_may_not_be_written_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_that_may_not_be_written_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     path = tmp_path / "out"
     path.write_bytes(b"kept")
     before = path.stat().st_ino
@@ -85,7 +85,7 @@ def test_a_file_that_may_not_be_written_is_not_replaced(tmp_path: Path, monkeypa
     assert (path.read_bytes(), path.stat().st_ino) == (b"in place", before)
 
 
-def test_pipes_and_devices_are_written_directly(tmp_path: Path) -> None:
+def test_pipes_and_devices_are_written_directly(tmp_path: Path):
     pipe, found = tmp_path / "pipe", list[bytes]()
     os.mkfifo(pipe)
     reader = threading.Thread(target=lambda: found.append(pipe.read_bytes()), daemon=True)
@@ -101,7 +101,7 @@ def test_pipes_and_devices_are_written_directly(tmp_path: Path) -> None:
             write_whole(Path("/dev/full"), b"x")
 
 
-def test_the_standard_output_is_continued_wherever_it_goes(tmp_path: Path) -> None:
+def test_the_standard_output_is_continued_wherever_it_goes(tmp_path: Path):
     script = (
         "from pathlib import Path; from scaloft_fi.output import write_whole; print('before');"
         "write_whole(Path('/dev/stdout'), b'content\\n'); print('after')"
@@ -118,7 +118,7 @@ def test_the_standard_output_is_continued_wherever_it_goes(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("name", ["x" * 300, "no\0name", "no/folder/out", "."])
-def test_an_impossible_name_is_an_error_of_the_file_system(tmp_path: Path, name: str) -> None:
+def test_an_impossible_name_is_an_error_of_the_file_system(tmp_path: Path, name: str):
     with pytest.raises((OSError, ValueError)):
         write_whole(tmp_path / name, b"x")
     assert list(tmp_path.iterdir()) == []
@@ -140,7 +140,7 @@ def _started(program: str, cwd: Path) -> subprocess.Popen[str]:
 @pytest.mark.parametrize("number", NUMBERS)
 def test_a_signal_ends_the_process_wherever_it_is_even_where_exceptions_are_swallowed(
     number: signal.Signals, tmp_path: Path
-) -> None:
+):
     swallowing = "while True:\n    try:\n        time.sleep(60)\n    except BaseException:\n        pass\n"
     program = "import time; from scaloft_fi import output; output.end_at_signals(); print('ready', flush=True)\n"
     process = _started(program + swallowing, tmp_path)
@@ -149,7 +149,7 @@ def test_a_signal_ends_the_process_wherever_it_is_even_where_exceptions_are_swal
     assert (process.returncode, said) == (130, "\nerror: interrupted\n")
 
 
-def test_a_file_that_is_being_written_is_gone_and_the_earlier_one_is_whole(tmp_path: Path) -> None:
+def test_a_file_that_is_being_written_is_gone_and_the_earlier_one_is_whole(tmp_path: Path):
     (tmp_path / "report.html").write_text("earlier")
     program = (
         "import os, time; from pathlib import Path; from scaloft_fi import output; output.end_at_signals()\n"
@@ -165,7 +165,7 @@ def test_a_file_that_is_being_written_is_gone_and_the_earlier_one_is_whole(tmp_p
     assert (tmp_path / "report.html").read_text() == "earlier"
 
 
-def test_what_nohup_ignores_stays_ignored(tmp_path: Path) -> None:
+def test_what_nohup_ignores_stays_ignored(tmp_path: Path):
     program = (
         "import signal; from scaloft_fi import output; signal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
         "output.end_at_signals(); print('ready', flush=True); signal.raise_signal(signal.SIGHUP)\n"
@@ -203,7 +203,7 @@ def _interrupted(words: list[str], after: bytes, wait_s: float) -> tuple[int, st
 @pytest.mark.flight
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 @pytest.mark.parametrize("wait_s", [pytest.param(0.0, marks=pytest.mark.release), 1.3])
-def test_ctrl_c_while_two_workers_fly_saves_what_was_flown_in_one_sentence(wait_s: float, tmp_path: Path) -> None:
+def test_ctrl_c_while_two_workers_fly_saves_what_was_flown_in_one_sentence(wait_s: float, tmp_path: Path):
     words = ["run", "--mutant", "LATE-human", "--situation", "T0O0*", "--jobs", "2", "--campaign", f"{tmp_path}/c"]
     code, shown, left = _interrupted(words, b" flights  ", wait_s)
     assert code == 130

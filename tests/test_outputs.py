@@ -14,7 +14,7 @@ from scaloft_fi.console import PIPED
 EVERY = usually(12, release=1)
 
 
-def test_each_verb_prints_what_is_recorded_in_every_format() -> None:
+def test_each_verb_prints_what_is_recorded_in_every_format():
     # A process of its own: operators that other tests declare would be counted.
     asked = [sys.executable, outputs.__file__, "check", str(EVERY)]
     wide = {**os.environ, "COLUMNS": str(PIPED)}

@@ -94,7 +94,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return every_key_study(tmp_path_factory.mktemp("every_key") / "study")
 
 
-def test_each_bad_input_is_refused_as_the_record_says(study: Path) -> None:
+def test_each_bad_input_is_refused_as_the_record_says(study: Path):
     if os.environ.get("RECORD"):
         said = {bad.name: told(study, bad) for bad in bad_inputs(study)}
         RECORD.write_text("".join(f"{name}\t{text}\n" for name, text in said.items() if text != PASSES), "utf-8")

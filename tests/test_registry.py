@@ -21,7 +21,7 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         del sys.modules[name]
 
 
-def test_a_name_is_declared_once_whether_it_stands_there_or_is_promised() -> None:
+def test_a_name_is_declared_once_whether_it_stands_there_or_is_promised():
     colours = Registry[int]("colour")
     colours.declare("red", 1)
     colours.promise("blue", "math:pi")
@@ -33,7 +33,7 @@ def test_a_name_is_declared_once_whether_it_stands_there_or_is_promised() -> Non
     assert dict(colours) == {"red": 1, "blue": pytest.approx(3.14159, abs=1e-5)}
 
 
-def test_a_promised_entry_is_imported_when_it_is_asked_for(site: Path) -> None:
+def test_a_promised_entry_is_imported_when_it_is_asked_for(site: Path):
     (site / "late_entry.py").write_text("FOUND = 7\n")
     entries = Registry[int]("entry")
     entries.promise("late", "late_entry:FOUND")
@@ -45,7 +45,7 @@ def test_a_promised_entry_is_imported_when_it_is_asked_for(site: Path) -> None:
     assert len(entries) == 1
 
 
-def test_a_promise_outlives_a_failed_import(site: Path) -> None:
+def test_a_promise_outlives_a_failed_import(site: Path):
     entries = Registry[int]("entry")
     entries.promise("late", "late_entry:FOUND")
     with pytest.raises(ImportError):
@@ -66,7 +66,7 @@ def test_a_promise_outlives_a_failed_import(site: Path) -> None:
         ),
     ],
 )
-def test_a_plugin_that_cannot_be_loaded_is_named_with_its_package(site: Path, code: str, reason: str) -> None:
+def test_a_plugin_that_cannot_be_loaded_is_named_with_its_package(site: Path, code: str, reason: str):
     (site / "broken_plugin.py").write_text(code)
     install(site, "broken-package", {"broken": "broken_plugin"})
     sentence = f"plugin 'broken' of package 'broken-package' cannot be loaded: {reason}; mend or uninstall it"
@@ -74,7 +74,7 @@ def test_a_plugin_that_cannot_be_loaded_is_named_with_its_package(site: Path, co
         load_plugins()
 
 
-def test_an_error_is_the_plugins_when_its_code_raised_it_or_its_cause(site: Path) -> None:
+def test_an_error_is_the_plugins_when_its_code_raised_it_or_its_cause(site: Path):
     (site / "raising_plugin.py").write_text("def go():\n    raise KeyError('lost')\n")
     install(site, "raising-package", {"raising": "raising_plugin"})
     load_plugins()
@@ -88,7 +88,7 @@ def test_an_error_is_the_plugins_when_its_code_raised_it_or_its_cause(site: Path
     assert plugin_behind(KeyError("ours")) == ""
 
 
-def test_a_miss_without_a_near_name_says_where_such_names_come_from() -> None:
+def test_a_miss_without_a_near_name_says_where_such_names_come_from():
     few, many = Registry[int]("colour"), Registry[int]("operator", "scaloft-fi operators")
     with pytest.raises(InputError, match=r"^no colour 'x'; install the package that declares it$"):
         few["x"]

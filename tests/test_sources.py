@@ -36,7 +36,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         "try:\n    pass\nexcept ImportError:\n    import scaloft_fi.fly.wing as w\n",
     ],
 )
-def test_whatever_way_a_module_is_imported_it_is_in_the_closure(package: Path, text: str) -> None:
+def test_whatever_way_a_module_is_imported_it_is_in_the_closure(package: Path, text: str):
     (package / "fly" / "craft.py").write_text(text)
     (package / "fly" / "wing.py").write_text("from scaloft_fi.fly.spar import area\n")
     (package / "fly" / "spar.py").write_text("area = 1.0\n")
@@ -68,7 +68,7 @@ WING, ROTOR, BESIDE = (
 )
 def test_what_is_imported_is_in_the_closure(
     package: Path, files: dict[str, str], beside: tuple[str, ...], found: list[str]
-) -> None:
+):
     for name in ("fly/craft", "fly/wing", "fly/rotor", "fly/spar", "show/page"):
         (package / f"{name}.py").touch()
     for name, text in files.items():
@@ -76,7 +76,7 @@ def test_what_is_imported_is_in_the_closure(
     assert closure(["scaloft_fi.fly.craft"], beside=beside).keys() == {f"scaloft_fi.{name}" for name in found}
 
 
-def test_the_digest_follows_what_is_imported_and_nothing_else(package: Path) -> None:
+def test_the_digest_follows_what_is_imported_and_nothing_else(package: Path):
     (package / "fly" / "craft.py").write_text("from scaloft_fi.fly.wing import area\n")
     (package / "fly" / "wing.py").write_text("area = 1.0\n")
     (package / "show" / "page.py").write_text("from scaloft_fi.fly import craft\n")
@@ -88,13 +88,13 @@ def test_the_digest_follows_what_is_imported_and_nothing_else(package: Path) -> 
     assert digest_of(closure(["scaloft_fi.fly.craft"])) != before
 
 
-def test_an_entry_that_does_not_exist_is_refused() -> None:
+def test_an_entry_that_does_not_exist_is_refused():
     for name in ("scaloft_fi.nowhere", "scaloft_fi_nowhere.module"):
         with pytest.raises(ModuleNotFoundError, match=name.partition(".")[0]):
             closure([name])
 
 
-def test_the_package_itself_says_only_what_scripts_use() -> None:
+def test_the_package_itself_says_only_what_scripts_use():
     """Its `__init__` is left out of every closure, so it must decide nothing."""
     said = [ast.unparse(statement) for statement in ast.parse(Path(scaloft_fi.__file__).read_text()).body[1:]]
     imports = [one for one in said if one.startswith(("from ", "import ", "if TYPE_CHECKING:"))]
@@ -118,7 +118,7 @@ def test_the_package_itself_says_only_what_scripts_use() -> None:
         ('"""Text."""\nTEXT = "a"\ndef f(x):\n    return x + 1\n', False),
     ],
 )
-def test_only_what_the_interpreter_does_is_part_of_the_hash_of_code(tmp_path: Path, edited: str, *, same: bool) -> None:
+def test_only_what_the_interpreter_does_is_part_of_the_hash_of_code(tmp_path: Path, edited: str, *, same: bool):
     first, second = tmp_path / "first.py", tmp_path / "second.py"
     first.write_text('"""Text."""\ndef f(x):\n    return x + 1\n')
     second.write_text(edited)
@@ -143,7 +143,7 @@ def keep() -> None:
     cache.save()
 
 
-def test_a_later_process_finds_what_was_kept_for_the_same_content_and_reader_only(folder: Path) -> None:
+def test_a_later_process_finds_what_was_kept_for_the_same_content_and_reader_only(folder: Path):
     keep()
     assert len(list(folder.iterdir())) == 1
     assert kept() == ("meaning", ("a", "b"))
@@ -151,7 +151,7 @@ def test_a_later_process_finds_what_was_kept_for_the_same_content_and_reader_onl
 
 
 @pytest.mark.parametrize("content", [b"", b"[1]", b"{", b'{"a": 1}', b"[" * 100_000, b"\xff"])
-def test_a_file_that_holds_nonsense_counts_as_empty_and_is_written_anew(folder: Path, content: bytes) -> None:
+def test_a_file_that_holds_nonsense_counts_as_empty_and_is_written_anew(folder: Path, content: bytes):
     keep()
     (path,) = folder.iterdir()
     path.write_bytes(content)
@@ -159,7 +159,7 @@ def test_a_file_that_holds_nonsense_counts_as_empty_and_is_written_anew(folder: 
     assert kept() == ("meaning", ("a", "b"))
 
 
-def test_a_folder_that_cannot_be_written_is_no_hindrance(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_that_cannot_be_written_is_no_hindrance(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     cache = SourceCache(b"reader")
@@ -169,6 +169,6 @@ def test_a_folder_that_cannot_be_written_is_no_hindrance(tmp_path: Path, monkeyp
     assert cache.get(b"x = 1") == ("meaning", ())
 
 
-def test_what_has_nothing_new_writes_nothing(folder: Path) -> None:
+def test_what_has_nothing_new_writes_nothing(folder: Path):
     SourceCache(b"reader").save()
     assert not folder.exists()

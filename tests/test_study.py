@@ -36,52 +36,50 @@ def copy(tmp_path: Path) -> Path:
     return copied(tmp_path)
 
 
-def test_the_reference_study_passes_every_check(study: Study) -> None:
+def test_the_reference_study_passes_every_check(study: Study):
     study.check()
     assert len(study.grid) == 32
     assert len(study.space.points) == 32
 
 
-def test_the_study_is_the_nearest_folder_upwards(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_study_is_the_nearest_folder_upwards(copy: Path, monkeypatch: pytest.MonkeyPatch):
     (copy / "deep" / "deeper").mkdir(parents=True)
     monkeypatch.chdir(copy / "deep" / "deeper")
     assert Study.open().folder == copy
     assert Study.open().results_folder == copy / "results"
 
 
-def test_the_package_itself_is_no_study(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_package_itself_is_no_study(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(PACKAGE)
     assert Study.open().folder == ROOT
 
 
-def test_a_packaged_study_keeps_its_results_where_the_user_stands(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_packaged_study_keeps_its_results_where_the_user_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     assert Study(PACKAGE / "_study").results_folder == tmp_path / "results"
 
 
-def test_a_situation_changes_what_its_values_set_and_nothing_else(study: Study) -> None:
+def test_a_situation_changes_what_its_values_set_and_nothing_else(study: Study):
     assert study.changes(study.grid.situation("T0O0W0D0H0")) == {}
     dark = study.changes(study.grid.situation("T0O0W0D1H1"))
     assert set(dark) == {"world.light", "world.bodies.person.present"}
 
 
-def test_the_time_expected_of_a_flight_grows_with_the_route_and_a_person(study: Study) -> None:
+def test_the_time_expected_of_a_flight_grows_with_the_route_and_a_person(study: Study):
     straight, turn, slow = (
         study.expected_s(study.grid.situation(key)) for key in ("T0O0W0D0H0", "T1O0W0D0H0", "T1O0W0D0H1")
     )
     assert straight < turn < slow
 
 
-def test_formulas_are_proved_wherever_requirements_are_read(copy: Path) -> None:
+def test_formulas_are_proved_wherever_requirements_are_read(copy: Path):
     edit_in(copy / "sim" / "requirements.yaml", "speed_mps / 0.25", "speed_mps 0.25")
     for read in (lambda: Study(copy).requirements, Study(copy).check):
         with pytest.raises(InputError, match=r"requirements.yaml:\d+: .* is not a formula"):
             read()
 
 
-def test_what_requirements_are_called_in_words_changes_no_hash(copy: Path) -> None:
+def test_what_requirements_are_called_in_words_changes_no_hash(copy: Path):
     before = Study(copy).inputs
     path = copy / "sim" / "requirements.yaml"
     text = path.read_text()
@@ -90,7 +88,7 @@ def test_what_requirements_are_called_in_words_changes_no_hash(copy: Path) -> No
     assert Study(copy).inputs == before
 
 
-def test_a_predicate_judges_the_situations_with_its_value_and_the_benign_ones_of_its_axis(copy: Path) -> None:
+def test_a_predicate_judges_the_situations_with_its_value_and_the_benign_ones_of_its_axis(copy: Path):
     before = {s.key: Study(copy).realised(s) for s in Study(copy).grid.situations}
     edit_in(copy / "sim" / "situations.yaml", "eventually(x_m < -1)", "eventually(x_m < -2)")
     study = Study(copy)
@@ -98,7 +96,7 @@ def test_a_predicate_judges_the_situations_with_its_value_and_the_benign_ones_of
     assert all(study.realised(s)[axis] == before[s.key][axis] for s in study.grid.situations for axis in "OWDH")
 
 
-def test_a_comment_changes_no_hash(copy: Path) -> None:
+def test_a_comment_changes_no_hash(copy: Path):
     before = Study(copy).inputs
     for path in (copy / "sim").glob("*.yaml"):
         path.write_text(f"# a comment\n{path.read_text()}")
@@ -108,7 +106,7 @@ def test_a_comment_changes_no_hash(copy: Path) -> None:
 @pytest.mark.parametrize(("change", "moves"), [({"label": "dog"}, True), ({"fill": "#000000"}, False)])
 def test_how_detector_and_observer_treat_a_role_is_part_of_the_hash_and_its_colour_is_not(
     copy: Path, monkeypatch: pytest.MonkeyPatch, change: dict[str, str], moves: bool
-) -> None:
+):
     before = Study(copy).inputs["sim"]
     monkeypatch.setitem(ROLES._entries, "person", replace(ROLES["person"], **change))
     assert (Study(copy).inputs["sim"] != before) is moves
@@ -131,9 +129,7 @@ def plugin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def test_an_edit_of_a_plugin_changes_the_hash_of_its_operator_and_a_comment_in_it_does_not(
-    copy: Path, plugin: Path
-) -> None:
+def test_an_edit_of_a_plugin_changes_the_hash_of_its_operator_and_a_comment_in_it_does_not(copy: Path, plugin: Path):
     before = Study(copy).inputs
     edit_in(copy / "hazop" / "matrix" / "human.yaml", "operator: drop", "operator: wander")
     used = Study(copy).inputs
@@ -146,7 +142,7 @@ def test_an_edit_of_a_plugin_changes_the_hash_of_its_operator_and_a_comment_in_i
 
 def test_an_edit_of_a_kind_of_happening_changes_the_hash_of_the_code_where_the_world_has_it(
     copy: Path, plugin: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     class Nothing(Effect):
         def apply(self, around: Surroundings, since_s: float) -> None:
             pass
@@ -161,13 +157,13 @@ def test_an_edit_of_a_kind_of_happening_changes_the_hash_of_the_code_where_the_w
     assert len({before, used, Study(copy).inputs["code"]}) == 3
 
 
-def test_a_plugin_that_the_study_does_not_use_changes_no_hash(copy: Path, plugin: Path) -> None:
+def test_a_plugin_that_the_study_does_not_use_changes_no_hash(copy: Path, plugin: Path):
     before = Study(copy).inputs
     (plugin / "rates.py").write_text("RATE = 0.2\n")
     assert Study(copy).inputs == before
 
 
-def test_the_code_that_enters_keys_flies_and_judges_and_shows_nothing(study: Study) -> None:
+def test_the_code_that_enters_keys_flies_and_judges_and_shows_nothing(study: Study):
     """A change of a table, a view, a score or the command line makes no flight stale."""
     folders = {source.path.parent.relative_to(PACKAGE).as_posix() for source in closure(study.flying_modules).values()}
     assert {folder for folder in folders if not folder.startswith(("sim", "stack", "mutants", "judge"))} == {
@@ -175,14 +171,14 @@ def test_the_code_that_enters_keys_flies_and_judges_and_shows_nothing(study: Stu
     }
 
 
-def test_the_code_that_enters_keys_leaves_out_how_flights_are_planned_stored_and_handed_out(study: Study) -> None:
+def test_the_code_that_enters_keys_leaves_out_how_flights_are_planned_stored_and_handed_out(study: Study):
     names = {name.removeprefix("scaloft_fi.") for name in closure(study.flying_modules)}
     assert {"setup", "document", "registry", "sim.flight", "judge.outcome", "mutants.wire"} <= names
     assert not {"study", "campaign.plan", "campaign.pool", "mutants.catalogue", "hazop.load"} & names
     assert not {name for name in names if name.startswith(("mutants.operators", "mutants.reference"))}
 
 
-def test_the_code_of_a_mutant_adds_the_module_of_its_operator_and_no_other_operator(study: Study) -> None:
+def test_the_code_of_a_mutant_adds_the_module_of_its_operator_and_no_other_operator(study: Study):
     shared, modules = closure(study.flying_modules), study.operator_modules
     packages = {"scaloft_fi.mutants.operators", "scaloft_fi.mutants.reference"}
     for module in set(modules.values()):
@@ -192,14 +188,14 @@ def test_the_code_of_a_mutant_adds_the_module_of_its_operator_and_no_other_opera
         assert {name for name in added if name.rpartition(".")[0] in packages} == {module}
 
 
-def test_what_a_plugin_imports_of_the_api_brings_no_code_of_tables_scores_or_runs(study: Study) -> None:
+def test_what_a_plugin_imports_of_the_api_brings_no_code_of_tables_scores_or_runs(study: Study):
     added = closure(["scaloft_fi.api"], beside=closure(study.flying_modules)).keys()
     assert {name.split(".")[1] for name in added} <= {"api", "mutants", "sim", "stack"}
 
 
 @pytest.mark.flight
 @pytest.mark.parametrize("subject", ["None", "PLACEBO"])
-def test_nothing_is_imported_to_fly_and_judge_that_does_not_enter_keys(study: Study, subject: str) -> None:
+def test_nothing_is_imported_to_fly_and_judge_that_does_not_enter_keys(study: Study, subject: str):
     """A stack's own operators are declared in every flight, and none is made in a baseline."""
     program = """
 import sys
@@ -252,11 +248,11 @@ def loaded(folder: Path, text: str) -> tuple[Disposition, ...]:
     return load_dispositions(path, MATRIX, KEYS)
 
 
-def test_a_study_without_the_file_has_accepted_nothing(tmp_path: Path) -> None:
+def test_a_study_without_the_file_has_accepted_nothing(tmp_path: Path):
     assert load_dispositions(tmp_path / "dispositions.yaml", MATRIX, KEYS) == ()
 
 
-def test_a_bare_cell_is_its_default_and_the_place_is_remembered(tmp_path: Path) -> None:
+def test_a_bare_cell_is_its_default_and_the_place_is_remembered(tmp_path: Path):
     (only,) = loaded(tmp_path, GOOD)
     assert (only.mutant, only.expires, only.situations) == ("LATE-human@3s", DAY, ("T0O0W0D0H1",))
     assert only.place.endswith("dispositions.yaml:1")
@@ -274,7 +270,7 @@ def test_a_bare_cell_is_its_default_and_the_place_is_remembered(tmp_path: Path) 
         ("[T0O0W0D0H1]", "[]", "must be a list of at least one"),
     ],
 )
-def test_what_it_does_not_understand_it_refuses_with_the_place(tmp_path: Path, old: str, new: str, says: str) -> None:
+def test_what_it_does_not_understand_it_refuses_with_the_place(tmp_path: Path, old: str, new: str, says: str):
     with pytest.raises(InputError) as error:
         loaded(tmp_path, GOOD.replace(old, new))
     assert says in str(error.value)
@@ -282,12 +278,12 @@ def test_what_it_does_not_understand_it_refuses_with_the_place(tmp_path: Path, o
 
 
 @pytest.mark.parametrize("again", ["LATE-human", "LATE-human@3s", "LATE-human@3.0s"])
-def test_a_mutant_that_stands_twice_is_refused_however_it_is_written(tmp_path: Path, again: str) -> None:
+def test_a_mutant_that_stands_twice_is_refused_however_it_is_written(tmp_path: Path, again: str):
     with pytest.raises(InputError, match=r"twice|already at"):
         loaded(tmp_path, GOOD + GOOD.replace("LATE-human", again))
 
 
-def test_a_draft_is_refused_until_it_is_filled_in_and_then_loads(tmp_path: Path) -> None:
+def test_a_draft_is_refused_until_it_is_filled_in_and_then_loads(tmp_path: Path):
     text = draft(["LATE-human@3s", "NO-human@100%"])
     with pytest.raises(InputError, match="owner='' must be a text"):
         loaded(tmp_path, text)

@@ -44,9 +44,7 @@ from scaloft_fi.judge.requirement import Kind
         (50, 6, 0, 50, State.UNSTEADY),
     ],
 )
-def test_a_pair_has_the_first_state_that_fits(
-    flights: int, violated: int, open_: int, triggered: int, state: State
-) -> None:
+def test_a_pair_has_the_first_state_that_fits(flights: int, violated: int, open_: int, triggered: int, state: State):
     pair = Pair("T0O0W0D0H0", "SR1", Kind.SAFETY, flights, violated, open_, triggered)
     assert pair.state is state
     assert pair.tests == (state in (State.STEADY, State.UNSTEADY, State.RED))
@@ -67,32 +65,32 @@ def safety(samples: list[Sample], found: Pool = GREEN, spending: Spending = ONCE
     return detect(M, samples, found, spending, Kind.SAFETY)
 
 
-def test_a_fault_that_violates_in_three_situations_with_one_seed_is_detected() -> None:
+def test_a_fault_that_violates_in_three_situations_with_one_seed_is_detected():
     found = safety([seen(key, 1) for key in KEYS[:3]])
     assert (found.verdict, found.by, found.seeds, found.share) == (Verdict.DETECTED, ("SR2",), 1, 0.01)
     assert found.p["SR2"] == pytest.approx(2 / 11**3)
 
 
-def test_what_was_seen_but_not_often_enough_is_undecided_and_says_how_many_seeds_would_decide() -> None:
+def test_what_was_seen_but_not_often_enough_is_undecided_and_says_how_many_seeds_would_decide():
     found = safety([seen(KEYS[0], 1), seen(KEYS[1], 0)])
     assert (found.verdict, found.by) == (Verdict.UNDECIDED, ())
     # at three seeds a look has a quarter of alpha: 3 of 3 in one situation have p = 0.0070, 5 of 5 0.0007
     assert (found.needed, found.anew) == (5, False)
 
 
-def test_a_fault_put_to_the_test_without_a_trace_is_not_detected_once_a_trace_could_have_decided() -> None:
+def test_a_fault_put_to_the_test_without_a_trace_is_not_detected_once_a_trace_could_have_decided():
     assert safety([seen(key, 0) for key in KEYS]).verdict is Verdict.NOT_DETECTED
     too_few = safety([seen(key, 0) for key in KEYS[:2]])
     assert (too_few.verdict, too_few.needed) == (Verdict.UNDECIDED, 3)
 
 
-def test_without_a_pool_nothing_is_decided() -> None:
+def test_without_a_pool_nothing_is_decided():
     few = Pool.of(pool(*KEYS, seeds=9))
     found = safety([seen(key, 3, 3) for key in KEYS], few)
     assert (found.verdict, found.needed) == (Verdict.UNDECIDED, None)
 
 
-def test_a_campaign_that_grew_spends_a_quarter_of_alpha_at_each_look() -> None:
+def test_a_campaign_that_grew_spends_a_quarter_of_alpha_at_each_look():
     three = [seen(KEYS[0], 3, 3)]
     assert safety(three).verdict is Verdict.DETECTED
     grown = safety(three, spending=GROWN)
@@ -100,7 +98,7 @@ def test_a_campaign_that_grew_spends_a_quarter_of_alpha_at_each_look() -> None:
     assert safety([seen(KEYS[0], 5, 5)], spending=GROWN).verdict is Verdict.DETECTED
 
 
-def test_what_a_look_detected_stays_detected_whatever_is_flown_later() -> None:
+def test_what_a_look_detected_stays_detected_whatever_is_flown_later():
     samples = [seen(key, 1, 10) for key in KEYS]
     found = safety(samples, spending=GROWN)
     assert (found.verdict, found.seeds) == (Verdict.DETECTED, 1)
@@ -112,7 +110,7 @@ flights = st.lists(st.sampled_from([(), ("SR1",), ("SR2",), ("SR1", "SR2")]), mi
 @given(st.lists(flights, min_size=1, max_size=8), st.lists(st.booleans(), min_size=8, max_size=8))
 def test_seeds_flown_later_take_back_no_detection_of_a_campaign_with_looks(
     flown: list[tuple[tuple[str, ...], ...]], acts: list[bool]
-) -> None:
+):
     samples = [Sample(key, own, infected) for key, own, infected in zip(KEYS, flown, acts, strict=False)]
     earlier = [
         safety([sample.at(look) for sample in samples], spending=GROWN).detected
@@ -132,14 +130,14 @@ def firm(samples: list[Sample], spending: Spending | None = None) -> Firmness:
     return firmness(M, samples, GREEN, spending or Spending(), Kind.SAFETY)
 
 
-def test_a_mutant_that_grew_is_judged_at_its_looks_without_the_seed() -> None:
+def test_a_mutant_that_grew_is_judged_at_its_looks_without_the_seed():
     grown = Spending(0.01, frozenset({M}))
     assert firm([sample(key, "xxx") for key in KEYS[:4]], grown) is Firmness.FIRM
     assert firm([sample(key, "x..") for key in KEYS[:4]], grown) is Firmness.HANGS
 
 
 @given(st.lists(st.text("x.", min_size=3, max_size=3), min_size=8, max_size=8))
-def test_more_violations_never_make_a_firm_verdict_less_firm(flights: list[str]) -> None:
+def test_more_violations_never_make_a_firm_verdict_less_firm(flights: list[str]):
     samples = [sample(key, own) for key, own in zip(KEYS, flights, strict=True)]
     more = [sample(key, "x" + own[1:]) for key, own in zip(KEYS, flights, strict=True)]
     if firm(samples).firm:
@@ -147,7 +145,7 @@ def test_more_violations_never_make_a_firm_verdict_less_firm(flights: list[str])
 
 
 @pytest.mark.parametrize("firmness", Firmness)
-def test_only_the_two_firm_words_count_as_firm(firmness: Firmness) -> None:
+def test_only_the_two_firm_words_count_as_firm(firmness: Firmness):
     assert firmness.firm == firmness.words.startswith("firm")
 
 
@@ -156,7 +154,7 @@ def flown(mutant: str, seed: int, rho: float, situation: str = "T0O0W0D0H0") -> 
     return replace(made, readings=tuple(replace(reading, rho=rho) for reading in made.readings))
 
 
-def test_the_stack_alone_is_measured_by_pairs_and_the_seeds_by_baselines() -> None:
+def test_the_stack_alone_is_measured_by_pairs_and_the_seeds_by_baselines():
     flights = [
         flown(BASELINE, 0, 0.30), flown(PLACEBO_ID, 0, 0.32),
         flown(BASELINE, 1, 0.50), flown(PLACEBO_ID, 1, 0.46),
@@ -170,12 +168,12 @@ def test_the_stack_alone_is_measured_by_pairs_and_the_seeds_by_baselines() -> No
     assert noise["SR1"].apart == 0
 
 
-def test_situations_do_not_add_to_the_spread_between_seeds() -> None:
+def test_situations_do_not_add_to_the_spread_between_seeds():
     flights = [flown(BASELINE, seed, rho, key) for key, rho in (("A", 0.1), ("B", 5.0)) for seed in (0, 1)]
     assert [one.seeds for one in noise_of(flights)] == [0.0, 0.0, 0.0]
 
 
-def test_a_pair_of_two_verdicts_is_counted_and_what_measures_nothing_is_left_out() -> None:
+def test_a_pair_of_two_verdicts_is_counted_and_what_measures_nothing_is_left_out():
     flights = [outcome(BASELINE, seed=0), outcome(PLACEBO_ID, seed=0, violated={"SR2": 7.0})]
     flights += [outcome(BASELINE, seed=1, vacuous=["SR2"]), outcome(PLACEBO_ID, seed=1)]
     noise = {one.requirement: one for one in noise_of(flights)}
@@ -184,7 +182,7 @@ def test_a_pair_of_two_verdicts_is_counted_and_what_measures_nothing_is_left_out
     assert noise["SR1"].pairs == 2
 
 
-def test_without_placebo_the_stack_alone_is_not_measured_and_invalid_flights_say_nothing() -> None:
+def test_without_placebo_the_stack_alone_is_not_measured_and_invalid_flights_say_nothing():
     flights = [outcome(BASELINE, seed=0), outcome(PLACEBO_ID, seed=0, invalid="its process died")]
     assert [(one.pairs, one.stack, one.seeds) for one in noise_of(flights)] == [(0, None, None)] * 3
     assert noise_of([outcome(PLACEBO_ID)]) == ()

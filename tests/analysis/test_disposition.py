@@ -31,47 +31,47 @@ def state(outcomes: list[Outcome], *dispositions: Disposition, today: date | Non
     return [entry.state for entry in judge(score(outcomes, ROSTER, GRID), ROSTER, dispositions, today)]
 
 
-def test_a_survivor_is_open_until_it_is_accepted() -> None:
+def test_a_survivor_is_open_until_it_is_accepted():
     assert state(flown(killed=False)) == [Standing.OPEN]
     assert state(flown(killed=False), LATE) == [Standing.ACCEPTED]
 
 
-def test_a_disposition_holds_on_its_last_day_and_not_on_the_next() -> None:
+def test_a_disposition_holds_on_its_last_day_and_not_on_the_next():
     assert state(flown(killed=False), LATE, today=DAY) == [Standing.ACCEPTED]
     assert state(flown(killed=False), LATE, today=DAY + timedelta(days=1)) == [Standing.EXPIRED]
 
 
-def test_a_survival_in_a_situation_that_is_not_named_is_to_be_looked_at() -> None:
+def test_a_survival_in_a_situation_that_is_not_named_is_to_be_looked_at():
     there = Disposition(LATE.mutant, "me", "why", DAY, ("T0O0W0D0H1",))
     assert state(flown(killed=False), there) == [Standing.ACCEPTED]
     assert state(flown(killed=False, keys=("T0O0W0D0H1", "T1O0W0D0H1")), there) == [Standing.UNCOVERED]
 
 
-def test_an_undecided_mutant_is_a_survivor_whose_verdict_is_told() -> None:
+def test_an_undecided_mutant_is_a_survivor_whose_verdict_is_told():
     (entry,) = judge(score(flown(killed=True, seeds=1), ROSTER, GRID), ROSTER, ())
     assert (entry.state, entry.verdict) == (Standing.OPEN, Verdict.UNDECIDED)
     assert complaint(entry) == "LATE-human@3s is undecided (tested in T0O0W0D0H1) and not accepted"
 
 
-def test_a_violation_where_the_unmutated_drone_is_red_neither_detects_nor_survives() -> None:
+def test_a_violation_where_the_unmutated_drone_is_red_neither_detects_nor_survives():
     red = "T0O0W0D1H1"
     late = [outcome(LATE.mutant, red, seed, violated={"SR2": 8.0}) for seed in range(3)]
     assert state([*pool(red, red=10, violated={"SR1": 20.0, "SR2": 20.0}), *late], LATE) == [Standing.UNTESTED]
 
 
-def test_an_accepted_mutant_that_is_detected_is_stale_and_passes() -> None:
+def test_an_accepted_mutant_that_is_detected_is_stale_and_passes():
     assert state(flown(killed=True), LATE) == [Standing.STALE]
     assert not Standing.STALE.fails
 
 
-def test_a_disposition_of_what_was_not_flown_is_untested_but_expires_all_the_same() -> None:
+def test_a_disposition_of_what_was_not_flown_is_untested_but_expires_all_the_same():
     assert state([], LATE) == [Standing.UNTESTED]
     assert state([], LATE, today=DAY + timedelta(days=1)) == [Standing.EXPIRED]
 
 
 @given(st.one_of(campaigns(), seeded()), st.booleans())
 @settings(deadline=None, max_examples=usually(25, release=50))
-def test_every_mutant_put_to_the_test_is_detected_or_listed(outcomes: list[Outcome], accepted: bool) -> None:
+def test_every_mutant_put_to_the_test_is_detected_or_listed(outcomes: list[Outcome], accepted: bool):
     scored = score(outcomes, ROSTER, GRID)
     judged = judge(scored, ROSTER, [LATE] if accepted else [], DAY)
     survivors = {entry.mutant for entry in judged if entry.surviving and entry.mutant in ROSTER.defaults.values()}

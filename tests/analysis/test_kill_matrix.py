@@ -46,7 +46,7 @@ CAMPAIGN = [
 ]
 
 
-def test_every_state_has_its_name() -> None:
+def test_every_state_has_its_name():
     found = matrix_of(CAMPAIGN)
     states = {row.id: {e.situation: e.state for e in row.entries if e.state != NOT_FLOWN} for row in found.rows}
     assert states[LATE] == {HUMAN: "revealed", NOBODY: "not_reached", DARK: "revealed"}
@@ -54,7 +54,7 @@ def test_every_state_has_its_name() -> None:
     assert [row.kind for row in found.rows] == ["mutant", "mutant", "control", "placebo"]
 
 
-def test_where_nothing_is_steady_nothing_is_killed_survived_or_tested() -> None:
+def test_where_nothing_is_steady_nothing_is_killed_survived_or_tested():
     row = matrix_of(CAMPAIGN).row[LATE]
     (dark,) = [entry for entry in row.entries if entry.situation == DARK]
     assert (dark.kills, dark.seen, dark.tested, dark.survived) == ((), (), False, False)
@@ -64,13 +64,13 @@ def test_where_nothing_is_steady_nothing_is_killed_survived_or_tested() -> None:
     assert matrix_of(CAMPAIGN).kills == {LATE: {HUMAN}}
 
 
-def test_what_does_not_decide_is_seen_and_no_kill() -> None:
+def test_what_does_not_decide_is_seen_and_no_kill():
     row = matrix_of([*pool(HUMAN), outcome(LATE, HUMAN, violated={"SR2": 9.0})]).row[LATE]
     (entry,) = [entry for entry in row.entries if entry.flown]
     assert (row.verdict, entry.seen, entry.kills) == (Verdict.UNDECIDED, ("SR2",), ())
 
 
-def test_a_detected_mutant_without_a_kill_is_named() -> None:
+def test_a_detected_mutant_without_a_kill_is_named():
     keys = [key for key, _ in GRID.points[:8]]
     spread = [outcome(LATE, key, seed, violated={"SR2": 9.0} if seed == 1 else {}) for key in keys for seed in range(3)]
     found = matrix_of([*pool(*keys), *spread])
@@ -79,7 +79,7 @@ def test_a_detected_mutant_without_a_kill_is_named() -> None:
 
 
 @given(seeded())
-def test_the_matrix_says_what_the_score_says(outcomes: list[Outcome]) -> None:
+def test_the_matrix_says_what_the_score_says(outcomes: list[Outcome]):
     scored = score(outcomes, ROSTER, GRID)
     found = kill_matrix(scored, ROSTER, GRID)
     assert [row.id for row in found.mutants] == [mutant.subject.id for mutant in scored.mutants]
@@ -98,7 +98,7 @@ def test_the_matrix_says_what_the_score_says(outcomes: list[Outcome]) -> None:
 radices = st.lists(st.integers(1, 4), min_size=1, max_size=4)
 
 
-def test_neighbouring_situations_of_the_grid_differ_on_one_axis() -> None:
+def test_neighbouring_situations_of_the_grid_differ_on_one_axis():
     order = gray_order(GRID)
     assert sorted(order) == sorted(GRID.point)
     assert order[0] == "T0O0W0D0H0"
@@ -107,7 +107,7 @@ def test_neighbouring_situations_of_the_grid_differ_on_one_axis() -> None:
 
 
 @given(radices)
-def test_neighbouring_words_differ_in_one_digit_by_one(sizes: list[int]) -> None:
+def test_neighbouring_words_differ_in_one_digit_by_one(sizes: list[int]):
     words = gray_words(sizes)
     assert sorted(words) == sorted(product(*map(range, sizes)))
     for word, following in pairwise(words):
@@ -115,11 +115,11 @@ def test_neighbouring_words_differ_in_one_digit_by_one(sizes: list[int]) -> None
 
 
 @given(radices)
-def test_a_words_rank_is_its_place(sizes: list[int]) -> None:
+def test_a_words_rank_is_its_place(sizes: list[int]):
     assert [gray_rank(word, sizes) for word in gray_words(sizes)] == list(range(prod(sizes)))
 
 
-def test_a_grid_with_situations_left_out_keeps_the_order_of_the_rest() -> None:
+def test_a_grid_with_situations_left_out_keeps_the_order_of_the_rest():
     kept = tuple(entry for entry in GRID.points if entry[0] != "T0O0W0D1H1")
     partial = Space(GRID.axes, GRID.values, GRID.words, kept)
     assert gray_order(partial) == tuple(key for key in gray_order(GRID) if key != "T0O0W0D1H1")
@@ -133,13 +133,13 @@ CUT = Space(
 )
 
 
-def test_five_axes_make_four_rows_of_eight_and_every_situation_is_on_the_map_once() -> None:
+def test_five_axes_make_four_rows_of_eight_and_every_situation_is_on_the_map_once():
     folded = fold(GRID)
     assert [len(keys) for keys in folded.keys] == [8] * 4
     assert sorted(key for keys in folded.keys for key in keys if key) == sorted(GRID.point)
 
 
-def test_neighbours_on_the_map_differ_on_one_axis_also_across_its_edges() -> None:
+def test_neighbours_on_the_map_differ_on_one_axis_also_across_its_edges():
     folded = fold(GRID)
     assert cyclic(folded.rows)
     assert cyclic(folded.columns)
@@ -149,7 +149,7 @@ def test_neighbours_on_the_map_differ_on_one_axis_also_across_its_edges() -> Non
             assert sum(a != b for a, b in zip(here, there, strict=True)) == 1
 
 
-def test_axes_of_three_values_fold_too_and_what_a_constraint_excludes_is_empty() -> None:
+def test_axes_of_three_values_fold_too_and_what_a_constraint_excludes_is_empty():
     folded = fold(CUT)
     assert sorted(key for keys in folded.keys for key in keys if key) == sorted(CUT.point)
     assert sum(key is None for keys in folded.keys for key in keys) == 2

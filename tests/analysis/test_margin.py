@@ -46,7 +46,7 @@ magnitudes = st.lists(st.integers(1, 100).map(lambda n: n / 10), min_size=1, max
 @given(st.lists(st.tuples(st.floats(0.05, 12.0), magnitudes), min_size=1, max_size=6), st.sampled_from([1, -1]))
 def test_the_least_threshold_of_all_situations_is_within_the_interval(
     flown: list[tuple[float, list[float]]], sign: int
-) -> None:
+):
     scale = Scale("s", sign)
 
     def margin(threshold: float, tried: list[float]) -> Margin:
@@ -74,22 +74,22 @@ def found_in(outcomes: list[Outcome]) -> Mapping[PhasedFault, Sequence[Margin]]:
     return margins(outcomes, score(outcomes, ROSTER, GRID), MATRIX)
 
 
-def test_a_ladder_flown_by_any_verb_has_an_interval() -> None:
+def test_a_ladder_flown_by_any_verb_has_an_interval():
     flown = flights(("LATE-human@1s", HUMAN, {}), ("LATE-human@3s", HUMAN, {"SR2": 8.0}), ("LATE-human@5s", HUMAN, {}))
     assert told(flown)["LATE-human"] == "1-3 s !"
 
 
-def test_a_default_alone_bounds_from_one_side() -> None:
+def test_a_default_alone_bounds_from_one_side():
     assert told(flights(("LATE-human@3s", HUMAN, {})))["LATE-human"] == "> 3 s"
     assert told(flights(("LATE-human@3s", HUMAN, {"SR2": 8.0})))["LATE-human"] == "<= 3 s"
 
 
-def test_two_faults_of_a_cell_each_have_their_own() -> None:
+def test_two_faults_of_a_cell_each_have_their_own():
     flown = flights(("NO-depth@3s", HUMAN, {}), ("NO-depth@50%", HUMAN, {"SR1": 9.0}))
     assert told(flown)["NO-depth"] == "> 3 s; <= 50 %"
 
 
-def test_what_one_flight_shows_is_seen_and_never_told_as_a_kill() -> None:
+def test_what_one_flight_shows_is_seen_and_never_told_as_a_kill():
     once = [*pool(HUMAN), outcome("LATE-human@1s", HUMAN), outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0})]
     ((margin,),) = found_in(once).values()
     assert (margin.survives, margin.seen, margin.kills, margin.end) == (1.0, 3.0, None, 3.0)
@@ -101,27 +101,27 @@ def test_what_one_flight_shows_is_seen_and_never_told_as_a_kill() -> None:
     assert "Seen, decided by 5 seeds: 3 s (`scaloft-fi margin LATE-human@3s --seeds 5`)." in table.notes
 
 
-def test_a_magnitude_that_other_situations_detect_kills_where_one_flight_shows_it() -> None:
+def test_a_magnitude_that_other_situations_detect_kills_where_one_flight_shows_it():
     keys = KEYS[1:8:2]
     once = [outcome("LATE-human@3s", key, violated={"SR2": 8.0}) for key in keys]
     assert told([*pool(*keys), *once])["LATE-human"] == "<= 3 s"
 
 
-def test_a_milder_magnitude_that_is_only_seen_keeps_the_interval_open() -> None:
+def test_a_milder_magnitude_that_is_only_seen_keeps_the_interval_open():
     flown = flights(("LATE-human@1s", HUMAN, {}), ("LATE-human@5s", HUMAN, {"SR2": 8.0}))
     flown.append(outcome("LATE-human@3s", HUMAN, violated={"SR2": 8.0}))
     ((margin,),) = found_in(flown).values()
     assert (margin.survives, margin.seen, margin.kills, margin_text(margin)) == (1.0, 3.0, 5.0, "1-5 s")
 
 
-def test_some_flights_of_a_detected_mutant_are_no_kill() -> None:
+def test_some_flights_of_a_detected_mutant_are_no_kill():
     keys = KEYS[:8]
     some = [outcome("LATE-human@3s", k, seed, violated={"SR2": 8.0} if seed else {}) for k in keys for seed in (0, 1)]
     assert score([*pool(*keys), *some], ROSTER, GRID).mutants[0].detected
     assert told([*pool(*keys), *some])["LATE-human"] == "> 3 s"
 
 
-def test_faults_without_an_order_say_which_of_them_are_detected() -> None:
+def test_faults_without_an_order_say_which_of_them_are_detected():
     shown = told(
         flights(
             ("PARTOF-goal@x", HUMAN, {"SR1": 9.0}),
@@ -138,24 +138,24 @@ def test_faults_without_an_order_say_which_of_them_are_detected() -> None:
     assert told([*pool(HUMAN), outcome("NO-map", HUMAN, violated={"SR1": 9.0})])["NO-map"] == "undecided"
 
 
-def test_operability_has_margins_of_its_own() -> None:
+def test_operability_has_margins_of_its_own():
     flown = flights(("LATE-goal@1s", HUMAN, {}), ("LATE-goal@3s", HUMAN, {"OP1": 50.0}))
     assert told(flown)["LATE-goal"] == "> 3 s"
     assert told(flown, Kind.OPERABILITY)["LATE-goal"] == "1-3 s"
 
 
-def test_what_no_sample_reached_or_no_sample_differed_in_tells_nothing() -> None:
+def test_what_no_sample_reached_or_no_sample_differed_in_tells_nothing():
     for carried in (0, 100):
         flown = [*pool(HUMAN), *thrice("LATE-human@3s", HUMAN, altered=0, carried=carried)]
         assert told(flown)["LATE-human"] == "?"
 
 
-def test_a_harmless_magnitude_is_a_survival_beside_one_that_is_killed() -> None:
+def test_a_harmless_magnitude_is_a_survival_beside_one_that_is_killed():
     flown = flights(("LATE-human@3s", HUMAN, {"SR2": 8.0}))
     assert told([*flown, outcome("LATE-human@0.5s", HUMAN, altered=0)])["LATE-human"] == "0.5-3 s"
 
 
-def test_where_nothing_that_the_cell_puts_at_risk_is_steady_nothing_is_told() -> None:
+def test_where_nothing_that_the_cell_puts_at_risk_is_steady_nothing_is_told():
     red = pool(HUMAN, red=10, violated={"SR2": 6.0})
     assert told([*red, *thrice("LATE-human@3s", HUMAN)])["LATE-human"] == "?"
     assert told([*red, *thrice("LATE-depth@0.4s", HUMAN)])["LATE-depth"] == "> 0.4 s"
@@ -164,7 +164,7 @@ def test_where_nothing_that_the_cell_puts_at_risk_is_steady_nothing_is_told() ->
 
 @settings(deadline=None, max_examples=usually(25, release=40))
 @given(st.one_of(campaigns(), seeded()))
-def test_margins_do_not_depend_on_the_order_of_outcomes_and_say_nothing_unknown(outcomes: list[Outcome]) -> None:
+def test_margins_do_not_depend_on_the_order_of_outcomes_and_say_nothing_unknown(outcomes: list[Outcome]):
     assert told(outcomes) == told(outcomes[::-1])
     assert set(told(outcomes)) == {cell.name for cell in MATRIX}
     kills = {(mutant.subject.id, key) for mutant in score(outcomes, ROSTER, GRID).mutants for key in mutant.killing}
@@ -181,7 +181,7 @@ def test_margins_do_not_depend_on_the_order_of_outcomes_and_say_nothing_unknown(
     json.dumps(MARGIN.values(Margins.of(found_in(outcomes))), allow_nan=False)
 
 
-def test_the_table_names_ends_requirements_robustness_and_what_was_flown() -> None:
+def test_the_table_names_ends_requirements_robustness_and_what_was_flown():
     found = found_in(flights(("LATE-human@1s", HUMAN, {}), ("LATE-human@3s", HUMAN, {"SR2": 8.0})))
     (table,) = margin_tables(found, (), 3)
     assert table.rows == ((HUMAN, "1-3 s", "1 s", "", "3 s", "SR2 3/3", "SR2 0.3 / -0.1", "1 3", ""),)
@@ -190,14 +190,14 @@ def test_the_table_names_ends_requirements_robustness_and_what_was_flown() -> No
     assert (entry["cell"], entry["survives"], entry["kills"]) == ("LATE-human", 1.0, 3.0)
 
 
-def test_an_infinite_magnitude_is_a_text_in_json() -> None:
+def test_an_infinite_magnitude_is_a_text_in_json():
     found = found_in(flights(("OTHERTHAN-depth@infs", HUMAN, {"SR1": 8.0})))
     (entry,) = MARGIN.values(Margins.of(found))["faults"]
     assert entry["kills"] == "inf"
 
 
 @pytest.mark.parametrize("line", LEGEND)
-def test_the_legend_fits_a_terminal(line: str) -> None:
+def test_the_legend_fits_a_terminal(line: str):
     assert len(line) <= 120
     assert line.isascii()
 
@@ -231,14 +231,14 @@ def found() -> When:
     return when
 
 
-def test_the_phases_of_a_fault_stand_together_times_before_events() -> None:
+def test_the_phases_of_a_fault_stand_together_times_before_events():
     when = found()
     assert (when.fault, when.lasts_s) == ("NO-human@3s", 60.0)
     assert [strike.phase for strike in when.strikes] == ["", "#5s", "#15s", "#recoil", "#waypoint"]
     assert [strike.phase for strike in when.told(at_events=True)] == ["#recoil", "#waypoint"]
 
 
-def test_a_phase_tells_when_it_acts_and_where_it_kills() -> None:
+def test_a_phase_tells_when_it_acts_and_where_it_kills():
     *_, late, recoil, waypoint = found().strikes
     assert waypoint.acts_s == (29.0, 31.0, 33.0)
     assert (waypoint.kills, waypoint.verdict) == (Ratio(1, 2), Verdict.DETECTED)
@@ -246,13 +246,13 @@ def test_a_phase_tells_when_it_acts_and_where_it_kills() -> None:
     assert (late.acts_s, late.kills) == ((35.0, 35.0, 35.0), Ratio(1, 1))
 
 
-def test_kills_of_operability_are_asked_for_by_kind() -> None:
+def test_kills_of_operability_are_asked_for_by_kind():
     (when,) = whens(FLOWN, score(FLOWN, ROSTER, GRID), Kind.OPERABILITY)
     assert {strike.kills.part for strike in when.strikes} == {0}
     assert when.strikes[-1].kills.whole == 2
 
 
-def test_times_and_events_have_a_table_each_with_their_own_counts() -> None:
+def test_times_and_events_have_a_table_each_with_their_own_counts():
     times, events = when_tables([found()])
     assert times.notes[0] == "Detected at 1 of 3 times; the rail is the baseline's 60 s."
     assert events.notes[0] == "Detected at 1 of 2 events; the rail is the baseline's 60 s."
@@ -261,7 +261,7 @@ def test_times_and_events_have_a_table_each_with_their_own_counts() -> None:
     assert events.rows[1] == ("#waypoint", "31.0 (29.0 to 33.0)", "." * 15 + "X" + "." * 14, "1/2", "detected")
 
 
-def test_every_format_has_every_phase() -> None:
+def test_every_format_has_every_phase():
     tables = when_tables([found()])
     for style in Format:
         text = render(tables, style)
@@ -271,6 +271,6 @@ def test_every_format_has_every_phase() -> None:
     assert last["kills"] == {"part": 1, "whole": 2}
 
 
-def test_a_fault_flown_at_one_phase_is_left_out() -> None:
+def test_a_fault_flown_at_one_phase_is_left_out():
     flown = [*pool(HUMAN), *acting("NO-human@1s#sight", HUMAN, 9.0, 9.0, 9.0)]
     assert whens(flown, score(flown, ROSTER, GRID)) == ()

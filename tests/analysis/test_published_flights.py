@@ -36,26 +36,26 @@ def detected(found: Score) -> set[str]:
 EVERY, ALL = tuple(range(50)), (0, 1, 2)
 
 
-def test_thirty_six_of_114_faults_are_detected_with_three_seeds_beside_fifty() -> None:
+def test_thirty_six_of_114_faults_are_detected_with_three_seeds_beside_fifty():
     found = scored(ALL, EVERY)
     assert (found.mutation_score.part, found.mutation_score.whole) == (36, 114)
     assert (found.operability.part, found.tested.part) == (31, 106)
 
 
-def test_thirty_two_are_detected_with_three_seeds_beside_the_first_ten_and_all_are_among_the_thirty_six() -> None:
+def test_thirty_two_are_detected_with_three_seeds_beside_the_first_ten_and_all_are_among_the_thirty_six():
     ten = detected(scored(ALL, tuple(range(10))))
     assert len(ten) == 32
     assert ten < detected(scored(ALL, EVERY))
 
 
-def test_thirty_of_the_thirty_six_are_firm_and_the_others_are_those_without_a_kill() -> None:
+def test_thirty_of_the_thirty_six_are_firm_and_the_others_are_those_without_a_kill():
     found = scored(ALL, EVERY)
     assert (found.firm.part, found.firm.whole) == (30, 114)
     assert [m.subject.id for m in found.counted if m.detected and not m.firm] == list(found.without_kill)
     assert scored(ALL, tuple(range(10))).firm.part == 30
 
 
-def test_the_thirty_six_are_made_of_32_behaviours_eleven_are_trivial_and_ten_defaults_have_no_effect() -> None:
+def test_the_thirty_six_are_made_of_32_behaviours_eleven_are_trivial_and_ten_defaults_have_no_effect():
     found = scored(ALL, EVERY)
     assert (len(found.behaviours), len(found.trivial), len(found.without_effect)) == (32, 11, 10)
     assert {mutant.acted.whole for mutant in found.without_effect} == {96}
@@ -63,15 +63,13 @@ def test_the_thirty_six_are_made_of_32_behaviours_eleven_are_trivial_and_ten_def
 
 @pytest.mark.parametrize("seed", ALL)
 @pytest.mark.parametrize("first", [0, 10, 20, 30, 40])
-def test_one_seed_beside_any_ten_detects_29_or_30_and_none_that_the_whole_campaign_does_not(
-    seed: int, first: int
-) -> None:
+def test_one_seed_beside_any_ten_detects_29_or_30_and_none_that_the_whole_campaign_does_not(seed: int, first: int):
     found = detected(scored((seed,), tuple(range(first, first + 10))))
     assert len(found) in (29, 30)
     assert found <= detected(scored(ALL, EVERY))
 
 
-def test_no_lucky_dodge_of_the_dark_bar_contributes_a_kill() -> None:
+def test_no_lucky_dodge_of_the_dark_bar_contributes_a_kill():
     found = scored(ALL, EVERY)
     for key in ("T1O1W1D1H0", "T1O1W1D1H1"):
         assert found.pool.states[key, "SR1"] is State.RED
@@ -82,12 +80,12 @@ def test_no_lucky_dodge_of_the_dark_bar_contributes_a_kill() -> None:
             assert found.pool.states[kill.situation, kill.requirement] is State.STEADY
 
 
-def test_late_human_is_killed_by_sr2_in_eight_of_eight() -> None:
+def test_late_human_is_killed_by_sr2_in_eight_of_eight():
     (late,) = (m for m in scored(ALL, EVERY).mutants if m.subject.id == "LATE-human@3s")
     assert {name: ratio.short for name, ratio in late.requirements} == {"SR2": "8/8"}
 
 
-def test_every_control_shows_itself_by_safety_or_operability() -> None:
+def test_every_control_shows_itself_by_safety_or_operability():
     controls = scored(ALL, EVERY).controls
     assert len(controls) == 11
     assert sum(control.detected for control in controls) == 7
@@ -113,7 +111,7 @@ def _recomputed(seeds: Iterable[int], pool: Sequence[int]) -> dict[str, str]:
     return found
 
 
-def test_the_detected_are_those_of_an_independent_recomputation_from_the_export() -> None:
+def test_the_detected_are_those_of_an_independent_recomputation_from_the_export():
     for seeds, pool in ((ALL, EVERY), ((2,), tuple(range(10)))):
         found = scored(seeds, pool)
         assert _recomputed(seeds, pool) == {m.subject.id: m.firmness for m in found.counted if m.detected}

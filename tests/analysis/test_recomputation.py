@@ -57,16 +57,16 @@ def compare(outcomes: list[Outcome]) -> dict[str, Any]:
 
 
 @given(campaigns())
-def test_every_figure_of_the_score_follows_from_the_export(outcomes: list[Outcome]) -> None:
+def test_every_figure_of_the_score_follows_from_the_export(outcomes: list[Outcome]):
     compare(outcomes)
 
 
 @given(seeded())
-def test_every_verdict_follows_from_the_export(outcomes: list[Outcome]) -> None:
+def test_every_verdict_follows_from_the_export(outcomes: list[Outcome]):
     compare(outcomes)
 
 
-def test_every_figure_of_flights_in_the_simulator_follows_from_their_export() -> None:
+def test_every_figure_of_flights_in_the_simulator_follows_from_their_export():
     """The baseline, PLACEBO and three mutants of the reference study, 3 situations, 10 seeds, without trajectories."""
     found = compare(list(read(FLOWN)["flown"].values()))
     assert [(mutant["id"], mutant["verdict"], mutant["kill_rate"]) for mutant in found["mutants"]] == [
@@ -76,7 +76,7 @@ def test_every_figure_of_flights_in_the_simulator_follows_from_their_export() ->
     ]
 
 
-def test_the_comparison_sees_every_verdict_and_every_state() -> None:
+def test_the_comparison_sees_every_verdict_and_every_state():
     """Campaigns drawn as above have all of them: none is compared in vain."""
     seen: set[str] = set()
 

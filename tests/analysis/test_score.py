@@ -41,7 +41,7 @@ def campaign() -> list[Outcome]:
     ]
 
 
-def test_kills_are_steady_pairs_where_most_flights_of_a_detected_mutant_violate() -> None:
+def test_kills_are_steady_pairs_where_most_flights_of_a_detected_mutant_violate():
     late, goal = scored(*campaign()).mutants
     assert [(kill.situation, kill.requirement) for kill in late.kills] == [(key, "SR2") for key in HUMAN]
     assert (late.kill_rate, late.kill_rate_flown) == (Ratio(3, 3), Ratio(3, 5))
@@ -54,7 +54,7 @@ def test_kills_are_steady_pairs_where_most_flights_of_a_detected_mutant_violate(
     assert dict(goal.requirements) == {"OP1": Ratio(4, 4)}
 
 
-def test_another_campaigns_baselines_make_a_pool() -> None:
+def test_another_campaigns_baselines_make_a_pool():
     few = [one for one in campaign() if one.mutant != BASELINE or one.seed == 0]
     lent = [one for one in campaign() if one.mutant == BASELINE]
     found = score(few, ROSTER, GRID, None, lent)
@@ -66,7 +66,7 @@ def ratios(found: Score) -> list[Ratio]:
 
 
 @given(st.one_of(campaigns(), seeded()), st.randoms())
-def test_the_score_ignores_the_order_of_outcomes(outcomes: list[Outcome], chance: random.Random) -> None:
+def test_the_score_ignores_the_order_of_outcomes(outcomes: list[Outcome], chance: random.Random):
     shuffled = chance.sample(outcomes, len(outcomes))
     one, other = score(outcomes, ROSTER, GRID), score(shuffled, ROSTER, GRID)
     assert (one.mutants, one.controls, one.placebo, ratios(one)) == (
@@ -78,19 +78,19 @@ def test_the_score_ignores_the_order_of_outcomes(outcomes: list[Outcome], chance
 
 
 @given(st.one_of(campaigns(), seeded()))
-def test_statuses_sum_to_flights_and_fates_to_mutants(outcomes: list[Outcome]) -> None:
+def test_statuses_sum_to_flights_and_fates_to_mutants(outcomes: list[Outcome]):
     found = score(outcomes, ROSTER, GRID)
     entries = [*found.mutants, *found.controls, *([found.placebo] if found.placebo else [])]
     assert sum(count for entry in entries for _, count in entry.statuses) == sum(o.mutant != BASELINE for o in outcomes)
 
 
 @given(seeded())
-def test_the_condition_is_true_where_it_kills(outcomes: list[Outcome]) -> None:
+def test_the_condition_is_true_where_it_kills(outcomes: list[Outcome]):
     for mutant in score(outcomes, ROSTER, GRID).mutants:
         assert bool(mutant.condition(GRID)) == bool(mutant.killing or mutant.seen_in)
 
 
-def test_a_campaign_that_grew_is_scored_by_looks() -> None:
+def test_a_campaign_that_grew_is_scored_by_looks():
     outcomes = [*pool(HUMAN[0]), *(outcome(LATE, HUMAN[0], seed, violated={"SR2": 9.0}) for seed in range(3))]
     assert score(outcomes, ROSTER, GRID).mutants[0].detected
     assert not score(outcomes, ROSTER, GRID, Spending(0.01, frozenset({LATE}))).mutants[0].detected
@@ -99,11 +99,11 @@ def test_a_campaign_that_grew_is_scored_by_looks() -> None:
 KEYS = ["T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H0", "T0O0W0D1H1"]
 
 
-def test_a_drone_that_never_violates_is_never_called_detected() -> None:
+def test_a_drone_that_never_violates_is_never_called_detected():
     assert redraw(pool(*KEYS, seeds=20), 3, 0.01) == Redraw(3, Ratio(0, REDRAWS), Ratio(0, REDRAWS))
 
 
-def test_there_are_no_redraws_below_twenty_flights_or_without_ten_to_spare() -> None:
+def test_there_are_no_redraws_below_twenty_flights_or_without_ten_to_spare():
     assert redraw(pool(*KEYS, seeds=19), 1, 0.01) == Redraw()
     assert redraw(pool(*KEYS, seeds=20), 11, 0.01) == Redraw()
     assert redraw([], 1, 0.01) == Redraw()
@@ -113,7 +113,7 @@ def test_there_are_no_redraws_below_twenty_flights_or_without_ten_to_spare() -> 
     assert redraw([*pool(KEYS[0], seeds=30), *pool(KEYS[1], seeds=1)], 1, 0.01).safety == Ratio(0, REDRAWS)
 
 
-def test_seeds_that_violate_everywhere_at_once_are_called_detected_as_often_as_they_are_drawn_alone() -> None:
+def test_seeds_that_violate_everywhere_at_once_are_called_detected_as_often_as_they_are_drawn_alone():
     """Two seeds of forty violate in all four situations: a redraw of one of them beside ten green ones is detected."""
     flights = [
         outcome(BASELINE, key, seed, violated={"SR1": 9.0} if seed < 2 else {}) for key in KEYS for seed in range(40)
@@ -124,7 +124,7 @@ def test_seeds_that_violate_everywhere_at_once_are_called_detected_as_often_as_t
     assert redraw(flights, 1, 0.01, redraws=1000) == found
 
 
-def test_a_roster_takes_the_default_of_each_credible_cell_from_the_matrix() -> None:
+def test_a_roster_takes_the_default_of_each_credible_cell_from_the_matrix():
     fault = Fault("person", "delay", magnitude=Magnitude("delay_s", "s", (1.0, 3.0), 3.0))
     cells = {
         ("LATE", "human"): Cell("LATE", "human", CellStatus.CREDIBLE, faults=(fault,)),
@@ -141,23 +141,23 @@ def test_a_roster_takes_the_default_of_each_credible_cell_from_the_matrix() -> N
     assert roster.is_control(subject_of("REVERSE-human"))
 
 
-def test_a_magnitude_off_the_ladder_stands_after_those_of_its_cell() -> None:
+def test_a_magnitude_off_the_ladder_stands_after_those_of_its_cell():
     ids = ["MORE-goal@0.6m", "LATE-human@9s", "LATE-human@1s", "baseline"]
     assert sorted(ids, key=ROSTER.rank) == ["baseline", "LATE-human@1s", "LATE-human@9s", "MORE-goal@0.6m"]
 
 
 @given(st.integers(0, 100), st.integers(1, 100))
-def test_a_ratio_prints_part_whole_and_share(part: int, whole: int) -> None:
+def test_a_ratio_prints_part_whole_and_share(part: int, whole: int):
     part = min(part, whole)
     assert str(Ratio(part, whole)) == f"{part}/{whole} = {100 * part / whole:.0f} %"
     assert plain(Ratio(part, whole)) == {"part": part, "whole": whole}
 
 
-def test_nothing_of_nothing_is_not_a_number() -> None:
+def test_nothing_of_nothing_is_not_a_number():
     assert (str(Ratio(0, 0)), Ratio(0, 0).value) == ("0/0 = n/a", None)
 
 
 @pytest.mark.parametrize(("part", "whole"), [(2, 1), (-1, 3)])
-def test_what_is_no_share_is_refused(part: int, whole: int) -> None:
+def test_what_is_no_share_is_refused(part: int, whole: int):
     with pytest.raises(ValueError, match="no share"):
         Ratio(part, whole)

@@ -57,26 +57,26 @@ def least_literals(killing: list[str], surviving: list[str]) -> int:
 
 
 @given(fates)
-def test_the_order_is_the_fewest_literals_of_any_box_without_a_survivor(drawn: list[str]) -> None:
+def test_the_order_is_the_fewest_literals_of_any_box_without_a_survivor(drawn: list[str]):
     keys = [key for key, _ in THREE.points]
     killing = [key for key, fate in zip(keys, drawn, strict=True) if fate == "kill"]
     surviving = [key for key, fate in zip(keys, drawn, strict=True) if fate == "survive"]
     assert order(THREE, killing, surviving) == least_literals(killing, surviving)
 
 
-def test_human_and_light_is_of_order_two() -> None:
+def test_human_and_light_is_of_order_two():
     killing = [key for key in GRID.point if "D0" in key and "H1" in key]
     assert order(GRID, killing, [key for key in GRID.point if key not in killing]) == 2
     assert order(GRID, list(GRID.point), []) == 0
     assert order(GRID, ["T0O0W0D0H0"], [key for key in GRID.point if key != "T0O0W0D0H0"]) == 5
 
 
-def test_no_order_without_a_kill() -> None:
+def test_no_order_without_a_kill():
     with pytest.raises(ValueError, match="killing situation"):
         order(GRID, [], ["T0O0W0D0H0"])
 
 
-def test_what_is_not_known_makes_the_order_a_range() -> None:
+def test_what_is_not_known_makes_the_order_a_range():
     human, nobody = "T0O0W0D0H1", "T0O0W0D0H0"
     late = "LATE-human@3s"
     flights = [*pool(human, nobody), *thrice(late, human, violated={"SR2": 9.0}), *thrice(late, nobody)]
@@ -86,7 +86,7 @@ def test_what_is_not_known_makes_the_order_a_range() -> None:
     )
 
 
-def test_the_histogram_counts_default_mutants_only() -> None:
+def test_the_histogram_counts_default_mutants_only():
     found = [Interaction(f"m{n}", n != 3, "", n, n, 1, 0) for n in (1, 2, 2, 3)]
     histogram = orders(found, GRID)
     assert [one.mutants for one in histogram] == [0, 1, 2, 0, 0, 0]
@@ -113,7 +113,7 @@ def every_smallest(kills: dict[str, frozenset[str]], columns: str) -> list[tuple
 
 
 @given(matrices)
-def test_the_suite_is_the_first_of_all_smallest_ones(kills: dict[str, frozenset[str]]) -> None:
+def test_the_suite_is_the_first_of_all_smallest_ones(kills: dict[str, frozenset[str]]):
     smallest = every_smallest(kills, COLUMNS)
     found = minimal_suite(kills, COLUMNS)
     assert found.situations == smallest[0]
@@ -126,7 +126,7 @@ pairs = st.sets(st.sets(st.sampled_from("abcdefghijk"), min_size=2, max_size=2).
 
 
 @given(pairs)
-def test_where_no_situation_is_forced_it_is_still_the_first_smallest(rows: set[frozenset[str]]) -> None:
+def test_where_no_situation_is_forced_it_is_still_the_first_smallest(rows: set[frozenset[str]]):
     # pairs make it a vertex cover, of which reductions leave most to the search
     kills = {f"m{number}": keys for number, keys in enumerate(sorted(rows, key=sorted))}
     smallest = every_smallest(kills, "abcdefghijk")
@@ -135,7 +135,7 @@ def test_where_no_situation_is_forced_it_is_still_the_first_smallest(rows: set[f
 
 
 @given(matrices)
-def test_beyond_its_limit_it_is_greedy_still_covers_and_says_so(kills: dict[str, frozenset[str]]) -> None:
+def test_beyond_its_limit_it_is_greedy_still_covers_and_says_so(kills: dict[str, frozenset[str]]):
     found = minimal_suite(kills, COLUMNS, most_entries=0)
     assert found.exact is not any(kills.values())
     assert found.alternatives is None
@@ -146,16 +146,16 @@ def test_beyond_its_limit_it_is_greedy_still_covers_and_says_so(kills: dict[str,
         assert not all(keys & rest for keys in kills.values() if keys)
 
 
-def test_without_kills_no_situation_is_needed() -> None:
+def test_without_kills_no_situation_is_needed():
     assert minimal_suite({"m": frozenset()}, COLUMNS).situations == ()
 
 
-def test_a_kill_in_an_unknown_situation_is_refused() -> None:
+def test_a_kill_in_an_unknown_situation_is_refused():
     with pytest.raises(ValueError, match="unknown situations"):
         minimal_suite({"m": frozenset("z")}, COLUMNS)
 
 
-def test_covers_of_a_cube_by_its_lines_are_still_exact() -> None:
+def test_covers_of_a_cube_by_its_lines_are_still_exact():
     # 27 points, each on 3 of 27 lines of 3 points: at least 9 lines
     points = list(product("012", repeat=3))
     lines = ["".join((*p[:axis], "*", *p[axis + 1 :])) for axis in range(3) for p in product("012", repeat=3)]
@@ -173,7 +173,7 @@ def digraph(found: Subsumption) -> nx.DiGraph:
 
 
 @given(matrices)
-def test_the_graph_says_exactly_which_mutant_subsumes_which(kills: dict[str, frozenset[str]]) -> None:
+def test_the_graph_says_exactly_which_mutant_subsumes_which(kills: dict[str, frozenset[str]]):
     found = subsumption(kills)
     below = dict(nx.all_pairs_shortest_path_length(digraph(found)))
     node_of = {mutant: node.name for node in found.nodes for mutant in node.mutants}
@@ -184,7 +184,7 @@ def test_the_graph_says_exactly_which_mutant_subsumes_which(kills: dict[str, fro
 
 
 @given(matrices)
-def test_no_edge_follows_from_others(kills: dict[str, frozenset[str]]) -> None:
+def test_no_edge_follows_from_others(kills: dict[str, frozenset[str]]):
     graph = digraph(subsumption(kills))
     for edge in list(graph.edges):
         graph.remove_edge(*edge)
@@ -193,27 +193,27 @@ def test_no_edge_follows_from_others(kills: dict[str, frozenset[str]]) -> None:
 
 
 @given(matrices)
-def test_minimal_mutants_are_those_without_a_smaller_kill_set(kills: dict[str, frozenset[str]]) -> None:
+def test_minimal_mutants_are_those_without_a_smaller_kill_set(kills: dict[str, frozenset[str]]):
     sets = {keys for keys in kills.values() if keys}
     found = subsumption(kills)
     assert {node.kills for node in found.minimal} == {keys for keys in sets if not any(s < keys for s in sets)}
 
 
 @given(matrices, st.sets(st.sampled_from(COLUMNS)))
-def test_what_kills_every_minimal_mutant_kills_every_mutant(kills: dict[str, frozenset[str]], chosen: set[str]) -> None:
+def test_what_kills_every_minimal_mutant_kills_every_mutant(kills: dict[str, frozenset[str]], chosen: set[str]):
     score = subsumption(kills).dominator_score(chosen)
     killed = [bool(keys & chosen) for keys in kills.values() if keys]
     assert (score.part == score.whole) == all(killed)
     assert subsumption(kills).dominator_score(COLUMNS).part == score.whole
 
 
-def test_a_layer_is_below_every_layer_that_subsumes_it() -> None:
+def test_a_layer_is_below_every_layer_that_subsumes_it():
     found = subsumption({"m": "ab", "n": "a", "o": "abc", "p": "c"})
     assert {node.name: node.layer for node in found.nodes} == {"n": 0, "p": 0, "m": 1, "o": 2}
     assert found.edges == ((0, 2), (1, 0), (3, 2))
 
 
-def test_duplicates_are_counted_within_a_cell() -> None:
+def test_duplicates_are_counted_within_a_cell():
     kills = {"NO-x@1s": "ab", "NO-x@2s": "ab", "NO-x@3s": "abc", "MORE-y": "ab", "LESS-z@1": "a", "LESS-z@2": "b"}
     assert redundancies(subsumption(kills)) == (
         Redundancy("NO-x", 3, (("NO-x@1s", "NO-x@2s"),)),
@@ -222,7 +222,7 @@ def test_duplicates_are_counted_within_a_cell() -> None:
     assert redundancies(subsumption(kills))[0].redundant == Ratio(1, 3)
 
 
-def test_a_requirement_can_be_told_from_another() -> None:
+def test_a_requirement_can_be_told_from_another():
     human = "T0O0W0D0H1"
     flights = [
         *pool(human),
@@ -235,7 +235,7 @@ def test_a_requirement_can_be_told_from_another() -> None:
 
 
 @pytest.mark.parametrize("kills", [{}, {"m": frozenset()}])
-def test_nothing_killed_is_an_empty_graph(kills: dict[str, frozenset[str]]) -> None:
+def test_nothing_killed_is_an_empty_graph(kills: dict[str, frozenset[str]]):
     found = subsumption(kills)
     assert (found.nodes, found.edges, found.minimal) == ((), (), ())
     assert str(found.dominator_score("a")) == "0/0 = n/a"

@@ -50,7 +50,7 @@ def _struck(flights: dict[str, Outcome], situations: frozenset[str]) -> dict[str
     }
 
 
-def test_each_bug_names_its_thread_and_a_credible_cell(study: Study) -> None:
+def test_each_bug_names_its_thread_and_a_credible_cell(study: Study):
     credible = {cell.name for cell in study.matrix if cell.status is CellStatus.CREDIBLE}
     assert len(BY_KEY) == len(BUGS) == 14
     assert {bug.cell for bug in BUGS} <= credible
@@ -63,13 +63,13 @@ def test_each_bug_names_its_thread_and_a_credible_cell(study: Study) -> None:
         assert f"| {bug.cell} |" in row
 
 
-def test_the_bugs_that_were_sought_are_in_cells_whose_mutant_has_kills(seen: Published) -> None:
+def test_the_bugs_that_were_sought_are_in_cells_whose_mutant_has_kills(seen: Published):
     assert all(seen.killing(bug.cell) for bug in BUGS[-SOUGHT:])
 
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_without_a_defect_the_copies_fly_as_the_reference_stack(study: Study) -> None:
+def test_without_a_defect_the_copies_fly_as_the_reference_stack(study: Study):
     declare()
     flight = Flight(None, study.grid.situation("T0O0W0D0H0"), 0)
     own = fly_log(study, flight).digest
@@ -77,14 +77,14 @@ def test_without_a_defect_the_copies_fly_as_the_reference_stack(study: Study) ->
 
 
 @pytest.mark.flight
-def test_the_defect_changes_the_flight_where_it_is_on(study: Study) -> None:
+def test_the_defect_changes_the_flight_where_it_is_on(study: Study):
     declare()
     flight = Flight(None, study.grid.situation("T0O0W0D0H1"), 0)
     copy = StackStudy(ROOT, stack_name="px4-11764")
     assert fly_log(copy, flight).digest != fly_log(study, flight).digest
 
 
-def test_the_page_tells_yes_and_no_by_its_rules(seen: Published, campaign: list[Outcome]) -> None:
+def test_the_page_tells_yes_and_no_by_its_rules(seen: Published, campaign: list[Outcome]):
     clean = _as_bug(campaign, BASELINE)
     nothing: Flights = {REFERENCE: clean} | {bug.key: clean for bug in BUGS}
     page = flown(BUGS, nothing, seen)
@@ -98,12 +98,12 @@ def test_the_page_tells_yes_and_no_by_its_rules(seen: Published, campaign: list[
     assert page.count("| yes |") == 8
 
 
-def test_the_plan_counts_its_flights() -> None:
+def test_the_plan_counts_its_flights():
     assert (len(BUGS) + 1) * len(list(names_of(str(number) for number in range(32)))) == FLIGHTS
     assert f"= {FLIGHTS:,}.\n" in PLAN
 
 
 @pytest.mark.release
-def test_the_published_page_is_that_of_the_published_flights(study: Study) -> None:
+def test_the_published_page_is_that_of_the_published_flights(study: Study):
     page = PLAN + flown(BUGS, read(PUBLISHED / "bugs_flights.jsonl.gz"), campaign_of(study, published()))
     assert page == (PUBLISHED / "bugs.md").read_text(encoding="utf-8")

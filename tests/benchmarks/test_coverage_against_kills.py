@@ -51,7 +51,7 @@ def small() -> st.SearchStrategy[np.ndarray]:
 
 
 @given(small())
-def test_a_random_suite_meets_what_counting_all_suites_gives(found: np.ndarray) -> None:
+def test_a_random_suite_meets_what_counting_all_suites_gives(found: np.ndarray):
     n = found.shape[1]
     chances = without_replacement(n)[found.sum(axis=1)]
     for k in range(1, n + 1):
@@ -60,13 +60,13 @@ def test_a_random_suite_meets_what_counting_all_suites_gives(found: np.ndarray) 
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5])
-def test_seeds_come_out_as_often_as_in_all_draws_with_replacement(n: int) -> None:
+def test_seeds_come_out_as_often_as_in_all_draws_with_replacement(n: int):
     seeds = [10 * number for number in range(n)]
     counted = Counter(tuple(sorted(set(drawn))) for drawn in product(seeds, repeat=n))
     assert {drawn: chance * n**n for drawn, chance in seed_draws(seeds)} == pytest.approx(counted)
 
 
-def test_of_many_seeds_a_fixed_sample_of_the_sets_is_judged() -> None:
+def test_of_many_seeds_a_fixed_sample_of_the_sets_is_judged():
     drawn = seed_draws(range(10))
     assert len(drawn) <= MOST_SUBSETS
     assert sum(chance for _, chance in drawn) == pytest.approx(1)
@@ -92,7 +92,7 @@ def flown(mutant: str, situations: list[str], killing: list[str], seeds: int = 1
     ]
 
 
-def test_the_trial_takes_the_default_mutants_that_were_flown_together() -> None:
+def test_the_trial_takes_the_default_mutants_that_were_flown_together():
     outcomes = pool(*KEYS[:8])
     outcomes += flown(LATE, KEYS[:6], KEYS[:3]) + flown(NO, KEYS[:6], KEYS[2:6])
     outcomes += flown(GOAL, KEYS[6:8], []) + flown("LATE-human@1s", KEYS[:8], KEYS[:8]) + flown("PLACEBO", KEYS[:8], [])
@@ -104,7 +104,7 @@ def test_the_trial_takes_the_default_mutants_that_were_flown_together() -> None:
     assert tried([]) is None
 
 
-def test_a_campaign_of_one_seed_has_no_seeds_to_resample_and_says_so() -> None:
+def test_a_campaign_of_one_seed_has_no_seeds_to_resample_and_says_so():
     found = tried(pool(*KEYS[:6]) + flown(LATE, KEYS[:6], KEYS[:3]))
     assert (found.seeds, found.seed_sets) == ((0,), ())
     said = predict(curves(found)).answer[-1]
@@ -112,7 +112,7 @@ def test_a_campaign_of_one_seed_has_no_seeds_to_resample_and_says_so() -> None:
     assert "nothing follows beyond this seed" in said
 
 
-def test_seeds_that_only_some_mutants_flew_stand() -> None:
+def test_seeds_that_only_some_mutants_flew_stand():
     outcomes = pool(*KEYS[:6]) + flown(LATE, KEYS[:6], KEYS[:3], seeds=3) + flown(NO, KEYS[:6], KEYS[:4], seeds=2)
     found = tried(outcomes)
     assert (found.seeds, found.more_seeds) == ((0, 1), (2,))
@@ -120,7 +120,7 @@ def test_seeds_that_only_some_mutants_flew_stand() -> None:
     assert (found.seed_sets[-1].kills == found.kills).all()
 
 
-def test_seeds_are_judged_anew_with_the_alpha_that_the_campaign_spends() -> None:
+def test_seeds_are_judged_anew_with_the_alpha_that_the_campaign_spends():
     # one situation and three seeds: p = 0.0070, enough where alpha is spent once, not where it is spent by looks
     outcomes = pool(*KEYS[:2]) + flown(LATE, KEYS[:2], KEYS[:1], seeds=3)
     for spending, killed in ((Spending(), 1), (Spending(grown=frozenset({LATE})), 0)):
@@ -133,7 +133,7 @@ def test_seeds_are_judged_anew_with_the_alpha_that_the_campaign_spends() -> None
 @given(seeded())
 def test_the_kills_of_some_seeds_are_those_of_a_campaign_flown_with_these_beside_the_whole_pool(
     outcomes: list[Outcome],
-) -> None:
+):
     found = tried(outcomes)
     if found is None:
         return
@@ -171,7 +171,7 @@ def scattered(mutants: int = 30) -> np.ndarray:
     return rng.random((mutants, 32)) < rng.choice([0, 0.05, 0.3, 1], mutants)[:, None]
 
 
-def test_mutants_that_die_in_blocks_are_killed_as_combinations_are_covered() -> None:
+def test_mutants_that_die_in_blocks_are_killed_as_combinations_are_covered():
     """The identity: kills at k random situations are expected t-way coverage, for every t and k."""
     for strength in (1, 2, 3, 4):
         kills = np.array([row for row in blocks() if row.sum() == 2 ** (5 - strength)])
@@ -180,7 +180,7 @@ def test_mutants_that_die_in_blocks_are_killed_as_combinations_are_covered() -> 
         assert np.allclose(np.array(random.kills.mean) / len(kills), covered)
 
 
-def test_a_covering_array_kills_every_block_of_its_strength_and_random_situations_do_not() -> None:
+def test_a_covering_array_kills_every_block_of_its_strength_and_random_situations_do_not():
     kills = np.array([row for row in blocks() if row.sum() == 8])
     found = curves(made(kills))
     array = found.curve("2-way")
@@ -190,7 +190,7 @@ def test_a_covering_array_kills_every_block_of_its_strength_and_random_situation
     assert "Here yes: 2 of 3 covering arrays meet more" in predict(found).answer[-1]
 
 
-def test_mutants_that_die_everywhere_or_nowhere_tell_nothing() -> None:
+def test_mutants_that_die_everywhere_or_nowhere_tell_nothing():
     kills = np.array([[True] * 32, [False] * 32])
     found = curves(made(kills))
     assert all(curve.kills.mean[-1] == pytest.approx(1) for curve in found.curves)
@@ -200,7 +200,7 @@ def test_mutants_that_die_everywhere_or_nowhere_tell_nothing() -> None:
     assert "nothing follows" in predict(curves(made(kills[1:]))).answer[-1].lower()
 
 
-def test_an_array_that_kills_fewer_than_random_situations_is_said_to() -> None:
+def test_an_array_that_kills_fewer_than_random_situations_is_said_to():
     # a 4-way array of 16 is all points of one parity: of two deadly points of equal parity it has both or none
     even = [number for number, (_, point) in enumerate(FIVE.points) if point.count("1") % 2 == 0]
     kills = np.zeros((120, 32), bool)
@@ -215,7 +215,7 @@ def test_an_array_that_kills_fewer_than_random_situations_is_said_to() -> None:
     assert "No: 1 of 3 covering arrays meets fewer" in predict(found).answer[-1]
 
 
-def test_arrays_that_differ_in_both_directions_are_said_to() -> None:
+def test_arrays_that_differ_in_both_directions_are_said_to():
     # pairs of one parity, which an array of 16 meets less often, and blocks, which one of 6 meets more often
     even = [number for number, (_, point) in enumerate(FIVE.points) if point.count("1") % 2 == 0]
     pairs = [np.isin(np.arange(32), pair) for pair in combinations(even, 2)]
@@ -223,7 +223,7 @@ def test_arrays_that_differ_in_both_directions_are_said_to() -> None:
     assert "Not in one direction: 2 of 3 covering arrays meet more" in predict(curves(made(kills))).answer[-1]
 
 
-def test_the_answer_ends_with_what_the_figures_carry_and_what_not() -> None:
+def test_the_answer_ends_with_what_the_figures_carry_and_what_not():
     whole, part = predict(curves(made(scattered()))), predict(curves(made(scattered()[:, :8], keys=FIVE_KEYS[:8])))
     for said in (whole.answer[-1], part.answer[-1]):
         assert "mutants of this matrix within their parameter" in said
@@ -234,7 +234,7 @@ def test_the_answer_ends_with_what_the_figures_carry_and_what_not() -> None:
 
 @settings(max_examples=15, deadline=None)
 @given(spaces(most=12), st.data())
-def test_every_strategy_keeps_the_laws(space: Space, data: st.DataObject) -> None:
+def test_every_strategy_keeps_the_laws(space: Space, data: st.DataObject):
     keys = tuple(keys_of(space))
     rows = data.draw(st.lists(st.lists(st.booleans(), min_size=len(keys), max_size=len(keys)), min_size=1, max_size=5))
     found = curves(made(np.array(rows), space))
@@ -258,14 +258,14 @@ def test_every_strategy_keeps_the_laws(space: Space, data: st.DataObject) -> Non
 
 
 @pytest.mark.parametrize("strength", [2, 3, 4])
-def test_relabelled_arrays_have_every_situation_equally_often_and_stay_arrays(strength: int) -> None:
+def test_relabelled_arrays_have_every_situation_equally_often_and_stay_arrays(strength: int):
     suites = relabelled(FIVE, FIVE_KEYS, covering_array(FIVE, FIVE_KEYS, strength, 0))
     assert len(set(np.bincount(suites.ravel(), minlength=32))) == 1
     for suite in suites[:20]:
         assert t_way([FIVE_KEYS[number] for number in suite], FIVE, strength).total.value == 1.0
 
 
-def test_blocks_are_told_from_other_sets() -> None:
+def test_blocks_are_told_from_other_sets():
     for row in blocks():
         killing = [key for key, killed in zip(FIVE_KEYS, row, strict=True) if killed]
         assert sub_cube(FIVE, killing) == 5 - np.log2(row.sum())
@@ -276,7 +276,7 @@ def test_blocks_are_told_from_other_sets() -> None:
     assert sub_cube(three, ["Aa0Ab0", "Aa1Ab0", "Aa2Ab0"]) == 1
 
 
-def test_part_of_the_grid_covers_part_of_the_combinations() -> None:
+def test_part_of_the_grid_covers_part_of_the_combinations():
     found = curves(made(scattered()[:, :8], keys=FIVE_KEYS[:8]))
     random = found.curve("random")
     assert dict(random.t_way)[1][-1] == pytest.approx(0.8)  # 8 of 10 values: two axes stay benign
@@ -284,7 +284,7 @@ def test_part_of_the_grid_covers_part_of_the_combinations() -> None:
     assert predict(found).sub_cubes == ()
 
 
-def test_without_an_array_nothing_is_judged() -> None:
+def test_without_an_array_nothing_is_judged():
     missing = predict(replace(whole := curves(made(scattered())), curves=whole.curves[:4]))
     assert "Not judged" in missing.answer[-1]
 
@@ -300,15 +300,13 @@ def holding(monkeypatch: pytest.MonkeyPatch, outcomes: Sequence[Outcome]) -> Non
     monkeypatch.setattr(experiment, "snapshot", snapshot)
 
 
-def test_a_campaign_without_default_mutants_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_campaign_without_default_mutants_is_refused(monkeypatch: pytest.MonkeyPatch):
     holding(monkeypatch, [*pool(*TWO), outcome("LATE-human@1s", TWO[0])])
     with pytest.raises(InputError, match="needs default mutants of credible cells: none was flown"):
         experiment.pages(Study.open(ROOT), "any")
 
 
-def test_the_published_pages_are_those_of_the_published_flights(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_the_published_pages_are_those_of_the_published_flights(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     holding(monkeypatch, outcomes())
     experiment.main(["--output", str(tmp_path)])
     for name in ("coverage_against_kills.md", "coverage_against_kills.svg"):

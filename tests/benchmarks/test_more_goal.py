@@ -53,7 +53,7 @@ def striking() -> str:
     return page(told)
 
 
-def test_the_arms_are_the_ladder_with_and_without_turning_first_at_three_speeds() -> None:
+def test_the_arms_are_the_ladder_with_and_without_turning_first_at_three_speeds():
     ladder = [mutant.id for mutant in Study.open(ROOT).catalogue if mutant.cell == "MORE-goal"]
     assert list(MUTANTS) == ladder
     assert FLIGHTS == 2 * 3 * (len(ladder) + 1) * 16 * 10 == 4800
@@ -63,13 +63,13 @@ def test_the_arms_are_the_ladder_with_and_without_turning_first_at_three_speeds(
     assert len(set(names_of())) * len(ARMS) == FLIGHTS
 
 
-def test_the_plan_tells_the_least_numbers_of_violations_that_show_a_fault() -> None:
+def test_the_plan_tells_the_least_numbers_of_violations_that_show_a_fault():
     for situations, violated in ((1, 9), (2, 6), (6, 2)):
         p, less = (2 * p_value([Stratum(k, 10, 0, 10)] * situations) for k in (violated, violated - 1))
         assert p <= STRICT < less
 
 
-def test_a_magnitude_that_strikes_in_one_situation_is_shown_and_masked_at_that_speed_only(striking: str) -> None:
+def test_a_magnitude_that_strikes_in_one_situation_is_shown_and_masked_at_that_speed_only(striking: str):
     assert (
         "- MORE-goal@1m is shown by SR1 in *not turning first, 0.5 m/s*, as the paper saw it (p = 1.1e-05)." in striking
     )
@@ -78,24 +78,24 @@ def test_a_magnitude_that_strikes_in_one_situation_is_shown_and_masked_at_that_s
     assert "- At 1 m/s turning first is not shown to mask any magnitude." in striking
 
 
-def test_a_magnitude_that_is_detected_with_turning_first_too_is_not_masked() -> None:
+def test_a_magnitude_that_is_detected_with_turning_first_too_is_not_masked():
     told = {(arm, "MORE-goal@1m", CORNER): {"SR1": 28.0} for arm in (AS_IT_IS, NOT_TURNING)}
     text = page(told)
     assert text.count("MORE-goal@1m is shown by SR1") == 2
     assert "- At 0.5 m/s turning first is not shown to mask any magnitude." in text
 
 
-def test_without_a_violation_nothing_is_shown_and_the_baselines_permit_the_change() -> None:
+def test_without_a_violation_nothing_is_shown_and_the_baselines_permit_the_change():
     text = page({})
     assert "- MORE-goal is shown in no arm." in text
     assert "SR1 160 against 160, SR2 160 against 160, OP1 160 against 160 of 160: the clean baselines justify" in text
 
 
-def test_one_requirement_that_fewer_baselines_hold_keeps_the_stack(striking: str) -> None:
+def test_one_requirement_that_fewer_baselines_hold_keeps_the_stack(striking: str):
     assert "SR1 160 against 160, SR2 150 against 160, OP1 160 against 160 of 160: the stack stays as it is." in striking
 
 
-def test_no_rule_is_decided_while_a_flight_is_missing_or_invalid() -> None:
+def test_no_rule_is_decided_while_a_flight_is_missing_or_invalid():
     flights = campaign({})
     name, own = next(iter(flights[AS_IT_IS.name].items()))
     flights[AS_IT_IS.name][name] = replace(own, invalid="it hung")
@@ -105,7 +105,7 @@ def test_no_rule_is_decided_while_a_flight_is_missing_or_invalid() -> None:
         assert "no arm" not in unfinished
 
 
-def test_a_file_of_flights_gives_back_what_was_written(tmp_path: Path) -> None:
+def test_a_file_of_flights_gives_back_what_was_written(tmp_path: Path):
     made = campaign({(NOT_TURNING, "MORE-goal@1m", CORNER): {"SR1": 28.0}})
     flights = {arm.name: dict(list(made[arm.name].items())[:200]) for arm in (AS_IT_IS, NOT_TURNING)}
     write(tmp_path / "flights.jsonl.gz", flights)
@@ -115,9 +115,7 @@ def test_a_file_of_flights_gives_back_what_was_written(tmp_path: Path) -> None:
     assert (tmp_path / "again.jsonl.gz").read_bytes() == (tmp_path / "flights.jsonl.gz").read_bytes()
 
 
-def test_a_flight_in_the_file_is_not_flown_again_and_an_invalid_one_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_flight_in_the_file_is_not_flown_again_and_an_invalid_one_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     asked: list[tuple[str, str]] = []
 
     def shared(study: Varied, flights: list, jobs: int):  # type: ignore[no-untyped-def,type-arg]
@@ -145,7 +143,7 @@ def test_a_flight_in_the_file_is_not_flown_again_and_an_invalid_one_is(
 
 
 @pytest.mark.flight
-def test_flights_that_share_a_baseline_with_changed_numbers_have_the_digests_of_whole_flights() -> None:
+def test_flights_that_share_a_baseline_with_changed_numbers_have_the_digests_of_whole_flights():
     arm = Arm(turns_first=False, cruise_mps=1.2)
     study = Varied(ROOT, overrides=arm.overrides)
     mutants = {name: realise(study.matrix, name) for name in MUTANTS}
@@ -157,7 +155,7 @@ def test_flights_that_share_a_baseline_with_changed_numbers_have_the_digests_of_
 
 
 @pytest.mark.flight
-def test_without_a_changed_number_the_flights_are_those_of_a_campaign() -> None:
+def test_without_a_changed_number_the_flights_are_those_of_a_campaign():
     study, situation = Study.open(ROOT), "T0O0W0D0H0"
     mutant = realise(study.matrix, "REVERSE-velcmd")
     logs = [log.digest for _, log in flown_beside(Beside(ROOT, {}, situation, 0, (mutant.id,)))]
@@ -165,6 +163,6 @@ def test_without_a_changed_number_the_flights_are_those_of_a_campaign() -> None:
     assert logs == [fly_log(study, flight).digest for flight in flights]
 
 
-def test_the_published_page_is_that_of_the_published_flights() -> None:
+def test_the_published_page_is_that_of_the_published_flights():
     made = more_goal.results(Study.open(ROOT), 1, PUBLISHED)
     assert registered("more_goal") + made == (PUBLISHED / "more_goal.md").read_text()

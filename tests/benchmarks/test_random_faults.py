@@ -45,19 +45,19 @@ pytestmark = pytest.mark.release
 """A page of the past is recomputed before a release."""
 
 
-def test_the_committed_faults_are_what_the_draw_gives(study: Study) -> None:
+def test_the_committed_faults_are_what_the_draw_gives(study: Study):
     assert experiment.FILE.read_text(encoding="utf-8") == experiment.text_of(experiment.drawn(study))
     assert experiment.read_faults() == experiment.drawn(study)
 
 
-def test_no_id_is_one_of_the_matrix(study: Study) -> None:
+def test_no_id_is_one_of_the_matrix(study: Study):
     assert GUIDEWORD not in {cell.guideword for cell in study.matrix}
     ids = [fault.id for fault in experiment.read_faults()]
     assert len(set(ids)) == len(ids)
     assert all(str(parse(id_)) == id_ and parse(id_).guideword == GUIDEWORD for id_ in ids)
 
 
-def test_the_largest_magnitudes_are_those_of_the_plan(study: Study) -> None:
+def test_the_largest_magnitudes_are_those_of_the_plan(study: Study):
     draw = Draw.of(study)
     told = {f"{float(f'{most:.3g}'):g} {unit}" for unit, most in draw.quantities.items() if unit}
     (line,) = re.findall(r"declare \(`quantities`\):\n +(.*);", registered("random_faults"))
@@ -65,7 +65,7 @@ def test_the_largest_magnitudes_are_those_of_the_plan(study: Study) -> None:
     assert draw.quantities[""] == 1.0
 
 
-def test_a_tap_can_be_made_of_every_fault(study: Study) -> None:
+def test_a_tap_can_be_made_of_every_fault(study: Study):
     scenario = study.scenario(study.grid.situations[0])
     known = facts(scenario, study.sim.stack.parameters)
     for fault in experiment.read_faults():
@@ -104,7 +104,7 @@ STRIKING = {
 }
 
 
-def test_what_the_plan_says_of_the_default_mutants_is_measured(hazop: Arm) -> None:
+def test_what_the_plan_says_of_the_default_mutants_is_measured(hazop: Arm):
     counts = Counts.of(hazop.scores)
     infected, tested = (sum(getattr(score, name) for score in hazop.scores) for name in ("infected", "tested"))
     for told in (
@@ -116,7 +116,7 @@ def test_what_the_plan_says_of_the_default_mutants_is_measured(hazop: Arm) -> No
         assert told in PLAN
 
 
-def test_the_plan_has_the_numbers_at_which_the_answer_changes(hazop: Arm) -> None:
+def test_the_plan_has_the_numbers_at_which_the_answer_changes(hazop: Arm):
     own = Counts.of(hazop.scores)
     told = {n: answer(own, replace(own, useful=n))[0] for n in range(FAULTS + 1)}
     better, worse = ([n for n, said in told.items() if said is one] for one in (Answer.BETTER, Answer.WORSE))
@@ -125,7 +125,7 @@ def test_the_plan_has_the_numbers_at_which_the_answer_changes(hazop: Arm) -> Non
     assert f"and it has fewer: {worse[0]} random ones or more;" in PLAN
 
 
-def test_the_flights_are_three_seeds_of_each_fault_and_ten_of_the_baseline(study: Study) -> None:
+def test_the_flights_are_three_seeds_of_each_fault_and_ten_of_the_baseline(study: Study):
     keys = [situation.key for situation in study.grid.situations]
     names = list(names_of([fault.id for fault in experiment.read_faults()], keys))
     assert len(set(names)) == len(names) == FLIGHTS
@@ -133,7 +133,7 @@ def test_the_flights_are_three_seeds_of_each_fault_and_ten_of_the_baseline(study
     assert sum(name.startswith(f"{BASELINE}/") for name in names) == len(keys) * POOL
 
 
-def test_a_fault_is_trivial_if_it_is_killed_nearly_everywhere_or_early() -> None:
+def test_a_fault_is_trivial_if_it_is_killed_nearly_everywhere_or_early():
     scores = {score.subject.id[-1]: score for score in arm(STRIKING).scores}
     assert [n for n, score in scores.items() if score.detected] == ["1", "2", "3", "4"]
     assert [n for n, score in scores.items() if score.killed_broadly] == ["1"]
@@ -163,7 +163,7 @@ def whole(study: Study, hazop: Arm, struck: int) -> Arm:
 
 
 @pytest.mark.parametrize(("struck", "said"), [(0, "better"), (20, "no difference is shown"), (60, "worse")])
-def test_the_page_decides_by_the_useful_faults(study: Study, hazop: Arm, struck: int, said: str) -> None:
+def test_the_page_decides_by_the_useful_faults(study: Study, hazop: Arm, struck: int, said: str):
     page = flown(hazop, whole(study, hazop, struck), faults_of(study), redraws=2)
     assert f"**Rule 1: {said}.**  Useful are 21 of 114 default mutants and {struck} of 114 random faults" in page
     assert "320 of 320 baselines have the digest of the published ones; the pairs" in page
@@ -174,7 +174,7 @@ def test_the_page_decides_by_the_useful_faults(study: Study, hazop: Arm, struck:
     assert listed == [fault.id for fault in experiment.read_faults()]
 
 
-def test_nothing_is_decided_while_a_flight_is_missing_or_the_pools_differ(study: Study, hazop: Arm) -> None:
+def test_nothing_is_decided_while_a_flight_is_missing_or_the_pools_differ(study: Study, hazop: Arm):
     made = whole(study, hazop, 0)
     fewer = replace(made, outcomes=made.outcomes[:-1])
     red = next(o for o in made.outcomes if o.violations and o.violations[0].requirement == "SR1")
@@ -191,7 +191,7 @@ def test_nothing_is_decided_while_a_flight_is_missing_or_the_pools_differ(study:
 
 
 @pytest.mark.flight
-def test_a_random_fault_flies_with_the_published_baseline_and_shares_it(study: Study, tmp_path: Path) -> None:
+def test_a_random_fault_flies_with_the_published_baseline_and_shares_it(study: Study, tmp_path: Path):
     faults = [fault for fault in experiment.read_faults() if fault.seam == "velcmd"][:2]
     found = experiment.fly(study, faults, tmp_path / "flights.jsonl.gz", 1, draws=1)
     digests = {o.name: o.digest for o in found}
@@ -204,7 +204,7 @@ def test_a_random_fault_flies_with_the_published_baseline_and_shares_it(study: S
 
 
 @pytest.mark.release
-def test_the_published_page_is_that_of_the_published_flights(study: Study) -> None:
+def test_the_published_page_is_that_of_the_published_flights(study: Study):
     """Two minutes of processor time: the seeds are drawn again 200 times."""
     told = (PUBLISHED / "random_faults.md").read_text(encoding="utf-8")
     assert told == registered("random_faults") + experiment.results(study, 1, PUBLISHED)

@@ -52,17 +52,17 @@ def differing(folder: Path) -> list[str]:
 
 
 @pytest.mark.release
-def test_every_published_file_is_made_again_from_the_record() -> None:
+def test_every_published_file_is_made_again_from_the_record():
     assert differing(REFERENCE) == [], AGAIN
     assert {path.name for path in REFERENCE.iterdir()} >= set(RECORD)
 
 
-def test_the_folder_stays_small() -> None:
+def test_the_folder_stays_small():
     assert sum(path.stat().st_size for path in REFERENCE.iterdir()) < MOST_BYTES
 
 
 @pytest.mark.parametrize("name", RECORD)
-def test_a_hand_edit_of_the_record_is_found(tmp_path: Path, name: str) -> None:
+def test_a_hand_edit_of_the_record_is_found(tmp_path: Path, name: str):
     copy = shutil.copytree(REFERENCE, tmp_path / "reference")
     edited = bytearray((copy / name).read_bytes())
     edited[edited.index(b"Linux") if name == MANIFEST else len(edited) // 2] ^= 1
@@ -81,13 +81,13 @@ def _read_whole(folder: Path) -> None:
         now.with_tracks(now.outcomes, {"baseline"}, {0})
 
 
-def test_the_columns_that_follow_from_others_are_those_of_todays_code() -> None:
+def test_the_columns_that_follow_from_others_are_those_of_todays_code():
     with snapshot(Study.open(reference.ROOT), str(REFERENCE)) as now:
         again = outcome_file(now.outcomes, now.study)
     assert pyarrow.parquet.read_table(io.BytesIO(again)).equals(pyarrow.parquet.read_table(REFERENCE / OUTCOMES))
 
 
-def test_a_published_trajectory_has_every_second_sample_in_steps_of_two_centimetres() -> None:
+def test_a_published_trajectory_has_every_second_sample_in_steps_of_two_centimetres():
     moments = [number / 20 for number in range(41)]
     signals = dict.fromkeys(TRACK_COLUMNS, np.full(41, 0.123)) | {"elapsed_s": np.array(moments)}
     signals["person_sight_m"] = np.full(41, FAR_M)

@@ -46,7 +46,7 @@ def lists() -> dict[str, list[Situation]]:
     return {arm: asked(proposers(arm)[0], 30 if arm == "2-way" else 120) for arm in CHANCE}
 
 
-def test_chance_proposes_distinct_and_possible_situations(lists: dict[str, list[Situation]]) -> None:
+def test_chance_proposes_distinct_and_possible_situations(lists: dict[str, list[Situation]]):
     for told in lists.values():
         assert len(set(told)) == len(told) >= 30
         assert all(map(light_or_wide, told))
@@ -54,17 +54,17 @@ def test_chance_proposes_distinct_and_possible_situations(lists: dict[str, list[
 
 
 @pytest.mark.parametrize("arm", CHANCE)
-def test_the_mutants_of_a_block_share_one_list(arm: str, lists: dict[str, list[Situation]]) -> None:
+def test_the_mutants_of_a_block_share_one_list(arm: str, lists: dict[str, list[Situation]]):
     first, second = proposers(arm)
     assert [*asked(first, 2), *asked(second, 3), *asked(first, 2)] == lists[arm][:7]
 
 
 @pytest.mark.parametrize("arm", CHANCE)
-def test_another_seed_gives_another_list(arm: str, lists: dict[str, list[Situation]]) -> None:
+def test_another_seed_gives_another_list(arm: str, lists: dict[str, list[Situation]]):
     assert asked(proposers(arm, seed=4)[0], 7) != lists[arm][:7]
 
 
-def test_what_chance_is_told_changes_nothing_and_is_counted(lists: dict[str, list[Situation]]) -> None:
+def test_what_chance_is_told_changes_nothing_and_is_counted(lists: dict[str, list[Situation]]):
     first, second = proposers("random")
     told = zip(lists["random"], (0.7, -1.0), strict=False)
     first.tell([(Proposal(one, {}), distance) for one, distance in told])
@@ -73,13 +73,11 @@ def test_what_chance_is_told_changes_nothing_and_is_counted(lists: dict[str, lis
 
 
 @pytest.mark.parametrize("arm", ["random", "low-discrepancy"])
-def test_a_free_axis_is_off_its_benign_value_as_often_as_in_a_random_draw(
-    arm: str, lists: dict[str, list[Situation]]
-) -> None:
+def test_a_free_axis_is_off_its_benign_value_as_often_as_in_a_random_draw(arm: str, lists: dict[str, list[Situation]]):
     assert mean("Cs" in dict(one.numbers) for one in lists[arm]) == pytest.approx(DEVIATES, abs=0.09)
 
 
-def test_half_of_the_numbers_off_their_benign_values_are_at_an_end_of_their_range() -> None:
+def test_half_of_the_numbers_off_their_benign_values_are_at_an_end_of_their_range():
     def speed(share: float) -> float | None:
         return SPEED.drawn(with_ends(GRID, lambda _axis, what: share if what == "number" else 0.0)["Cs"])
 
@@ -92,7 +90,7 @@ def test_half_of_the_numbers_off_their_benign_values_are_at_an_end_of_their_rang
     assert speed(0.5) is None
 
 
-def test_low_discrepancy_is_more_even_than_random(lists: dict[str, list[Situation]]) -> None:
+def test_low_discrepancy_is_more_even_than_random(lists: dict[str, list[Situation]]):
     def unevenness(arm: str) -> float:
         shares = [one["O"] * 3 + one["H"] for one in lists[arm] if one["O"] < 2]
         return mean(abs(shares.count(cell) / len(shares) - 1 / 6) for cell in range(6))
@@ -100,7 +98,7 @@ def test_low_discrepancy_is_more_even_than_random(lists: dict[str, list[Situatio
     assert unevenness("low-discrepancy") < 0.7 * unevenness("random")
 
 
-def test_an_array_has_every_pair_of_values_and_bins_that_a_situation_has() -> None:
+def test_an_array_has_every_pair_of_values_and_bins_that_a_situation_has():
     def states(parameters: Parameters) -> dict[str, int]:
         return {axis.id: int(parameters[axis.id]) for axis in TINY.axes} | {
             axis.id: int(parameters.get(axis.id, 0) >= 1 - DEVIATES) for axis in TINY.free

@@ -90,15 +90,13 @@ def survivors_at_risk() -> tuple[list[str], list[str]]:
     return found, at_risk(plain, found)
 
 
-def test_the_committed_blocks_are_what_the_draw_gives(
-    study: Study, survivors_at_risk: tuple[list[str], list[str]]
-) -> None:
+def test_the_committed_blocks_are_what_the_draw_gives(study: Study, survivors_at_risk: tuple[list[str], list[str]]):
     assert FILE.read_text(encoding="utf-8") == text_of(blocks_of(study, survivors_at_risk[1]))
 
 
 def test_a_block_has_survivors_at_risk_of_one_parameter_and_every_parameter_with_two_has_one(
     study: Study, survivors_at_risk: tuple[list[str], list[str]]
-) -> None:
+):
     found, chosen = survivors_at_risk
     assert (len(found), len(chosen)) == (SURVIVORS, AT_RISK)
     number = Counter(realise(study.matrix, id_).parameter for id_ in chosen)
@@ -110,7 +108,7 @@ def test_a_block_has_survivors_at_risk_of_one_parameter_and_every_parameter_with
     assert set(drawn) <= set(chosen)
 
 
-def test_the_plan_counts_the_mutants_that_the_wide_grid_detects() -> None:
+def test_the_plan_counts_the_mutants_that_the_wide_grid_detects():
     """As they were known when the plan was written: the choosing half with one seed."""
     study = Study.open(ROOT, "wide")
     choosing, _ = wide.halves(study.roster.defaults)
@@ -140,13 +138,13 @@ def power(
     return share(answer(one)[0] is Answer.BETTER for one in found.tolist())
 
 
-def test_the_plan_says_what_the_rule_can_show() -> None:
+def test_the_plan_says_what_the_rule_can_show():
     for chance, search, *yes in POWER[::2]:
         shown = [power(SIZES, OPEN, chance, search, together=together) for together in (False, True)]
         assert shown == pytest.approx(yes, abs=0.0051)
 
 
-def test_the_plan_counts_its_flights_and_lists_its_blocks() -> None:
+def test_the_plan_counts_its_flights_and_lists_its_blocks():
     plan = registered("search_or_chance")
     asked = len(ARMS) * BUDGET * MUTANTS
     different = asked - (len(ARMS) - 1) * sum(OPENING * (1 + size) for size in SIZES)
@@ -157,7 +155,7 @@ def test_the_plan_counts_its_flights_and_lists_its_blocks() -> None:
         assert f"| {100 * chance:.0f} % | {100 * found:.0f} % | {100 * yes[0]:.0f} % | {100 * yes[1]:.0f} % |" in plan
 
 
-def test_the_published_page_is_what_the_published_files_give() -> None:
+def test_the_published_page_is_what_the_published_files_give():
     kept = Evidence(
         BLOCKS, read_searches(PUBLISHED / experiment.SEARCHES), read(PUBLISHED / experiment.FLIGHTS)["all arms"]
     )
@@ -165,7 +163,7 @@ def test_the_published_page_is_what_the_published_files_give() -> None:
     assert page == registered("search_or_chance") + flown(kept)
 
 
-def test_the_answer_needs_more_than_chance_and_more_than_each_arm() -> None:
+def test_the_answer_needs_more_than_chance_and_more_than_each_arm():
     better, worse = [(3, 1, 1, 1)] * 6, [(0, 2, 2, 1)] * 6
     assert answer(better)[0] is Answer.BETTER
     assert answer(worse)[0] is Answer.WORSE
@@ -200,7 +198,7 @@ def block(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Flown:
     return Flown(folder, {one.arm: one for one in searches}, flyer.flown)
 
 
-def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Study, block: Flown) -> None:
+def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Study, block: Flown):
     assert list(block.searches) == list(ARMS)
     for search in block.searches.values():
         assert search.used <= search.budget == 2 * SMALL_BUDGET
@@ -228,7 +226,7 @@ def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Stu
     assert evidence.shows(LATE, block.searches["random"].sought[0].shown_in)
 
 
-def test_a_situation_is_flown_for_all_that_are_not_found(block: Flown) -> None:
+def test_a_situation_is_flown_for_all_that_are_not_found(block: Flown):
     one = block.searches["random"]
     until = one.opening.index(one.sought[0].shown_in) // CHUNK * CHUNK + CHUNK
     for mutant, keys in ((LATE, one.opening[:until]), (LESS, (*one.opening, *one.proposed[:GENERATION]))):
@@ -237,7 +235,7 @@ def test_a_situation_is_flown_for_all_that_are_not_found(block: Flown) -> None:
         assert mutant == LESS or not flown_in & set(one.proposed)
 
 
-def test_it_goes_on_where_it_stopped(study: Study, block: Flown, tmp_path: Path) -> None:
+def test_it_goes_on_where_it_stopped(study: Study, block: Flown, tmp_path: Path):
     copytree(block.folder / "campaigns", tmp_path / "campaigns")
     write_searches(tmp_path / "searches.jsonl.gz", [one for arm, one in block.searches.items() if arm != "random"])
     flyer = Ruled(tmp_path / "flown.txt")
@@ -265,7 +263,7 @@ def evidence(found: Mapping[str, int], **flights: Outcome) -> Evidence:
 
 
 @pytest.mark.parametrize(("own", "said"), [(3, Answer.BETTER), (2, Answer.NO_DIFFERENCE), (1, Answer.WORSE)])
-def test_the_page_decides_by_the_mutants_that_are_newly_detected(own: int, said: Answer) -> None:
+def test_the_page_decides_by_the_mutants_that_are_newly_detected(own: int, said: Answer):
     page = flown(evidence({**dict.fromkeys(ARMS, 2), SEARCH: own}), redraws=20)
     assert f"**Rule 1: {said.value}.**  `seek` newly detects {12 * own} of {MUTANTS} mutants; random 24" in page
     assert "| `seek` beside | more mutants | blocks drawn again | p (Holm) |" in page
@@ -274,7 +272,7 @@ def test_the_page_decides_by_the_mutants_that_are_newly_detected(own: int, said:
     assert page.count("20: SR1 4/4") == 12 * len(ARMS)
 
 
-def test_nothing_is_decided_while_a_search_is_missing_or_the_openings_differ() -> None:
+def test_nothing_is_decided_while_a_search_is_missing_or_the_openings_differ():
     whole = evidence(dict.fromkeys(ARMS, 2))
     assert whole.complete
     first, *others = whole.searches
@@ -290,7 +288,7 @@ def test_nothing_is_decided_while_a_search_is_missing_or_the_openings_differ() -
         assert "Rule 1" not in page
 
 
-def test_searches_are_read_as_they_were_written(tmp_path: Path) -> None:
+def test_searches_are_read_as_they_were_written(tmp_path: Path):
     path, searches = tmp_path / "s.jsonl.gz", [search(2, "random", 3), search(1, SEARCH, 0)]
     write_searches(path, searches)
     assert read_searches(path) == searches[::-1]

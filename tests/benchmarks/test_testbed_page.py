@@ -24,7 +24,7 @@ def flight(*crossings: SimpleNamespace) -> Any:
     return SimpleNamespace(crossings=crossings)
 
 
-def test_the_delay_is_from_the_detectors_first_person_to_the_first_slow_order() -> None:
+def test_the_delay_is_from_the_detectors_first_person_to_the_first_slow_order():
     seen, late = Detections(1.0, (Person("person", 0.9, 0.0, 3.0),)), Detections(4.0, ())
     cruise, slow = SpeedLimit(0.0, 0.5, "euclidean"), SpeedLimit(4.1, 0.2, "euclidean")
     one = flight(
@@ -39,14 +39,14 @@ def test_the_delay_is_from_the_detectors_first_person_to_the_first_slow_order() 
     assert delay(flight(crossing("person", 1.0, seen, seen))) is None
 
 
-def test_the_second_script_begins_after_the_longest_pause_of_goals() -> None:
+def test_the_second_script_begins_after_the_longest_pause_of_goals():
     goal = Goal((0.0, 7.0, 1.65))
     times = [1.0, 1.05, 1.1, 3.7, 3.75, 4.5]
     assert second_script(flight(*(crossing("destination", t_s, goal, goal) for t_s in times))) == 3.7
     assert second_script(flight(*(crossing("destination", t_s, goal, goal) for t_s in times[:3]))) is None
 
 
-def test_a_contact_counts_once_while_it_lasts() -> None:
+def test_a_contact_counts_once_while_it_lasts():
     times = [20.0, 20.05, 20.1, 40.0, 40.05]
     told = [crossing("contact", t_s, None, Bumper(t_s, hull=True, gear=False)) for t_s in times]
     assert touched(flight(crossing("contact", 1.0, None, Bumper(1.0, hull=False, gear=True)), *told)) == [20.0, 40.0]

@@ -23,7 +23,7 @@ def paper(study: Study) -> wide.Side:
     return wide.side(study, published())
 
 
-def test_each_default_is_in_one_half_and_each_parameter_in_both(study: Study) -> None:
+def test_each_default_is_in_one_half_and_each_parameter_in_both(study: Study):
     choosing, judging = halves(study.roster.defaults)
     assert sorted([*choosing, *judging]) == sorted(study.roster.defaults.values())
     cell_of = {mutant: cell for cell, mutant in study.roster.defaults.items()}
@@ -31,7 +31,7 @@ def test_each_default_is_in_one_half_and_each_parameter_in_both(study: Study) ->
     assert all(abs(first[parameter] - second[parameter]) <= 1 for parameter in first | second)
 
 
-def test_the_published_flights_have_the_published_score(study: Study) -> None:
+def test_the_published_flights_have_the_published_score(study: Study):
     found = score(outcomes(study, published()), study.roster, study.space)
     told = json.loads((PUBLISHED / "reference" / "score.json").read_text(encoding="utf-8"))
     detected = [m["id"] for m in told["mutants"] if m["verdict"] == "detected"]
@@ -39,14 +39,14 @@ def test_the_published_flights_have_the_published_score(study: Study) -> None:
     assert found.mutation_score.part == told["ratios"]["mutation_score"]["part"]
 
 
-def test_the_side_of_the_paper_counts_three_seeds_and_ten_of_the_pool(paper: wide.Side) -> None:
+def test_the_side_of_the_paper_counts_three_seeds_and_ten_of_the_pool(paper: wide.Side):
     assert len(paper.detected) == 32
     assert paper.situations == 32
     assert {pair.flights for pair in paper.score.pool.pairs.values()} == {10}
     assert {result.flown for mutant in paper.score.mutants for result in mutant.results} == {3}
 
 
-def test_a_grid_beside_itself_detects_the_same_at_once_the_flying(study: Study, paper: wide.Side) -> None:
+def test_a_grid_beside_itself_detects_the_same_at_once_the_flying(study: Study, paper: wide.Side):
     page = wide.results(
         paper, paper, study.roster.defaults, [(1, 2, 3), (4, 5, 6)], [ONCE, ONCE], {"NO-battery": "it lands"}
     )
@@ -61,13 +61,13 @@ def test_a_grid_beside_itself_detects_the_same_at_once_the_flying(study: Study, 
 
 
 @pytest.mark.release
-def test_the_published_page_is_that_of_the_published_flights() -> None:
+def test_the_published_page_is_that_of_the_published_flights():
     """Two minutes of processor time: five hundred draws of the pool are scored."""
     told = (PUBLISHED / "wide.md").read_text(encoding="utf-8")
     assert told == wide.page(GRIDS["wide"])
 
 
-def test_the_headline_told_again_is_that_of_the_published_flights(study: Study) -> None:
+def test_the_headline_told_again_is_that_of_the_published_flights(study: Study):
     further, told = Study.open(ROOT, "wide"), (PUBLISHED / "wide.md").read_text(encoding="utf-8")
     _, judging = halves(study.roster.defaults)
     flights = published("wide")
@@ -77,7 +77,7 @@ def test_the_headline_told_again_is_that_of_the_published_flights(study: Study) 
     assert "| judging | 19 of 57 | 17 of 57 | 31 of 57 | 28 of 57 |" in told
 
 
-def test_a_seed_that_a_half_was_not_wholly_flown_with_does_not_count(study: Study) -> None:
+def test_a_seed_that_a_half_was_not_wholly_flown_with_does_not_count(study: Study):
     _, judging = halves(study.roster.defaults)
     rows = [row for row in published() if (row["mutant"], row["seed"]) != (judging[0], 2)]
     found = wide.side(study, rows)

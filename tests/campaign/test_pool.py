@@ -75,26 +75,26 @@ def _map(work: Any, tasks: Iterable[Any], jobs: int = 1, **options: Any) -> list
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_every_result_comes_home_once(jobs: int) -> None:
+def test_every_result_comes_home_once(jobs: int):
     assert sorted(_map(_square, range(20), jobs)) == [(n, n * n) for n in range(20)]
 
 
-def test_a_task_that_kills_its_worker_is_lost_and_no_other() -> None:
+def test_a_task_that_kills_its_worker_is_lost_and_no_other():
     results = _map(_die_on_three, range(8), 2)
     assert sorted(map(str, results)) == sorted([*"0124567", "died every time it was flown"])
 
 
-def test_a_task_whose_worker_dies_once_is_tried_again(tmp_path: Path) -> None:
+def test_a_task_whose_worker_dies_once_is_tried_again(tmp_path: Path):
     assert ATTEMPTS > 1
     assert _map(_die_once, [str(tmp_path)]) == ["done"]
 
 
-def test_what_is_home_when_a_worker_dies_is_not_done_again() -> None:
+def test_what_is_home_when_a_worker_dies_is_not_done_again():
     rest = {"left": lambda word, home: word[len(home) :] or None, "lost": lambda word, how: [how, *word[1:]]}
     assert _map(_letters, ["abxcd"], **rest) == ["a", "b", "died every time it was flown", "c", "d"]
 
 
-def test_a_worker_that_hangs_is_lost_and_no_other_task() -> None:
+def test_a_worker_that_hangs_is_lost_and_no_other_task():
     results = _map(_sleep_on_three, range(5), 2, patience_s=0.2)
     assert sorted(map(str, results)) == sorted([*"0124", "hung every time it was flown"])
 
@@ -106,32 +106,32 @@ def _stopped_after(most: int, work: Any, tasks: Iterable[Any], jobs: int = 1) ->
     return home
 
 
-def test_once_stopped_no_task_is_handed_out_and_those_in_the_air_come_home() -> None:
+def test_once_stopped_no_task_is_handed_out_and_those_in_the_air_come_home():
     assert 3 <= len(_stopped_after(3, _slow, range(100), 2)) < 12
 
 
-def test_once_stopped_a_long_task_is_left_after_its_next_result() -> None:
+def test_once_stopped_a_long_task_is_left_after_its_next_result():
     assert 2 <= len(_stopped_after(2, _letters, ["abcdefgh" * 1000])) <= 3
 
 
-def test_an_impatient_pool_does_not_wait_for_what_is_in_the_air() -> None:
+def test_an_impatient_pool_does_not_wait_for_what_is_in_the_air():
     begin_s = time.monotonic()
     assert _map(_sleep_on_three, [3], stop=lambda: time.monotonic() > begin_s + 0.2, patient=False) == []
     assert time.monotonic() - begin_s < 10.0
 
 
-def test_no_worker_outlives_the_pool() -> None:
+def test_no_worker_outlives_the_pool():
     _map(_square, range(4), 2)
     assert multiprocessing.active_children() == []
 
 
-def test_a_pool_keeps_its_workers_from_one_map_to_the_next() -> None:
+def test_a_pool_keeps_its_workers_from_one_map_to_the_next():
     with _pool(_process) as pool:
         first, second = list(pool.map([0])), list(pool.map([0]))
     assert first == second != [os.getpid()]
 
 
-def test_a_worker_that_died_between_two_maps_is_replaced() -> None:
+def test_a_worker_that_died_between_two_maps_is_replaced():
     with _pool(_process) as pool:
         (first,) = pool.map([0])
         os.kill(first, signal.SIGKILL)
@@ -140,7 +140,7 @@ def test_a_worker_that_died_between_two_maps_is_replaced() -> None:
     assert second != first
 
 
-def test_what_the_work_raises_reaches_the_caller() -> None:
+def test_what_the_work_raises_reaches_the_caller():
     with pytest.raises(TypeError, match="no a"):
         _map(_refuse, ["a"])
 
@@ -170,23 +170,23 @@ def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     return import_module("clean_work").work
 
 
-def test_a_worker_started_clean_works_on_one_thread(work: Any) -> None:
+def test_a_worker_started_clean_works_on_one_thread(work: Any):
     results = _map(work, [("threads", n) for n in range(3)], 2, start=started_clean)
     assert sorted(results) == [(n, "1") for n in range(3)]
 
 
-def test_a_worker_started_clean_that_dies_is_replaced(work: Any) -> None:
+def test_a_worker_started_clean_that_dies_is_replaced(work: Any):
     results = _map(work, [("die", n) for n in range(5)], start=started_clean)
     assert "died every time it was flown" in results
     assert len({result[1] for result in results if isinstance(result, tuple)}) == 2
 
 
-def test_what_raises_in_a_worker_started_clean_reaches_the_caller(work: Any) -> None:
+def test_what_raises_in_a_worker_started_clean_reaches_the_caller(work: Any):
     with pytest.raises(TypeError, match="no 7"):
         _map(work, [("raise", 7)], start=started_clean)
 
 
-def test_a_worker_started_clean_ends_with_the_process_that_started_it(work: Any) -> None:
+def test_a_worker_started_clean_ends_with_the_process_that_started_it(work: Any):
     program = (
         "import os, clean_work; from scaloft_fi.campaign.processes import started_clean\n"
         "started = started_clean(clean_work.work, ()); started.connection.send(('pid', 1))\n"
@@ -225,7 +225,7 @@ print(len(heard))
 
 
 @pytest.mark.parametrize("start", ["forked", "started_clean"])
-def test_a_worker_hears_no_ctrl_c_from_its_first_moment_on(work: Any, start: str) -> None:
+def test_a_worker_hears_no_ctrl_c_from_its_first_moment_on(work: Any, start: str):
     run = subprocess.Popen(
         [sys.executable, "-c", INTERRUPTED, start],
         stdout=subprocess.PIPE,
@@ -243,5 +243,5 @@ def test_a_worker_hears_no_ctrl_c_from_its_first_moment_on(work: Any, start: str
     assert int(heard) > 0
 
 
-def test_there_is_at_least_one_core() -> None:
+def test_there_is_at_least_one_core():
     assert cores() >= 1

@@ -55,7 +55,7 @@ def _advance(progress: Progress, flown_s: float) -> None:
     progress.advance()
 
 
-def test_time_left_and_what_more_would_take_follow_from_the_pace_of_expected_flight_time() -> None:
+def test_time_left_and_what_more_would_take_follow_from_the_pace_of_expected_flight_time():
     progress, clock = _progress(io.StringIO())
     assert (progress.time_left_s, progress.wall_s(50.0)) == (None, None)
     clock.now_s += 60.0
@@ -68,7 +68,7 @@ def test_time_left_and_what_more_would_take_follow_from_the_pace_of_expected_fli
     assert progress.time_left_s == 5.0
 
 
-def test_without_a_terminal_there_is_one_line_every_ten_seconds() -> None:
+def test_without_a_terminal_there_is_one_line_every_ten_seconds():
     stream = io.StringIO()
     progress, clock = _progress(stream)
     for number in range(8):
@@ -81,7 +81,7 @@ def test_without_a_terminal_there_is_one_line_every_ten_seconds() -> None:
     ]
 
 
-def test_on_a_terminal_the_line_is_live_and_a_warning_stands_above_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_on_a_terminal_the_line_is_live_and_a_warning_stands_above_it(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("NO_COLOR", "1")
     stream = Terminal()
     progress, clock = _progress(stream)
@@ -103,7 +103,7 @@ def _lines(progress: Progress, clock: Clock, columns: int, monkeypatch: pytest.M
 
 def test_the_live_screen_has_rate_time_left_simulated_time_violations_and_what_is_detected(
     monkeypatch: pytest.MonkeyPatch,
-) -> None:
+):
     progress, clock = _progress(Terminal(), lambda **words: Progress(**words, tally=lambda what: [f"detected: {what}"]))
     progress.stored = lambda: ("2 of 3",)
     progress.violations = "8 (baseline 3, mutants 5)"
@@ -118,7 +118,7 @@ def test_the_live_screen_has_rate_time_left_simulated_time_violations_and_what_i
 
 
 @pytest.mark.parametrize("columns", [40, 60, 80])
-def test_no_line_of_the_live_screen_wraps(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_line_of_the_live_screen_wraps(columns: int, monkeypatch: pytest.MonkeyPatch):
     progress, clock = _progress(Terminal())
     progress.violations = "2900 (baseline 16, mutants 2868, PLACEBO 16)"
     lines = _lines(progress, clock, columns, monkeypatch)
@@ -128,7 +128,7 @@ def test_no_line_of_the_live_screen_wraps(columns: int, monkeypatch: pytest.Monk
 
 def test_a_drawing_takes_the_place_of_the_last_one_and_nothing_of_it_is_left_at_the_end(
     monkeypatch: pytest.MonkeyPatch,
-) -> None:
+):
     stream = Terminal()
     progress, clock = _progress(stream)
     progress.violations = "1 (mutants 1)"
@@ -139,7 +139,7 @@ def test_a_drawing_takes_the_place_of_the_last_one_and_nothing_of_it_is_left_at_
     assert stream.getvalue().rpartition("\x1b[J")[2] == "2 of 10 flights flown in 2 s, 1.0 a second\n"
 
 
-def test_the_tally_takes_no_more_than_its_share_of_the_time() -> None:
+def test_the_tally_takes_no_more_than_its_share_of_the_time():
     made: list[float] = []
     progress, clock = _progress(Terminal())
 
@@ -158,7 +158,7 @@ def test_the_tally_takes_no_more_than_its_share_of_the_time() -> None:
     assert len(made) - 1 <= TALLY_SHARE * (clock.now_s - start_s)
 
 
-def test_without_a_terminal_nothing_is_tallied() -> None:
+def test_without_a_terminal_nothing_is_tallied():
     clock = Clock()
     progress = Progress(stream=io.StringIO(), clock=clock, tally=lambda: 1 / 0)  # type: ignore[arg-type,return-value]
     progress.flights, progress.stored = 10, lambda: ()
@@ -166,7 +166,7 @@ def test_without_a_terminal_nothing_is_tallied() -> None:
     _advance(progress, 1.0)
 
 
-def test_the_end_leaves_a_summary_unless_nothing_was_flown() -> None:
+def test_the_end_leaves_a_summary_unless_nothing_was_flown():
     stream = io.StringIO()
     progress, clock = _progress(stream)
     progress.close()
@@ -177,7 +177,7 @@ def test_the_end_leaves_a_summary_unless_nothing_was_flown() -> None:
     assert stream.getvalue() == "1 of 10 flights flown in 4 s, 0.2 a second\n"
 
 
-def test_quiet_shows_nothing_at_all() -> None:
+def test_quiet_shows_nothing_at_all():
     stream = Terminal()
     progress, clock = _progress(stream, Silence)
     clock.now_s += 60.0
@@ -187,7 +187,7 @@ def test_quiet_shows_nothing_at_all() -> None:
     assert stream.getvalue() == ""
 
 
-def test_a_long_time_is_told_in_hours() -> None:
+def test_a_long_time_is_told_in_hours():
     assert duration(7260) == "2 h 01 min"
 
 
@@ -201,14 +201,14 @@ def _flights(study: Any, *mutants: Any) -> list[Flight]:
 
 
 @pytest.mark.parametrize(("share", "of_a_mutant"), [(True, SHARE), (False, 1.0)])
-def test_a_mutant_is_expected_to_cost_its_share_of_the_mission(study: Any, *, share: bool, of_a_mutant: float) -> None:
+def test_a_mutant_is_expected_to_cost_its_share_of_the_mission(study: Any, *, share: bool, of_a_mutant: float):
     reporter = _reporter(study, share=share)
     reporter.expect(_flights(study))
     missions_s = sum(situation.nominal_s for situation in study.grid)
     assert reporter.left_s == pytest.approx(missions_s * (2 + 10 * of_a_mutant) + 4 * 12 * FLIGHT_S)
 
 
-def test_what_is_flown_is_not_left_and_in_the_end_nothing_is(study: Any, log: Any) -> None:
+def test_what_is_flown_is_not_left_and_in_the_end_nothing_is(study: Any, log: Any):
     reporter, flights = _reporter(study), _flights(study)
     reporter.expect(flights)
     whole_s = reporter.left_s
@@ -220,9 +220,7 @@ def test_what_is_flown_is_not_left_and_in_the_end_nothing_is(study: Any, log: An
     assert reporter.progress.done == reporter.progress.flights == len(flights)
 
 
-def test_a_flight_that_is_announced_twice_is_expected_once_and_a_carrier_flown_again_is_not(
-    study: Any, log: Any
-) -> None:
+def test_a_flight_that_is_announced_twice_is_expected_once_and_a_carrier_flown_again_is_not(study: Any, log: Any):
     reporter, (flight, *_) = _reporter(study), _flights(study)
     reporter.expect([flight, flight])
     assert (reporter.left_s, reporter.progress.flights) == (30.0 + FLIGHT_S, 1)
@@ -247,7 +245,7 @@ def home(study: Any, log: Any) -> list[tuple[Flight, Outcome]]:
     return [(flight, log(study, flight)) for flight in _flights(study, realise(study.matrix, "LATE-human@3s"))]
 
 
-def test_operability_counts_and_what_is_only_reported_does_not(study: Any, home: list[tuple[Flight, Outcome]]) -> None:
+def test_operability_counts_and_what_is_only_reported_does_not(study: Any, home: list[tuple[Flight, Outcome]]):
     kinds = (Kind.SAFETY, Kind.OPERABILITY, Kind.REPORTED)
     listed = tuple(Violation(f"R{kind}", kind, 5.0, 0.0, 1.0, 1.6, "") for kind in kinds)
     said = _said(study, [(home[0][0], replace(home[0][1], violations=listed))], warnings=True)
@@ -255,27 +253,27 @@ def test_operability_counts_and_what_is_only_reported_does_not(study: Any, home:
     assert said[-1].startswith("violations: 2 (baseline 2);")
 
 
-def test_one_line_counts_them_and_says_where_they_are(study: Any, home: list[tuple[Flight, Outcome]]) -> None:
+def test_one_line_counts_them_and_says_where_they_are(study: Any, home: list[tuple[Flight, Outcome]]):
     assert _said(study, home) == [
         "violations: 4 (baseline 1, mutants 2, PLACEBO 1); all of them are in c/mission_log.json"
     ]
 
 
-def test_warnings_tell_each_of_them_the_baselines_too(study: Any, home: list[tuple[Flight, Outcome]]) -> None:
+def test_warnings_tell_each_of_them_the_baselines_too(study: Any, home: list[tuple[Flight, Outcome]]):
     *warnings, last = _said(study, home, warnings=True)
     where = [line.removeprefix("warning: SR2 violated at ").rpartition(" ")[2] for line in warnings]
     assert where == ["baseline/D1H1/0", "PLACEBO/D1H1/0", "LATE-human@3s/D0H1/0", "LATE-human@3s/D1H1/0"]
     assert last.startswith("violations: 4 ")
 
 
-def test_what_the_store_had_is_neither_told_nor_counted(study: Any, home: list[tuple[Flight, Outcome]]) -> None:
+def test_what_the_store_had_is_neither_told_nor_counted(study: Any, home: list[tuple[Flight, Outcome]]):
     assert _said(study, home, warnings=True, news=False) == []
 
 
 @pytest.mark.parametrize("warnings", [False, True])
 def test_an_invalid_flight_is_always_told_and_is_no_violation(
     study: Any, home: list[tuple[Flight, Outcome]], warnings: bool
-) -> None:
+):
     flight, outcome = home[0]
     broken = replace(outcome, invalid="no memory", violations=())
     said = _said(study, [(flight, broken)] * 2, warnings=warnings)

@@ -61,7 +61,7 @@ def _without_grids(study: Path) -> None:
     (study / "sim" / "found.yaml").unlink()
 
 
-def test_the_reference_study_has_no_error_an_obstacle_in_the_belt_and_an_unused_seam(reference: Check) -> None:
+def test_the_reference_study_has_no_error_an_obstacle_in_the_belt_and_an_unused_seam(reference: Check):
     assert errors(reference) == []
     assert notes(reference) == [
         "body 'obstacle' reaches 0.30 m into 'belt'",
@@ -69,7 +69,7 @@ def test_the_reference_study_has_no_error_an_obstacle_in_the_belt_and_an_unused_
     ]
 
 
-def test_a_green_check_says_what_was_looked_at(reference: Check) -> None:
+def test_a_green_check_says_what_was_looked_at(reference: Check):
     checked = reference.checked
     assert (checked.requirements, checked.cells, checked.mutants, checked.seams) == (4, 156, 712, 21)
     assert (checked.polled, checked.found, checked.accepted) == (None, 12, 0)
@@ -86,7 +86,7 @@ def _made(example: str, script: str, *words: object) -> None:
 
 
 @pytest.mark.release
-def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path) -> None:
+def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path):
     script = tmp_path / "mission.py"
     script.write_text("")
     _made("outside_planner", "make_study", tmp_path / "planner", "lines", ROOT)
@@ -112,9 +112,7 @@ def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path) -> 
         ),
     ],
 )
-def test_a_command_that_cannot_fly_is_told(
-    tmp_path: Path, file: str, old: str, new: str, place: str, what: str
-) -> None:
+def test_a_command_that_cannot_fly_is_told(tmp_path: Path, file: str, old: str, new: str, place: str, what: str):
     _made("own_simulator", "copy_study", tmp_path / "own", ROOT)
     _without_grids(tmp_path / "own")
     _edit(tmp_path / "own" / "sim" / file, old, new)
@@ -122,7 +120,7 @@ def test_a_command_that_cannot_fly_is_told(
     assert any(place in error and what in error for error in told), told
 
 
-def test_a_program_of_a_stage_outside_that_is_missing_is_told(tmp_path: Path) -> None:
+def test_a_program_of_a_stage_outside_that_is_missing_is_told(tmp_path: Path):
     _made("outside_planner", "make_study", tmp_path / "planner", "lines", ROOT)
     (tmp_path / "planner" / "sim" / "over_lines.py").unlink()
     (error,) = errors(check_study(tmp_path / "planner"))
@@ -130,7 +128,7 @@ def test_a_program_of_a_stage_outside_that_is_missing_is_told(tmp_path: Path) ->
 
 
 @pytest.mark.release
-def test_the_examples_of_plugins_have_no_error_and_no_physics_is_imported(tmp_path: Path) -> None:
+def test_the_examples_of_plugins_have_no_error_and_no_physics_is_imported(tmp_path: Path):
     for example in ("own_stack", "own_planner"):
         install_project(tmp_path / "site", EXAMPLES / example)
     _made("own_planner", "copy_study", tmp_path / "straight", ROOT)
@@ -140,7 +138,7 @@ def test_the_examples_of_plugins_have_no_error_and_no_physics_is_imported(tmp_pa
     assert [line for line in done.stdout.splitlines() if ": error: " in line] == []
 
 
-def test_a_plugin_that_does_not_load_is_an_error_and_the_rest_is_checked(tmp_path: Path, copy: Path) -> None:
+def test_a_plugin_that_does_not_load_is_an_error_and_the_rest_is_checked(tmp_path: Path, copy: Path):
     _edit(copy / "sim" / "world.yaml", "light: 0.9", "light: 5")
     (tmp_path / "site").mkdir()
     (tmp_path / "site" / "broken.py").write_text("raise OSError('no driver')\n")
@@ -150,7 +148,7 @@ def test_a_plugin_that_does_not_load_is_an_error_and_the_rest_is_checked(tmp_pat
     assert "world.yaml:3: error: light=5 must be" in done.stdout
 
 
-def test_a_study_without_a_control_is_told_so(copy: Path) -> None:
+def test_a_study_without_a_control_is_told_so(copy: Path):
     for path in (copy / "hazop" / "matrix").glob("*.yaml"):
         path.write_text(path.read_text().replace("status: control", "status: credible"))
     check = check_study(copy)
@@ -158,7 +156,7 @@ def test_a_study_without_a_control_is_told_so(copy: Path) -> None:
     assert any("no cell is a control" in what for what in notes(check))
 
 
-def test_credible_cells_without_a_class_are_told_where_the_study_has_classes(copy: Path) -> None:
+def test_credible_cells_without_a_class_are_told_where_the_study_has_classes(copy: Path):
     path = copy / "hazop" / "matrix" / "human.yaml"
     path.write_text(path.read_text().replace("  severity: injury\n", "", 2))
     check = check_study(copy)
@@ -166,7 +164,7 @@ def test_credible_cells_without_a_class_are_told_where_the_study_has_classes(cop
     assert "severity is missing in 2 credible cells: NO-human, MORE-human" in notes(check)
 
 
-def test_a_broken_list_of_classes_is_one_error_and_cells_are_held_against_its_names(copy: Path) -> None:
+def test_a_broken_list_of_classes_is_one_error_and_cells_are_held_against_its_names(copy: Path):
     _edit(copy / "hazop" / "severities.yaml", "  title: time is lost\n", "")
     _edit(copy / "hazop" / "matrix" / "goal.yaml", "severity: mission", "severity: mision")
     assert [found.partition("error: ")[2].partition(";")[0] for found in errors(check_study(copy))] == [
@@ -175,7 +173,7 @@ def test_a_broken_list_of_classes_is_one_error_and_cells_are_held_against_its_na
     ]
 
 
-def test_controls_away_from_the_seams_that_always_carry_are_told(copy: Path) -> None:
+def test_controls_away_from_the_seams_that_always_carry_are_told(copy: Path):
     for path in (copy / "hazop" / "matrix").glob("*.yaml"):
         if path.stem != "collision":
             path.write_text(path.read_text().replace("status: control", "status: credible"))
@@ -184,7 +182,7 @@ def test_controls_away_from_the_seams_that_always_carry_are_told(copy: Path) -> 
     )
 
 
-def test_a_find_that_does_not_fit_any_more_is_a_note_at_its_line(copy: Path) -> None:
+def test_a_find_that_does_not_fit_any_more_is_a_note_at_its_line(copy: Path):
     found = (ROOT / "sim" / "found.yaml").read_text()
     begin = found.index("grid: search")
     second = found.index("\n  shows-", found.index("shows-") + 8)
@@ -215,13 +213,13 @@ def _in_mesh(copy: Path) -> list[str]:
     ]
 
 
-def test_a_sound_mesh_has_no_flaw(copy: Path) -> None:
+def test_a_sound_mesh_has_no_flaw(copy: Path):
     _room(copy, ROOM.faces.tolist())
     assert errors(check_study(copy)) == []
     assert _in_mesh(copy) == []
 
 
-def test_faces_that_are_turned_around_are_named_by_line_and_are_the_cause_of_a_waypoint_in_the_rock(copy: Path) -> None:
+def test_faces_that_are_turned_around_are_named_by_line_and_are_the_cause_of_a_waypoint_in_the_rock(copy: Path):
     faces = ROOM.faces.tolist()
     for turned in (0, 1, 8, 9):
         faces[turned].reverse()
@@ -236,14 +234,14 @@ def test_faces_that_are_turned_around_are_named_by_line_and_are_the_cause_of_a_w
     assert all("the mesh may be the cause: " in error and "room.obj:9: 4 of 12 faces" in error for error in caused)
 
 
-def test_a_hole_and_a_face_without_area_are_notes(copy: Path) -> None:
+def test_a_hole_and_a_face_without_area_are_notes(copy: Path):
     _room(copy, [*ROOM.faces.tolist()[:-1], [0, 0, 1]])
     hole, empty = sorted(_in_mesh(copy), key=len, reverse=True)
     assert "note: the surface has holes: 3 edges have no second face" in hole
     assert empty.startswith("20: note: 1 of 12 faces is without area")
 
 
-def test_the_map_shows_where_a_mesh_has_a_flaw(copy: Path) -> None:
+def test_the_map_shows_where_a_mesh_has_a_flaw(copy: Path):
     _room(copy, ROOM.faces.tolist()[:-1])
     study = Study.open(copy)
     situation = study.grid.situations[0]
@@ -254,7 +252,7 @@ def test_the_map_shows_where_a_mesh_has_a_flaw(copy: Path) -> None:
     assert f"near ({shown.near[0]:.3g}, {shown.near[1]:.3g}, " in row
 
 
-def test_a_room_in_millimetres_is_noted(copy: Path) -> None:
+def test_a_room_in_millimetres_is_noted(copy: Path):
     _room(copy, ROOM.faces.tolist(), unit_m=0.001)
     found = [finding for finding in check_study(copy).findings if "the mine reaches" in finding.what]
     assert [finding.severity for finding in found] == [Severity.NOTE]
@@ -284,7 +282,7 @@ def test_a_room_in_millimetres_is_noted(copy: Path) -> None:
 )
 def test_a_unit_or_an_axis_that_puts_every_waypoint_into_the_open_space_is_the_remedy(
     copy: Path, unit_m: float, up: str, written: str, keys: str
-) -> None:
+):
     _room(copy, ROOM.faces.tolist(), unit_m)
     obj = trimesh.load(copy / "sim" / "room.obj", process=False)
     if up == "y":
@@ -309,7 +307,7 @@ def test_a_unit_or_an_axis_that_puts_every_waypoint_into_the_open_space_is_the_r
         ("up: z", "its unit is 1 m, by default, so the mine is 10 x 20 x 3 m"),
     ],
 )
-def test_a_unit_and_an_axis_that_are_not_stated_are_told(copy: Path, keys: str, told: str) -> None:
+def test_a_unit_and_an_axis_that_are_not_stated_are_told(copy: Path, keys: str, told: str):
     _room(copy, ROOM.faces.tolist())
     _edit(copy / "sim" / "world.yaml", "mesh: room.obj", f"mesh: room.obj\n  {keys}")
     (note,) = [str(one) for one in check_study(copy).findings if "so the mine is" in one.what]
@@ -318,13 +316,13 @@ def test_a_unit_and_an_axis_that_are_not_stated_are_told(copy: Path, keys: str, 
     assert f"state {' and '.join(f'`{key}`' for key in missing)} beside `mesh`" in note
 
 
-def test_a_roof_that_is_not_there_is_the_cause_of_a_waypoint_outside(copy: Path) -> None:
+def test_a_roof_that_is_not_there_is_the_cause_of_a_waypoint_outside(copy: Path):
     _room(copy, ROOM.faces[ROOM.triangles.mean(axis=1)[:, 2] < 1.1].tolist())
     caused = [error for error in errors(check_study(copy)) if "must be in the open space" in error]
     assert any("no face of the mesh is a roof of it, so it is open there: close it" in error for error in caused)
 
 
-def test_a_floor_below_the_start_is_told_with_the_shift_that_raises_it(copy: Path) -> None:
+def test_a_floor_below_the_start_is_told_with_the_shift_that_raises_it(copy: Path):
     _room(copy, ROOM.faces.tolist())
     world = copy / "sim" / "world.yaml"
     _edit(world, "mesh: room.obj", "mesh: room.obj\n  shift_m: [0, 0, -0.5]")
@@ -336,7 +334,7 @@ def test_a_floor_below_the_start_is_told_with_the_shift_that_raises_it(copy: Pat
 
 
 @pytest.mark.release
-def test_what_a_large_mesh_costs_is_told_and_decimated_if_the_study_asks(copy: Path) -> None:
+def test_what_a_large_mesh_costs_is_told_and_decimated_if_the_study_asks(copy: Path):
     _room(copy, ROOM.faces.tolist())
     large = trimesh.load(copy / "sim" / "room.obj")
     for _ in range(7):
@@ -357,7 +355,7 @@ def test_what_a_large_mesh_costs_is_told_and_decimated_if_the_study_asks(copy: P
 
 
 @pytest.mark.parametrize("ending", usually(["obj"], release=["obj", "stl", "ply", "dae"]))
-def test_a_hull_around_the_mine_is_the_cause_and_without_it_the_mine_can_be_flown(copy: Path, ending: str) -> None:
+def test_a_hull_around_the_mine_is_the_cause_and_without_it_the_mine_can_be_flown(copy: Path, ending: str):
     _room(copy, ROOM.faces.tolist())
     room = trimesh.load(copy / "sim" / "room.obj", process=False)
     block = trimesh.creation.box((40.0, 60.0, 13.0))
@@ -373,7 +371,7 @@ def test_a_hull_around_the_mine_is_the_cause_and_without_it_the_mine_can_be_flow
         assert bool(caused) == bool(count)
 
 
-def test_the_map_shows_the_flaws_of_a_mesh_that_cannot_be_flown(copy: Path, tmp_path: Path) -> None:
+def test_the_map_shows_the_flaws_of_a_mesh_that_cannot_be_flown(copy: Path, tmp_path: Path):
     _room(copy, [*ROOM.faces.tolist(), *ROOM.faces[:, ::-1].tolist()])
     picture = tmp_path / "map.svg"
     result = CliRunner().invoke(main, ["map", "--study", str(copy), "--output", str(picture)])
@@ -382,21 +380,21 @@ def test_the_map_shows_the_flaws_of_a_mesh_that_cannot_be_flown(copy: Path, tmp_
     assert "mesh: 12 of 24 faces are there twice" in picture.read_text()
 
 
-def test_a_waypoint_beyond_the_mine_is_told_how_far_the_mine_reaches(copy: Path) -> None:
+def test_a_waypoint_beyond_the_mine_is_told_how_far_the_mine_reaches(copy: Path):
     _room(copy, ROOM.faces.tolist(), unit_m=100.0)
     caused = [error for error in errors(check_study(copy)) if "must be in the open space" in error]
     assert caused
     assert all("; the mine reaches from x -0.05 to 0.05, y -0.02 to 0.18, z 0 to 0.03 m: z must" in e for e in caused)
 
 
-def test_nothing_in_the_study_is_written(copy: Path) -> None:
+def test_nothing_in_the_study_is_written(copy: Path):
     before = {path: path.stat().st_mtime_ns for path in [copy, *copy.rglob("*")]}
     check_study(copy)
     assert {path: path.stat().st_mtime_ns for path in [copy, *copy.rglob("*")]} == before
 
 
 @pytest.mark.parametrize(("up", "told"), [("", True), ("\n  up: z", False), ("\n  up: y", False)])
-def test_an_axis_that_is_up_by_guess_is_told(copy: Path, up: str, told: bool) -> None:
+def test_an_axis_that_is_up_by_guess_is_told(copy: Path, up: str, told: bool):
     _room(copy, ROOM.faces.tolist())
     world = copy / "sim" / "world.yaml"
     trimesh.load(copy / "sim" / "room.obj").export(copy / "sim" / "room.glb")

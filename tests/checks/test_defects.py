@@ -82,7 +82,7 @@ def study(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("name", DEFECTS)
-def test_a_defect_is_found_with_its_place_and_its_remedy(study: Path, name: str) -> None:
+def test_a_defect_is_found_with_its_place_and_its_remedy(study: Path, name: str):
     defect = DEFECTS[name]
     defect.plant(study)
     check = check_study(study)
@@ -92,7 +92,7 @@ def test_a_defect_is_found_with_its_place_and_its_remedy(study: Path, name: str)
     assert others == [], "one defect, one error"
 
 
-def test_the_page_shows_what_is_found(study: Path) -> None:
+def test_the_page_shows_what_is_found(study: Path):
     for name in ("a predicate that comes true in no flight", "a waypoint without room for the hull"):
         DEFECTS[name].plant(study)
     found = {str(finding).replace(str(study), "my_study") for finding in check_study(study).findings}
@@ -101,7 +101,7 @@ def test_the_page_shows_what_is_found(study: Path) -> None:
     assert set(shown) <= found
 
 
-def test_several_defects_at_once_are_all_found(study: Path) -> None:
+def test_several_defects_at_once_are_all_found(study: Path):
     for name in SEVERAL:
         DEFECTS[name].plant(study)
     found = check_study(study).findings

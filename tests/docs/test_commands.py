@@ -51,11 +51,11 @@ NOT_RUN = {
 """Commands of the other pages that are not run, and why."""
 
 
-def test_every_command_stands_where_a_test_finds_it() -> None:
+def test_every_command_stands_where_a_test_finds_it():
     assert stray_commands() == []
 
 
-def test_every_command_is_run_or_listed() -> None:
+def test_every_command_is_run_or_listed():
     left = {
         shown.command for shown in shown_commands() if shown.page not in {*RUN_BY_GUIDES, *WHOLE, *PAGES, *ELSEWHERE}
     }
@@ -66,13 +66,13 @@ def test_every_command_is_run_or_listed() -> None:
     assert steps == set(NOT_RUN)
 
 
-def test_readme_names_every_verb() -> None:
+def test_readme_names_every_verb():
     rows = re.findall(r"^\| (`scaloft-fi .*?) \|", (ROOT / "README.md").read_text(), re.MULTILINE)
     named = {word for row in rows for word in re.findall(r"[a-z]+", row)}
     assert [verb for verb in VERBS if verb not in named] == []
 
 
-def test_no_page_is_listed_in_vain() -> None:
+def test_no_page_is_listed_in_vain():
     assert {*PAGES, *ELSEWHERE} <= {shown.page for shown in shown_commands()}
 
 
@@ -85,7 +85,7 @@ def _of(page: str) -> Mapping[str, str]:
 
 @pytest.mark.flight
 @pytest.mark.parametrize("page", [pytest.param(page, marks=[pytest.mark.release] * (page in FLY)) for page in PAGES])
-def test_its_commands_print_what_it_shows(page: str, tmp_path: Path) -> None:
+def test_its_commands_print_what_it_shows(page: str, tmp_path: Path):
     copied(tmp_path, "grids", "found.yaml")
     for how, name, text in BLOCK.findall((ROOT / "docs" / page).read_text()):
         if how == "file":
@@ -103,14 +103,14 @@ def test_its_commands_print_what_it_shows(page: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("shown", shown_commands(), ids=str)
-def test_a_command_that_is_shown_can_be_called(shown: Shown) -> None:
+def test_a_command_that_is_shown_can_be_called(shown: Shown):
     for words in filter(None, _calls(shown)):
         with suppress(Exit):  # of --help
             command_of(words[0]).make_context(words[0], words[1:])
 
 
 @pytest.mark.parametrize("shown", named_commands(), ids=str)
-def test_a_command_that_a_sentence_names_has_this_verb_and_these_options(shown: Shown) -> None:
+def test_a_command_that_a_sentence_names_has_this_verb_and_these_options(shown: Shown):
     for verb, *words in filter(None, _calls(shown)):
         assert verb in {*VERBS, "VERB"}
         names = {option for parameter in command_of(verb).params for option in parameter.opts} if verb in VERBS else {}

@@ -28,7 +28,7 @@ PAGE = ROOT / "docs" / "api.md"
 
 @pytest.mark.flight
 @pytest.mark.release
-def test_every_example_of_the_page_gives_what_the_page_shows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_example_of_the_page_gives_what_the_page_shows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     text = re.sub(r"^```.*$", "", PAGE.read_text(), flags=re.MULTILINE)  # else the end of a block is expected output
     page = doctest.DocTestParser().get_doctest(text, {}, "docs/api.md", str(PAGE), 0)
@@ -39,12 +39,12 @@ def test_every_example_of_the_page_gives_what_the_page_shows(tmp_path: Path, mon
     assert [one.name for one in tmp_path.iterdir()] == ["notebook"], "an example wrote elsewhere"
 
 
-def test_the_page_lists_every_error() -> None:
+def test_the_page_lists_every_error():
     errors = [name for name in scaloft_fi.__all__ if name != "ScaloftError" and _is_error(getattr(scaloft_fi, name))]
     assert all(f"| `{name}` |" in PAGE.read_text() for name in errors)
 
 
-def test_the_page_lists_every_type_of_column() -> None:
+def test_the_page_lists_every_type_of_column():
     table = PAGE.read_text().partition("| column | holds |")[2].partition("\n\n")[0]
     assert set(re.findall(r"`(\w+)`", "\n".join(row.split("|")[1] for row in table.splitlines()[2:]))) == {
         kind.value for kind in scaloft_fi.ColumnType
@@ -71,7 +71,7 @@ def _flown() -> list[Outcome]:
     ]
 
 
-def test_the_screen_is_that_of_the_published_flights() -> None:
+def test_the_screen_is_that_of_the_published_flights():
     study, flown = Study.open(ROOT), _flown()
     scored = score(flown, study.roster, study.space)
     screen = first_screen(
@@ -86,7 +86,7 @@ HOOKS = ROOT / "docs" / "hooks"
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in HOOKS.glob("*.py")))
-def test_its_examples_hold(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_its_examples_hold(name: str, monkeypatch: pytest.MonkeyPatch):
     for needed in ("mkdocs", "griffe"):
         pytest.importorskip(needed)
     monkeypatch.syspath_prepend(str(HOOKS))
@@ -158,15 +158,13 @@ def _signals(study: Study, told: Told) -> dict[str, list[float]]:
     return {name: [one(t) if callable(one) else one for t in times] for name, one in flown.items()}
 
 
-def test_every_pattern_is_tried_here(patterns: Mapping[str, Requirement]) -> None:
+def test_every_pattern_is_tried_here(patterns: Mapping[str, Requirement]):
     assert list(patterns) == list(FLIGHTS)
     assert len(patterns) >= 10
 
 
 @pytest.mark.parametrize("name", FLIGHTS)
-def test_it_is_violated_by_one_flight_and_held_by_another(
-    name: str, study: Study, patterns: Mapping[str, Requirement]
-) -> None:
+def test_it_is_violated_by_one_flight_and_held_by_another(name: str, study: Study, patterns: Mapping[str, Requirement]):
     said = [
         judge_signals(patterns[name], _signals(study, told), cut_short=False).reading.compliance
         for told in FLIGHTS[name]
@@ -174,12 +172,12 @@ def test_it_is_violated_by_one_flight_and_held_by_another(
     assert said == [Compliance.VIOLATED, Compliance.HELD]
 
 
-def test_an_interval_at_the_start_of_a_flight_looks_at_what_there_is(study: Study) -> None:
+def test_an_interval_at_the_start_of_a_flight_looks_at_what_there_is(study: Study):
     near = Formula.parse("historically[0:2](person_sight_m / 3 <= 1)", study.signals)
     assert near.robustness(_signals(study, {"person_sight_m": 1.5}))[0] == pytest.approx(0.5)
 
 
-def test_the_block_at_the_top_is_a_requirement(study: Study, tmp_path: Path) -> None:
+def test_the_block_at_the_top_is_a_requirement(study: Study, tmp_path: Path):
     block = re.search(r"^```yaml\n(.*?)^```$", REQUIREMENTS.read_text(), re.MULTILINE | re.DOTALL)
     assert block
     (tmp_path / "requirements.yaml").write_text(block[1])

@@ -73,7 +73,7 @@ def _text(site: Path, page: str) -> str:
     return " ".join("".join(_read(site / page).text).split())
 
 
-def test_no_page_loads_anything_from_a_network(site: Path) -> None:
+def test_no_page_loads_anything_from_a_network(site: Path):
     pages = sorted(site.rglob("*.html"))
     assert len(pages) > 40
     outside = {page.name: [url for url in _read(page).loaded if "//" in url] for page in pages}
@@ -82,13 +82,13 @@ def test_no_page_loads_anything_from_a_network(site: Path) -> None:
     assert re.findall(r"url\([\"']?(?:https?:)?//[^)]*", styles) == []
 
 
-def test_no_page_names_a_place_of_one_machine(site: Path) -> None:
+def test_no_page_names_a_place_of_one_machine(site: Path):
     named = re.compile(r"(?<![\w.])/(?:home|root|work|tmp|Users)/\w|\bfile://")
     found = {page.name: named.findall(" ".join(_read(page).text)) for page in site.rglob("*.html")}
     assert {page: places for page, places in found.items() if places} == {}
 
 
-def test_the_glossary_has_every_term(site: Path) -> None:
+def test_the_glossary_has_every_term(site: Path):
     text = _text(site, "glossary.html")
     assert [term.name for term in TERMS if term.name not in text] == []
 
@@ -99,7 +99,7 @@ def _options() -> Iterator[tuple[str, str]]:
             yield from ((verb, option) for option in parameter.opts if option.startswith("--"))
 
 
-def test_the_reference_has_every_verb_and_option(site: Path) -> None:
+def test_the_reference_has_every_verb_and_option(site: Path):
     page = (site / "reference" / "verbs.html").read_text()
     sections = dict(re.findall(r'<h3 id="scaloft-fi-(\w+)">(.*?)(?=<h3 |\Z)', page, re.DOTALL))
     assert set(VERBS) <= set(sections)
@@ -120,7 +120,7 @@ def _keys(schema: Any) -> Iterator[str]:
             yield from _keys(each)
 
 
-def test_the_reference_has_every_key_of_every_document(site: Path) -> None:
+def test_the_reference_has_every_key_of_every_document(site: Path):
     text = (site / "reference" / "yaml_keys.html").read_text()
     named = set(re.findall(r"\w+", " ".join(re.findall(r"<td><code>(.*?)</code>", text))))
     named |= set(re.findall(r"\w+", _text(site, "reference/operators.html")))  # the arguments of operators
@@ -130,24 +130,24 @@ def test_the_reference_has_every_key_of_every_document(site: Path) -> None:
     assert sorted((name, key) for name, key in keys if key not in named) == []
 
 
-def test_the_reference_has_every_column_of_the_export(site: Path) -> None:
+def test_the_reference_has_every_column_of_the_export(site: Path):
     text = (site / "reference" / "columns.html").read_text()
     assert [name for name in EXPORT.keys if f"<code>{name}</code>" not in text] == []
 
 
-def test_the_reference_has_every_value_that_is_printed(site: Path) -> None:
+def test_the_reference_has_every_value_that_is_printed(site: Path):
     text = (site / "reference" / "statuses.html").read_text()
     values = {f"{one.__name__}.{value}": f"<code>{value}</code>" for one in printed_enumerations() for value in one}
     assert len(values) > 60
     assert [name for name, shown in values.items() if shown not in text] == []
 
 
-def test_the_reference_has_every_exit_code(site: Path) -> None:
+def test_the_reference_has_every_exit_code(site: Path):
     text = (site / "reference" / "outputs.html").read_text()
     assert [int(code) for code in re.findall(r"<td>(\d+)</td>", text)] == list(ExitCode)
 
 
-def test_search_answers_where_the_site_is_opened_from_disk(site: Path, browser: Any) -> None:
+def test_search_answers_where_the_site_is_opened_from_disk(site: Path, browser: Any):
     with browser.new_context() as context:
         page = context.new_page()
         asked: list[str] = []
@@ -159,7 +159,7 @@ def test_search_answers_where_the_site_is_opened_from_disk(site: Path, browser: 
     assert [url for url in asked if not url.startswith(("file:", "data:", "blob:", "about:"))] == []
 
 
-def test_the_report_of_the_published_campaign_is_on_the_site(site: Path) -> None:
+def test_the_report_of_the_published_campaign_is_on_the_site(site: Path):
     text = (site / "experiments" / "reference" / "report.html").read_text(encoding="utf-8")
     assert '"flights":13821' in text
     for page in ("index.html", "experiments/index.html"):

@@ -14,7 +14,7 @@ from tutorial import BLOCK, PAGE, PICTURES, Follower
 REMEDY = "what changed on purpose comes into the page with `python tests/support/tutorial.py`"
 
 
-def test_every_block_of_the_page_is_run_or_written() -> None:
+def test_every_block_of_the_page_is_run_or_written():
     page = PAGE.read_text()
     blocks = BLOCK.findall(page)
     assert 2 * len(blocks) == len(re.findall(r"^```", page, re.MULTILINE))
@@ -30,7 +30,7 @@ def home() -> Iterator[Path]:
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_each_command_prints_and_draws_what_the_page_shows(home: Path) -> None:
+def test_each_command_prints_and_draws_what_the_page_shows(home: Path):
     follower = Follower(home, wheel_of(home))
     page = follower.followed(PAGE.read_text())
     assert _masked(page) == _masked(PAGE.read_text()), REMEDY
@@ -42,7 +42,7 @@ def _masked(page: str) -> str:
     return re.sub(r"\b[0-9a-f]{64}\b", "digest", page)
 
 
-def test_the_page_shows_faults_survivors_and_an_own_mine_with_an_own_operator() -> None:
+def test_the_page_shows_faults_survivors_and_an_own_mine_with_an_own_operator():
     page = PAGE.read_text()
     first = page.split("$ scaloft-fi run --quiet\n")[1].split("```")[0]
     assert "Detected: 2" in first

@@ -36,14 +36,14 @@ def study(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.release
-def test_the_catalogue_of_the_reference_study_serves_it(site: Path, study: Path) -> None:
+def test_the_catalogue_of_the_reference_study_serves_it(site: Path, study: Path):
     done = call(site, "-m", "scaloft_fi", "mutants", "--check", "--study", study, cwd=study)
     assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_it_stops_before_the_obstacle_on_the_straight_line(site: Path, study: Path) -> None:
+def test_it_stops_before_the_obstacle_on_the_straight_line(site: Path, study: Path):
     done = call(site, "-c", WATCH, cwd=study)
     flown = re.search(r"flown (\w+) ([\d.]+) ''", done.stdout)
     assert flown, done.stdout + done.stderr

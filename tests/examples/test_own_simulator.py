@@ -53,7 +53,7 @@ def _fly(study: Study, name: str) -> Outcome:
     return Commanded()(study, flight) if study.command else judged(study, flight, fly_log(study, flight))
 
 
-def test_the_study_can_be_flown_and_nothing_in_it_counts_as_unmet(study: Study) -> None:
+def test_the_study_can_be_flown_and_nothing_in_it_counts_as_unmet(study: Study):
     said: list[str] = []
     study.check()
     Commanded().prepare(study, said.append)
@@ -67,7 +67,7 @@ def ours() -> dict[str, Outcome]:
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_its_verdicts_are_those_of_the_built_in_flyer(study: Study, ours: dict[str, Outcome]) -> None:
+def test_its_verdicts_are_those_of_the_built_in_flyer(study: Study, ours: dict[str, Outcome]):
     for name in EVERY:
         one, other = ours[name], _fly(study, name)
         assert one.readings == other.readings
@@ -80,9 +80,7 @@ def test_its_verdicts_are_those_of_the_built_in_flyer(study: Study, ours: dict[s
 @pytest.mark.parametrize(
     ("guide", "key", "load"), [("own_simulator", "flyer:", load_command), ("judge", "signals:", load_record_map)]
 )
-def test_the_documents_of_the_guides_can_be_read(
-    guide: str, key: str, load: Callable[[Path], object], tmp_path: Path
-) -> None:
+def test_the_documents_of_the_guides_can_be_read(guide: str, key: str, load: Callable[[Path], object], tmp_path: Path):
     blocks = re.findall(r"^```yaml\n(.*?)^```$", (ROOT / "docs" / f"{guide}.md").read_text(), re.MULTILINE | re.DOTALL)
     assert [key in block for block in blocks] == [True]
     (tmp_path / "document.yaml").write_text(blocks[0])
@@ -91,7 +89,7 @@ def test_the_documents_of_the_guides_can_be_read(
 
 @pytest.mark.flight
 @pytest.mark.release
-def test_the_commands_of_the_guide_run(tmp_path: Path) -> None:
+def test_the_commands_of_the_guide_run(tmp_path: Path):
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     for name in ("hazop", "mutants", "sim"):
         shutil.copytree(ROOT / name, tmp_path / name)

@@ -60,14 +60,14 @@ def _verb(site: Path, study: Path, *words: str | Path) -> str:
     return done.stdout
 
 
-def test_the_six_cells_are_read_and_their_catalogue_is_current(site: Path, study: Path) -> None:
+def test_the_six_cells_are_read_and_their_catalogue_is_current(site: Path, study: Path):
     assert "2 parameters x 3 guidewords = 6 cells: 4 credible, 1 control, 1 not meaningful" in _verb(
         site, study, "matrix"
     )
     assert "current, 9 mutants of 5 cells" in _verb(site, study, "mutants", "--check")
 
 
-def test_its_seams_are_its_own(site: Path, study: Path) -> None:
+def test_its_seams_are_its_own(site: Path, study: Path):
     code = "from scaloft_fi.api import Study; print(*Study.open('.').stack.by_name)"
     seams = set(call(site, "-c", code, cwd=study).stdout.split())
 
@@ -77,7 +77,7 @@ def test_its_seams_are_its_own(site: Path, study: Path) -> None:
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_it_keeps_its_contract(site: Path, study: Path) -> None:
+def test_it_keeps_its_contract(site: Path, study: Path):
     code = f"from scaloft_fi.api import check_stack; print(check_stack('.', situation={SITUATION!r}))"
     done = call(site, "-c", code, cwd=study)
     assert "it keeps its contract" in done.stdout, done.stdout + done.stderr
@@ -85,7 +85,7 @@ def test_it_keeps_its_contract(site: Path, study: Path) -> None:
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_a_run_scores_it_and_its_control_shows_itself(campaign: subprocess.CompletedProcess[str]) -> None:
+def test_a_run_scores_it_and_its_control_shows_itself(campaign: subprocess.CompletedProcess[str]):
     assert campaign.returncode == 0, campaign.stderr
     assert "Controls, in no ratio: 1 of 1 show" in campaign.stdout
     assert re.search(r"REVERSE-drive .*SR2", campaign.stdout), campaign.stdout
@@ -130,7 +130,7 @@ def told(site: Path, study: Path, campaign: subprocess.CompletedProcess[str]) ->
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_every_verb_runs_without_the_reference_stack(told: dict[str, tuple[int, str]], study: Path) -> None:
+def test_every_verb_runs_without_the_reference_stack(told: dict[str, tuple[int, str]], study: Path):
     assert {words: said for words, said in told.items() if said[0] != 0} == {}
     late = next(row for row in json.loads(told["export --format json"][1]) if row["mutant"] == "LATE-drive@1s")
     assert late["status"] == "revealed"  # a delay reaches the flight on its own seam
@@ -164,7 +164,7 @@ print(json.dumps({
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_two_stacks_in_one_process_fly_as_each_does_alone(tmp_path: Path) -> None:
+def test_two_stacks_in_one_process_fly_as_each_does_alone(tmp_path: Path):
     install_project(tmp_path, EXAMPLE)
     done = call(tmp_path, "-c", TWO, EXAMPLE / "study", ROOT, cwd=tmp_path)
     assert done.returncode == 0, done.stderr

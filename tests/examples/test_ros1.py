@@ -82,13 +82,13 @@ def answered(border: Ros1Border, t_s: float, hull: bool = True) -> Goal | None:
     return goal
 
 
-def test_two_flights_at_once_hear_only_their_own_nodes(flight: Callable[..., Ros1Border]) -> None:
+def test_two_flights_at_once_hear_only_their_own_nodes(flight: Callable[..., Ros1Border]):
     borders = {x: flight(x) for x in (1.0, 2.0)}
     for x, border in borders.items():
         assert answered(border, 7.0 + x, hull=x > 1.5) == Goal((x, 7.0 + x, float(x > 1.5)))
 
 
-def test_a_message_from_the_future_is_refused(flight: Callable[..., Ros1Border]) -> None:
+def test_a_message_from_the_future_is_refused(flight: Callable[..., Ros1Border]):
     border = flight(1.0, stamp_s=99.0)
     border.clock(1.0)
     border.send("contact", 1.0, Bumper(1.0, hull=True, gear=False))
@@ -96,7 +96,7 @@ def test_a_message_from_the_future_is_refused(flight: Callable[..., Ros1Border])
     assert border.take("goal").refused == "/goal: stamp_s=99.0 is later than the clock, 1"
 
 
-def test_the_death_of_the_bridge_is_the_harness(flight: Callable[..., Ros1Border]) -> None:
+def test_the_death_of_the_bridge_is_the_harness(flight: Callable[..., Ros1Border]):
     border = flight(1.0)
     assert border._bridge is not None
     for pid in descendants(os.getpid()):
@@ -107,7 +107,7 @@ def test_the_death_of_the_bridge_is_the_harness(flight: Callable[..., Ros1Border
         border.clock(1.0)
 
 
-def test_a_type_that_is_not_installed_is_the_harness(tmp_path: Path) -> None:
+def test_a_type_that_is_not_installed_is_the_harness(tmp_path: Path):
     lost = Topic("goal", "/goal", Goal, outward=False, type="lost_msgs/Place", fields={"x": "point.x"})
     border = Ros1Border((lost,), tmp_path)
     with pytest.raises(BorderError, match="No module named 'lost_msgs'"):
@@ -115,7 +115,7 @@ def test_a_type_that_is_not_installed_is_the_harness(tmp_path: Path) -> None:
     border.close()
 
 
-def test_nothing_is_left_of_a_flight_that_is_killed(tmp_path: Path) -> None:
+def test_nothing_is_left_of_a_flight_that_is_killed(tmp_path: Path):
     program = """
 import os, signal, sys
 from pathlib import Path

@@ -31,29 +31,29 @@ def read(topic: Topic, data: Any, clock_s: float = 2.0) -> Any:
     return sample_in(topic, layout_of(topic, LAYOUTS_1), data, clock_s)
 
 
-def test_a_box_has_the_class_and_the_score_of_its_person() -> None:
+def test_a_box_has_the_class_and_the_score_of_its_person():
     persons = (Person("person", 0.9, 0.1, 3.0), Person("poster", 0.4, 0.0, 5.0))
     boxes = bounding_boxes(Detections(1.0, persons))["bounding_boxes"]
     assert [(box["Class"], box["probability"], box["id"]) for box in boxes] == [("person", 0.9, 0), ("poster", 0.4, 1)]
 
 
 @pytest.mark.parametrize(("hull", "gear", "states"), [(True, False, 1), (False, True, 0), (False, False, 0)])
-def test_a_state_of_contact_is_told_while_the_hull_touches(hull: bool, gear: bool, states: int) -> None:
+def test_a_state_of_contact_is_told_while_the_hull_touches(hull: bool, gear: bool, states: int):
     assert len(contacts_state(Bumper(1.0, hull=hull, gear=gear))["states"]) == states
 
 
-def test_the_matrices_of_a_camera_have_capital_names() -> None:
+def test_the_matrices_of_a_camera_have_capital_names():
     fields = camera_info_1(CameraInfo(1.0, 64, 48, 56.0, 56.0, 31.5, 23.5))
     assert fields["K"][2] == 31.5
     assert {"D", "K", "R", "P", "height"} < fields.keys()
     assert not {"d", "k", "r", "p"} & fields.keys()
 
 
-def test_a_speed_limit_without_a_stamp_has_the_clocks_and_is_euclidean() -> None:
+def test_a_speed_limit_without_a_stamp_has_the_clocks_and_is_euclidean():
     assert read(SPEED, {"data": 0.2}) == SpeedLimit(2.0, 0.2, "euclidean")
 
 
-def test_an_order_to_land_needs_no_field() -> None:
+def test_an_order_to_land_needs_no_field():
     assert read(Topic("land", "/land_command", Land, outward=False, type="std_msgs/Float32"), {}) == Land(2.0)
 
 
@@ -65,7 +65,7 @@ def test_an_order_to_land_needs_no_field() -> None:
         (None, "pose.position.x is missing"),
     ],
 )
-def test_a_goal_that_does_not_fit_is_refused(data: Any, sentence: str) -> None:
+def test_a_goal_that_does_not_fit_is_refused(data: Any, sentence: str):
     with pytest.raises(MisfitError, match=sentence):
         read(GOAL, data)
 
@@ -79,7 +79,7 @@ def test_a_goal_that_does_not_fit_is_refused(data: Any, sentence: str) -> None:
         ({"qos": {"depth": 5}}, ""),
     ],
 )
-def test_settings_that_ros_1_lacks_are_named(changed: dict[str, Any], sentence: str) -> None:
+def test_settings_that_ros_1_lacks_are_named(changed: dict[str, Any], sentence: str):
     misfit = Ros1Border.misfit(
         Topic("speed", "/v", SpeedLimit, outward=False, **{"type": "std_msgs/Float32", **changed})
     )
@@ -87,7 +87,7 @@ def test_settings_that_ros_1_lacks_are_named(changed: dict[str, Any], sentence: 
     assert bool(misfit) == bool(sentence)
 
 
-def test_without_rospy_a_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_without_rospy_a_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     bare = tmp_path / "python"
     bare.write_text(f'#!/bin/sh\nexec {sys.executable} -I -S "$@"\n')
     bare.chmod(0o755)
@@ -96,13 +96,13 @@ def test_without_rospy_a_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyP
         Ros1Border.need()
 
 
-def test_the_border_imports_nothing_of_ros() -> None:
+def test_the_border_imports_nothing_of_ros():
     program = "import sys, scaloft_ros1.border\nsys.exit(any(name in sys.modules for name in ('rospy', 'genpy')))"
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     assert subprocess.run([sys.executable, "-c", program], env=environment, check=False).returncode == 0
 
 
-def test_a_held_port_is_free_for_the_master_and_for_no_other_flight() -> None:
+def test_a_held_port_is_free_for_the_master_and_for_no_other_flight():
     first, second = held_port(), held_port()
     port = first.getsockname()[1]
     assert port != second.getsockname()[1]
@@ -130,7 +130,7 @@ class Outer:
         self.data, self.entries, self.inner, self.number = b"", [], Inner(), 0.0
 
 
-def test_the_bridge_fills_nested_fields_lists_and_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_bridge_fills_nested_fields_lists_and_bytes(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "own_msgs", SimpleNamespace())  # type: ignore[arg-type]
     monkeypatch.setitem(sys.modules, "own_msgs.msg", SimpleNamespace(Inner=Inner))  # type: ignore[arg-type]
     fields = {"data": "AAEC", "entries": [{"label": "a"}, {"label": "b"}], "inner": {"label": "c"}, "number": 1.5}
@@ -139,11 +139,11 @@ def test_the_bridge_fills_nested_fields_lists_and_bytes(monkeypatch: pytest.Monk
     assert [entry.label for entry in message.entries] == ["a", "b"]
 
 
-def test_the_bridge_refuses_a_field_that_the_message_lacks() -> None:
+def test_the_bridge_refuses_a_field_that_the_message_lacks():
     with pytest.raises(AttributeError):
         bridge.filled(Outer, {"nubmer": 1.0})
 
 
-def test_the_bridge_picks_the_fields_that_are_asked_for() -> None:
+def test_the_bridge_picks_the_fields_that_are_asked_for():
     message = SimpleNamespace(pose=SimpleNamespace(x=1.0, y=2.0), note="n")
     assert bridge.picked(message, ["pose.x", "pose.w"]) == {"pose": {"x": 1.0}}

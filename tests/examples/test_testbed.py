@@ -88,7 +88,7 @@ def flown(
 @needs_ros
 @pytest.mark.release
 @pytest.mark.flight
-def test_a_mission_over_ros_1_slows_for_the_person_and_lands_at_home(flown: Callable[..., Any]) -> None:
+def test_a_mission_over_ros_1_slows_for_the_person_and_lands_at_home(flown: Callable[..., Any]):
     outcome, first = flown("baseline", "H1", EXAMPLE / "own_mission.py")
     assert (outcome.ending, outcome.stack_error, dict(outcome.realised)) == ("landed", "", {"H": True})
     assert [violation.requirement for violation in outcome.violations] == []
@@ -99,7 +99,7 @@ def test_a_mission_over_ros_1_slows_for_the_person_and_lands_at_home(flown: Call
 @needs_ros
 @pytest.mark.release
 @pytest.mark.flight
-def test_a_late_person_delays_the_slow_order_by_three_seconds(flown: Callable[..., Any]) -> None:
+def test_a_late_person_delays_the_slow_order_by_three_seconds(flown: Callable[..., Any]):
     outcome, first = flown("LATE-human@3s", "H1", EXAMPLE / "own_mission.py")
     assert outcome.altered > 0
     assert 3.0 <= first["slow"] - first["seen"] <= 3.5
@@ -108,7 +108,7 @@ def test_a_late_person_delays_the_slow_order_by_three_seconds(flown: Callable[..
 @needs_ros
 @pytest.mark.release
 @pytest.mark.flight
-def test_a_false_contact_ends_the_mission_before_it_lands(flown: Callable[..., Any]) -> None:
+def test_a_false_contact_ends_the_mission_before_it_lands(flown: Callable[..., Any]):
     outcome, first = flown("UNINTENDED-collision@5s", "H0", EXAMPLE / "own_mission.py")
     assert (outcome.ending, outcome.stack_error) == ("timed_out", "")
     assert "OP1" in [violation.requirement for violation in outcome.violations]
@@ -118,7 +118,7 @@ def test_a_false_contact_ends_the_mission_before_it_lands(flown: Callable[..., A
 @needs_ros
 @pytest.mark.release
 @pytest.mark.flight
-def test_a_script_that_fails_is_the_drones_with_its_last_words(flown: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_script_that_fails_is_the_drones_with_its_last_words(flown: Callable[..., Any], tmp_path: Path):
     script = tmp_path / "failing.py"
     own = (EXAMPLE / "own_mission.py").read_text()
     script.write_text(
@@ -129,13 +129,13 @@ def test_a_script_that_fails_is_the_drones_with_its_last_words(flown: Callable[.
     assert "no map" in outcome.stack_error
 
 
-def test_a_script_that_is_not_there_is_named(make_study: Callable[..., None], tmp_path: Path) -> None:
+def test_a_script_that_is_not_there_is_named(make_study: Callable[..., None], tmp_path: Path):
     with pytest.raises(InputError, match=r"lost\.py: no such script"):
         make_study(tmp_path / "study", [tmp_path / "lost.py"], ROOT)
     assert not (tmp_path / "study").exists()
 
 
-def test_the_catalogue_of_the_study_is_current(make_study: Callable[..., None], tmp_path: Path) -> None:
+def test_the_catalogue_of_the_study_is_current(make_study: Callable[..., None], tmp_path: Path):
     make_study(tmp_path / "study", [EXAMPLE / "own_mission.py"], ROOT)
     result = CliRunner().invoke(main, ["mutants", "--check", "--study", str(tmp_path / "study")])
     assert result.exit_code == 0, result.output

@@ -40,7 +40,7 @@ def with_magnitude(magnitude: str) -> str:
     return LATE.replace("{argument: delay_s, unit: s, ladder: [1, 3], default: 3}", magnitude) + MORE
 
 
-def test_a_small_study_loads_with_the_places_of_its_faults(tmp_path: Path) -> None:
+def test_a_small_study_loads_with_the_places_of_its_faults(tmp_path: Path):
     matrix = load_matrix(hazop(tmp_path))
     fault = matrix.cell("LATE-human").faults[0]
     assert matrix.cell("MORE-human").status is CellStatus.NOT_MEANINGFUL
@@ -131,7 +131,7 @@ BAD: dict[str, dict[str, str]] = {
 """Files of a study that are wrong."""
 
 
-def test_whatever_is_wrong_is_one_sentence_with_its_place(tmp_path: Path) -> None:
+def test_whatever_is_wrong_is_one_sentence_with_its_place(tmp_path: Path):
     said = {}
     for number, (what, files) in enumerate(BAD.items()):
         folder = hazop(tmp_path / str(number), **files)
@@ -142,7 +142,7 @@ def test_whatever_is_wrong_is_one_sentence_with_its_place(tmp_path: Path) -> Non
     as_recorded(__file__, said)
 
 
-def test_the_classes_stand_in_the_order_of_the_file_the_worst_first(tmp_path: Path) -> None:
+def test_the_classes_stand_in_the_order_of_the_file_the_worst_first(tmp_path: Path):
     matrix = load_matrix(hazop(tmp_path, with_class("damage"), severities=CLASSES))
     assert [(one.rank, one.id) for one in matrix.classes] == [(0, "injury"), (1, "damage")]
     assert matrix.severities == {"LATE-human": SeverityClass(1, "damage", "the drone breaks", "broken")}
@@ -151,16 +151,16 @@ def test_the_classes_stand_in_the_order_of_the_file_the_worst_first(tmp_path: Pa
 
 
 @pytest.mark.parametrize("files", [{"severities": CLASSES}, {}])
-def test_a_cell_needs_no_class(tmp_path: Path, files: dict[str, str]) -> None:
+def test_a_cell_needs_no_class(tmp_path: Path, files: dict[str, str]):
     assert load_matrix(hazop(tmp_path, **files)).severities == {}
 
 
-def test_an_unknown_seam_is_refused_where_the_seams_are_given(tmp_path: Path) -> None:
+def test_an_unknown_seam_is_refused_where_the_seams_are_given(tmp_path: Path):
     with pytest.raises(InputError, match=r"human.yaml:8: seam='person' is not known; did you mean 'persons'\?"):
         load_matrix(hazop(tmp_path), seams=("persons", "depth"))
 
 
-def test_a_missing_file_is_one_sentence(tmp_path: Path) -> None:
+def test_a_missing_file_is_one_sentence(tmp_path: Path):
     with pytest.raises(InputError, match=r"guidewords.yaml: cannot be read"):
         load_matrix(tmp_path)
 
@@ -171,7 +171,7 @@ def study(path: Path) -> Path:
     return path
 
 
-def test_the_nearest_study_upwards_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_nearest_study_upwards_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     here = study(tmp_path / "mine")
     (here / "results" / "deep").mkdir(parents=True)
     monkeypatch.chdir(here / "results" / "deep")
@@ -181,7 +181,7 @@ def test_the_nearest_study_upwards_is_found(tmp_path: Path, monkeypatch: pytest.
 @pytest.mark.parametrize("place", ["scaloft_fi/_study", "."])
 def test_outside_a_study_the_packaged_one_is_used_else_that_beside_the_package(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
-) -> None:
+):
     known = study(tmp_path / "installed" / place)
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
@@ -189,14 +189,14 @@ def test_outside_a_study_the_packaged_one_is_used_else_that_beside_the_package(
     assert find_study() == known
 
 
-def test_no_study_anywhere_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_study_anywhere_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(load, "_PACKAGE", tmp_path / "scaloft_fi")
     with pytest.raises(InputError, match=r"no study in .* name one with --study"):
         find_study()
 
 
-def test_a_named_folder_that_is_no_study_says_what_it_lacks(tmp_path: Path) -> None:
+def test_a_named_folder_that_is_no_study_says_what_it_lacks(tmp_path: Path):
     (tmp_path / "hazop").mkdir()
     with pytest.raises(InputError, match=r"must be a folder with hazop/, mutants/ and sim/; it lacks mutants/, sim/"):
         find_study(tmp_path)
@@ -204,11 +204,11 @@ def test_a_named_folder_that_is_no_study_says_what_it_lacks(tmp_path: Path) -> N
         find_study(tmp_path / "nowhere")
 
 
-def test_a_named_study_is_taken_as_it_was_named(tmp_path: Path) -> None:
+def test_a_named_study_is_taken_as_it_was_named(tmp_path: Path):
     assert find_study(str(study(tmp_path / "mine"))) == tmp_path / "mine"
 
 
-def test_a_fault_where_what_flies_offers_no_seam_is_refused_with_its_place(tmp_path: Path) -> None:
+def test_a_fault_where_what_flies_offers_no_seam_is_refused_with_its_place(tmp_path: Path):
     with pytest.raises(
         InputError, match=r"matrix/\w+\.yaml:\d+: faults=\[\.\.\.\] must be left out where what flies offers"
     ):

@@ -64,15 +64,13 @@ Radar|Tarde|tarde|carga|choque
         (SPANISH, "utf-8-sig", "radar"),
     ],
 )
-def test_heads_and_guidewords_of_four_languages_are_known(
-    tmp_path: Path, text: str, encoding: str, parameter: str
-) -> None:
+def test_heads_and_guidewords_of_four_languages_are_known(tmp_path: Path, text: str, encoding: str, parameter: str):
     lines = read_sheet(sheet(tmp_path, text, encoding=encoding))
     assert cells(lines) == [f"NO-{parameter}", f"LATE-{parameter}"]
     assert all(line.texts["causes"] and line.texts["effect"] for line in lines)
 
 
-def test_any_other_head_and_word_is_named_by_an_option(tmp_path: Path) -> None:
+def test_any_other_head_and_word_is_named_by_an_option(tmp_path: Path):
     path = sheet(tmp_path, "部件,引导词,偏差\n雷达,无,没有回波\n")
     with pytest.raises(InputError, match="--column deviation=HEAD"):
         read_sheet(path)
@@ -108,7 +106,7 @@ def book(tmp_path: Path) -> Path:
     return tmp_path / "book.xlsx"
 
 
-def test_merged_and_blank_cells_mean_what_stands_above(book: Path) -> None:
+def test_merged_and_blank_cells_mean_what_stands_above(book: Path):
     lines = read_sheet(book)
     found = sort(lines, MATRIX, {}, {})
     assert [(row.place, row.cell) for row in found.rows] == [
@@ -134,7 +132,7 @@ CONTINUED = """Ref.,Deviation,Cause,Consequence,Safeguards,Action
 """
 
 
-def test_below_groups_of_heads_each_column_tells_of_its_group(tmp_path: Path) -> None:
+def test_below_groups_of_heads_each_column_tells_of_its_group(tmp_path: Path):
     found = sort(read_sheet(sheet(tmp_path, GROUPED)), MATRIX, {}, {})
     draft = found.drafts["MORE-druck"]
     assert (draft.told("deviation"), draft.told("causes"), draft.told("effect")) == (
@@ -145,7 +143,7 @@ def test_below_groups_of_heads_each_column_tells_of_its_group(tmp_path: Path) ->
     assert list(found.drafts) == ["MORE-druck", "OTHERTHAN-medium"]
 
 
-def test_a_row_without_a_deviation_goes_on_with_the_one_above_which_names_what_deviates(tmp_path: Path) -> None:
+def test_a_row_without_a_deviation_goes_on_with_the_one_above_which_names_what_deviates(tmp_path: Path):
     found = sort(read_sheet(sheet(tmp_path, CONTINUED)), MATRIX, {}, {})
     assert list(found.drafts) == ["NO-flow", "LESS-pressure"]
     draft = found.drafts["NO-flow"]
@@ -156,7 +154,7 @@ def test_a_row_without_a_deviation_goes_on_with_the_one_above_which_names_what_d
     )
 
 
-def test_of_a_workbook_the_sheets_that_are_named_are_read(book: Path) -> None:
+def test_of_a_workbook_the_sheets_that_are_named_are_read(book: Path):
     assert len(read_sheet(book, sheets=["HAZOP"])) == 4
     with pytest.raises(InputError, match=r"no sheet .HAZARD.; did you mean .HAZOP."):
         read_sheet(book, sheets=["HAZARD"])
@@ -170,14 +168,14 @@ STPA = (
 )
 
 
-def test_the_four_ways_of_stpa_are_guidewords(tmp_path: Path) -> None:
+def test_the_four_ways_of_stpa_are_guidewords(tmp_path: Path):
     lines = read_sheet(sheet(tmp_path, STPA))
     assert cells(lines) == ["NO-climb", "UNINTENDED-climb", "LATE-climb", "MORE-climb", "NO-hover"]
     only = MATRIX.only(["NO", "ASWELLAS", "LATE"])
     assert [row.cell for row in sort(lines, only, {}, {}).rows][1] == "ASWELLAS-climb"
 
 
-def test_a_matrix_with_guidewords_for_heads_has_a_deviation_in_each_cell(tmp_path: Path) -> None:
+def test_a_matrix_with_guidewords_for_heads_has_a_deviation_in_each_cell(tmp_path: Path):
     path = sheet(tmp_path, "Parameter,NO,MORE,Zu spät\nRange,nothing,too long,\nBearing,,turned,late\n")
     assert cells(read_sheet(path)) == ["NO-range", "MORE-range", "MORE-bearing", "LATE-bearing"]
 
@@ -191,19 +189,19 @@ def test_a_matrix_with_guidewords_for_heads_has_a_deviation_in_each_cell(tmp_pat
         ("person detection,LATE,late,x,y", "the study has this cell"),
     ],
 )
-def test_a_row_that_makes_no_draft_says_why(tmp_path: Path, row: str, said: str) -> None:
+def test_a_row_that_makes_no_draft_says_why(tmp_path: Path, row: str, said: str):
     lines = read_sheet(sheet(tmp_path, f"Node,Guideword,Deviation,Cause,Consequence\n{row}\n"))
     assert [one.why for one in sort(lines, MATRIX, {}, {}).rows] == [said]
 
 
-def test_without_a_column_of_guidewords_the_deviation_begins_with_one(tmp_path: Path) -> None:
+def test_without_a_column_of_guidewords_the_deviation_begins_with_one(tmp_path: Path):
     lines = read_sheet(
         sheet(tmp_path, "Component,Deviation,Effect\nRadar,No echo,x\nRadar,More range,y\nRadar,as well as,z\n")
     )
     assert cells(lines) == ["NO-radar", "MORE-radar", "ASWELLAS-radar"]
 
 
-def test_two_guidewords_in_one_cell_are_two_cells(tmp_path: Path) -> None:
+def test_two_guidewords_in_one_cell_are_two_cells(tmp_path: Path):
     lines = read_sheet(sheet(tmp_path, "Node,Guideword,Deviation\nRadar,EARLY / LATE,at another time\n"))
     assert cells(lines) == ["EARLY-radar", "LATE-radar"]
 
@@ -218,7 +216,7 @@ def test_two_guidewords_in_one_cell_are_two_cells(tmp_path: Path) -> None:
         ("a.csv", b"Node,Guideword,Deviation" + b",x" * MOST_COLUMNS + b"\n", "it must have at most 20,000 rows"),
     ],
 )
-def test_what_is_no_sheet_is_refused_in_a_sentence(tmp_path: Path, name: str, content: bytes, said: str) -> None:
+def test_what_is_no_sheet_is_refused_in_a_sentence(tmp_path: Path, name: str, content: bytes, said: str):
     path = tmp_path / name
     path.write_bytes(content)
     with pytest.raises(InputError) as refused:
@@ -227,7 +225,7 @@ def test_what_is_no_sheet_is_refused_in_a_sentence(tmp_path: Path, name: str, co
     assert str(refused.value).startswith(str(path))
 
 
-def test_a_workbook_that_unpacks_to_too_much_is_refused_before_it_is_read(tmp_path: Path) -> None:
+def test_a_workbook_that_unpacks_to_too_much_is_refused_before_it_is_read(tmp_path: Path):
     path = tmp_path / "bomb.xlsx"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as packed:
         packed.writestr("xl/sharedStrings.xml", b" " * (SHEET_BYTES + 1))
@@ -236,7 +234,7 @@ def test_a_workbook_that_unpacks_to_too_much_is_refused_before_it_is_read(tmp_pa
 
 
 @pytest.mark.parametrize("row", [30_000, 1_048_576])
-def test_a_sheet_ends_where_its_texts_end_not_where_its_colours_do(tmp_path: Path, row: int) -> None:
+def test_a_sheet_ends_where_its_texts_end_not_where_its_colours_do(tmp_path: Path, row: int):
     made = Workbook()
     for texts in (("Node", "Guideword", "Deviation", "Cause"), ("radar", "No", "no echo", 1234567.25)):
         made.active.append(texts)
@@ -252,14 +250,14 @@ def test_a_sheet_ends_where_its_texts_end_not_where_its_colours_do(tmp_path: Pat
 
 @pytest.mark.parametrize("title", ["", "HAZOP, of the drone, in May, first part, second part\n"])
 @pytest.mark.parametrize("comma", [";", "\t", "|"])
-def test_the_sign_between_cells_is_the_one_that_parts_the_heads(tmp_path: Path, comma: str, title: str) -> None:
+def test_the_sign_between_cells_is_the_one_that_parts_the_heads(tmp_path: Path, comma: str, title: str):
     rows = (("Knoten", "Leitwort", "Abweichung", "Ursache"), ("radar", "kein", "a, b, c, d, e", "f, g, h, i"))
     text = title + "\n".join(map(comma.join, rows))
     assert cells(read_sheet(sheet(tmp_path, text))) == ["NO-radar"]
 
 
 @pytest.mark.parametrize("head", ["UCA type", "Guide word", "Type of UCA"])
-def test_a_table_of_stpa_may_have_a_row_for_each_way(tmp_path: Path, head: str) -> None:
+def test_a_table_of_stpa_may_have_a_row_for_each_way(tmp_path: Path, head: str):
     ways = ("Not provided", "Provided", "Too late", "Stopped too soon", "Applied too long", "Wrong order")
     rows = (f"1,brake,{way},it is so" for way in ways)
     text = "\n".join((f"UCA ID,Control action,{head},Unsafe control action", *rows))
@@ -267,18 +265,18 @@ def test_a_table_of_stpa_may_have_a_row_for_each_way(tmp_path: Path, head: str) 
     assert cells(read_sheet(sheet(tmp_path, text))) == [f"{word}-brake" for word in words]
 
 
-def test_a_refusal_names_the_heads_that_were_read_in_their_order(tmp_path: Path) -> None:
+def test_a_refusal_names_the_heads_that_were_read_in_their_order(tmp_path: Path):
     with pytest.raises(InputError, match=r"read: 'zzz', 'causes', 'aaa', '7'"):
         read_sheet(sheet(tmp_path, "Zzz,Causes,Aaa\n7,cause,x\n"))
 
 
-def test_every_word_stands_for_one_guideword() -> None:
+def test_every_word_stands_for_one_guideword():
     for word, known in WORDS.items():
         assert {guideword_of(one) for one in known.split("|")} == {word}
 
 
 @given(text=st.text(), taken=st.sets(st.from_regex(r"[a-z][a-z0-9_]{0,5}", fullmatch=True)))
-def test_every_text_gives_a_name_that_no_other_parameter_has(text: str, taken: set[str]) -> None:
+def test_every_text_gives_a_name_that_no_other_parameter_has(text: str, taken: set[str]):
     name = parameter_name(text, taken)
     assert name not in taken
     assert f"NO-{name}" not in MATRIX or name in {one.id for one in MATRIX.parameters}

@@ -71,7 +71,7 @@ def theirs(text: str) -> Node | None:
 @example("a / 2 * b > 0")
 @example("a < b <= c")
 @example("a -> b implies c")
-def test_a_chain_of_operators_has_the_tree_of_rtamt_or_needs_brackets(text: str) -> None:
+def test_a_chain_of_operators_has_the_tree_of_rtamt_or_needs_brackets(text: str):
     mine = ours(text)
     if isinstance(mine, str):
         assert mine.startswith("needs brackets")
@@ -86,7 +86,7 @@ def test_a_chain_of_operators_has_the_tree_of_rtamt_or_needs_brackets(text: str)
 @example("- a")
 @example("not not - 2 < a")
 @example("once [ 0 : 0.1 ] a since [0:0.1] b")
-def test_any_words_have_the_tree_of_rtamt_or_are_refused_by_both(text: str) -> None:
+def test_any_words_have_the_tree_of_rtamt_or_are_refused_by_both(text: str):
     mine = ours(text)
     if not isinstance(mine, str):
         assert mine == theirs(text)
@@ -97,7 +97,7 @@ def test_any_words_have_the_tree_of_rtamt_or_are_refused_by_both(text: str) -> N
 
 @settings(deadline=None, max_examples=usually(25, release=150))
 @given(trees)
-def test_a_text_in_brackets_has_the_tree_it_was_written_from(tree: Node) -> None:
+def test_a_text_in_brackets_has_the_tree_it_was_written_from(tree: Node):
     text = bracketed(tree)
     assert repr(ours(text)) == repr(tree) == repr(theirs(text))
 
@@ -123,11 +123,11 @@ def agrees(tree: Node, signals: dict[str, Column]) -> None:
 
 @settings(deadline=None, max_examples=usually(25, release=200))
 @given(trees, traces(2))
-def test_robustness_is_to_the_bit_that_of_rtamt(tree: Node, signals: dict[str, Column]) -> None:
+def test_robustness_is_to_the_bit_that_of_rtamt(tree: Node, signals: dict[str, Column]):
     assume(not overwrites(tree))
     agrees(tree, signals)
 
 
 @pytest.mark.parametrize("edge", EDGES)
-def test_an_edge_is_to_the_bit_that_of_rtamt(edge: str) -> None:
+def test_an_edge_is_to_the_bit_that_of_rtamt(edge: str):
     agrees(EDGES[edge], ZEROS)

@@ -47,7 +47,7 @@ def bounds(text: str) -> Spans:
 
 
 @pytest.mark.parametrize(("text", "always"), [("once", False), ("historically", True)])
-def test_a_window_that_begins_after_the_longest_flight_is_empty(text: str, always: bool) -> None:
+def test_a_window_that_begins_after_the_longest_flight_is_empty(text: str, always: bool):
     ranges = {**RANGES, "elapsed_s": ((0.0, 599.0),)}
     assert verdict(bounds_of(Formula.parse(f"{text}[600:600](other > 3)", RANGES), ranges)) is always
     assert verdict(bounds_of(Formula.parse(f"{text}[599:600](other > 3)", RANGES), ranges)) is None
@@ -86,11 +86,11 @@ def test_a_window_that_begins_after_the_longest_flight_is_empty(text: str, alway
         ("other > 3", None),
     ],
 )
-def test_a_formula_that_no_flight_can_change_is_known(text: str, always: bool | None) -> None:
+def test_a_formula_that_no_flight_can_change_is_known(text: str, always: bool | None):
     assert verdict(bounds(text)) is always
 
 
-def test_a_comparison_that_is_always_the_same_is_told_as_a_user_writes_it() -> None:
+def test_a_comparison_that_is_always_the_same_is_told_as_a_user_writes_it():
     formula = Formula.parse("(x_m / 2 < 30) and ((light > 0.5) or (abs(x_m) > 7))", RANGES.keys())
     assert list(constants(formula, RANGES)) == [("x_m / 2 < 30", True), ("abs(x_m) > 7", False)]
 
@@ -136,7 +136,7 @@ def samples(draw: st.DrawFn) -> dict[str, list[float]]:
 
 
 @given(text=FORMULAS, signals=samples())
-def test_robustness_lies_within_the_bounds(text: str, signals: dict[str, list[float]]) -> None:
+def test_robustness_lies_within_the_bounds(text: str, signals: dict[str, list[float]]):
     formula = Formula.parse(text, RANGES.keys())
     spans = bounds_of(formula, RANGES)
     for value in formula.robustness(signals):
@@ -163,9 +163,7 @@ def test_robustness_lies_within_the_bounds(text: str, signals: dict[str, list[fl
         ("not (clearance_m) < 1", "with 1 m"),
     ],
 )
-def test_a_threshold_where_a_signal_is_not_measured_is_refused_with_the_cap_and_what_is_allowed(
-    text: str, said: str
-) -> None:
+def test_a_threshold_where_a_signal_is_not_measured_is_refused_with_the_cap_and_what_is_allowed(text: str, said: str):
     with pytest.raises(FormulaError) as caught:
         check_caps(text, REFERENCE.caps)
     assert said in str(caught.value)
@@ -192,15 +190,15 @@ def test_a_threshold_where_a_signal_is_not_measured_is_refused_with_the_cap_and_
         "clearance_m / 0 < 2",
     ],
 )
-def test_a_threshold_within_what_is_measured_or_too_much_to_read_is_let_pass(text: str) -> None:
+def test_a_threshold_within_what_is_measured_or_too_much_to_read_is_let_pass(text: str):
     check_caps(text)
 
 
-def test_a_person_is_in_sight_as_far_as_the_observer_looks() -> None:
+def test_a_person_is_in_sight_as_far_as_the_observer_looks():
     assert SIGHT_M == observer.SIGHT_M
 
 
-def test_every_clearance_has_a_cap_and_other_places_and_times_have_none() -> None:
+def test_every_clearance_has_a_cap_and_other_places_and_times_have_none():
     capped = {name for name in signal_names(("wall", "left_wall"), BELIEFS) if cap_of(name, REFERENCE.caps)}
     clearances = {"clearance_m", "clearance_wall_m", "clearance_left_wall_m"}
     assert capped == clearances | {"waypoint_wall_m", "person_sight_m", "person_range_m", "told_range_m"}
@@ -227,7 +225,7 @@ sums = st.recursive(
 
 @settings(max_examples=usually(25, release=300))
 @given(sums, st.sampled_from(["<", "<=", ">", ">="]), sums)
-def test_what_is_read_as_a_threshold_is_where_the_library_changes_its_mind(left: str, sign: str, right: str) -> None:
+def test_what_is_read_as_a_threshold_is_where_the_library_changes_its_mind(left: str, sign: str, right: str):
     text = f"always({left} {sign} {right})"
     for _, signal, _, threshold in comparisons(parse(tokenize(text))):
         assert signal == "a"
@@ -241,21 +239,21 @@ def test_what_is_read_as_a_threshold_is_where_the_library_changes_its_mind(left:
 WORLD = load_grid(Path(__file__).parents[2] / "sim").world()
 
 
-def test_every_range_is_of_a_signal_and_agrees_with_its_cap() -> None:
+def test_every_range_is_of_a_signal_and_agrees_with_its_cap():
     assert TRUTH.keys() <= {*TRUTH_NAMES, *SIGNALS, *HAPPENINGS["dust"].signals}
     for name, spans in TRUTH.items():
         cap = cap_of(name)
         assert cap is None or spans[0][1] == cap.most_m, name
 
 
-def test_bodies_beliefs_and_marks_have_their_ranges() -> None:
+def test_bodies_beliefs_and_marks_have_their_ranges():
     ranges = ranges_of(WORLD, BELIEFS, [clearance_name("bar"), "mode", "nothing_known", "clearance_m"])
     assert ranges[clearance_name("bar")] == ranges["clearance_m"] == ((-float("inf"), 1.0),)
     assert ranges["mode"][0][0] == 0.0
     assert ranges["nothing_known"] == ANY
 
 
-def test_the_rock_bounds_the_position_and_a_study_has_its_person() -> None:
+def test_the_rock_bounds_the_position_and_a_study_has_its_person():
     rock = within_rock(WORLD)
     assert -6.1 < rock["x_m"][0][0] < -5.4
     assert rock["z_m"] == (pytest.approx((0.0, 2.7)),)

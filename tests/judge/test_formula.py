@@ -58,29 +58,27 @@ def rho(text: str, **signals: list[float]) -> list[float]:
 )
 def test_a_formula_has_the_robustness_of_its_definition(
     text: str, signals: dict[str, list[float]], robustness: list[float]
-) -> None:
+):
     assert rho(text, **signals) == robustness
 
 
-def test_arrays_and_lists_say_the_same() -> None:
+def test_arrays_and_lists_say_the_same():
     formula = Formula.parse("a / 3 <= 1 and b > 0", SIGNALS)
     assert formula.robustness({"a": np.array([3.0, 1.5]), "b": np.array([1.0, 2.0])}) == [0, 0.5]
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
-def test_a_sample_that_is_no_number_is_no_evidence(value: float) -> None:
+def test_a_sample_that_is_no_number_is_no_evidence(value: float):
     with pytest.raises(ValueError, match=r"signal a is (nan|inf) at sample 1"):
         rho("a > 0", a=[1, value])
 
 
-def test_signals_of_different_length_are_refused() -> None:
+def test_signals_of_different_length_are_refused():
     with pytest.raises(ValueError, match="differ in length"):
         rho("a > b", a=[1, 2], b=[1])
 
 
-def test_parsing_and_evaluating_say_nothing(
-    capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
-) -> None:
+def test_parsing_and_evaluating_say_nothing(capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture):
     with caplog.at_level(logging.DEBUG):
         rho("historically[0:1](a + b > 3) implies b > 1.25", a=[1, 2], b=[1, 2])
         with pytest.raises(FormulaError):
@@ -91,7 +89,7 @@ def test_parsing_and_evaluating_say_nothing(
     assert [record.message for record in caplog.records] == ["still heard"]
 
 
-def test_only_brackets_around_everything_are_the_inside_of_always() -> None:
+def test_only_brackets_around_everything_are_the_inside_of_always():
     assert inside_always("always((a > 0) or (b > 0))") == "( a > 0 ) or ( b > 0 )"
     assert inside_always("always(a > 0) or always(b > 0)") is None
     assert inside_always("a > 0") is None
@@ -101,18 +99,18 @@ def test_only_brackets_around_everything_are_the_inside_of_always() -> None:
 @given(
     st.lists(st.sampled_from(["a", "speed_mps", "2", "0.25", "<=", "->", "(", ")", "historically", "/"]), max_size=12)
 )
-def test_tokens_joined_by_spaces_are_the_same_tokens(tokens: list[str]) -> None:
+def test_tokens_joined_by_spaces_are_the_same_tokens(tokens: list[str]):
     assert tokenize(" ".join(tokens)) == tokens
 
 
-def test_the_sampling_period_is_that_of_the_flight_log() -> None:
+def test_the_sampling_period_is_that_of_the_flight_log():
     assert SAMPLE_MS == 1000 / 20
 
 
 A, B, C = map(Signal, "abc")
 
 
-def test_a_formula_is_a_tree() -> None:
+def test_a_formula_is_a_tree():
     assert parse(tokenize("historically[0:2](a > -1) implies not b <= c")) == Infix(
         "implies",
         Prefix("historically", Infix(">", A, Number(-1.0)), Interval(0, 40)),
@@ -122,7 +120,7 @@ def test_a_formula_is_a_tree() -> None:
 
 @settings(deadline=None)
 @given(trees)
-def test_a_text_in_brackets_has_the_tree_it_was_written_from(tree: Node) -> None:
+def test_a_text_in_brackets_has_the_tree_it_was_written_from(tree: Node):
     assert repr(parse(tokenize(bracketed(tree)))) == repr(tree)
 
 
@@ -144,7 +142,7 @@ def test_a_text_in_brackets_has_the_tree_it_was_written_from(tree: Node) -> None
         ("a + not b > c", "a + (not (b > c))"),
     ],
 )
-def test_operators_bind_in_their_order(loose: str, brackets: str) -> None:
+def test_operators_bind_in_their_order(loose: str, brackets: str):
     assert parse(tokenize(loose)) == parse(tokenize(brackets))
 
 
@@ -187,7 +185,7 @@ def test_operators_bind_in_their_order(loose: str, brackets: str) -> None:
         ("a > 1e999", "has the number 1e999 after 'a >', which must be at most 1e308"),
     ],
 )
-def test_what_is_no_formula_is_told_with_its_place_and_what_is_allowed(text: str, said: str) -> None:
+def test_what_is_no_formula_is_told_with_its_place_and_what_is_allowed(text: str, said: str):
     with pytest.raises(FormulaError) as caught:
         Formula.parse(text, (*SIGNALS, "c"))
     assert said in str(caught.value)
@@ -203,7 +201,7 @@ def test_what_is_no_formula_is_told_with_its_place_and_what_is_allowed(text: str
         "a" + "-(a" * 19 + "+a" * 400 + ")" * 19,
     ],
 )
-def test_operators_too_deep_inside_one_another_are_refused_at_once(text: str) -> None:
+def test_operators_too_deep_inside_one_another_are_refused_at_once(text: str):
     start = time.process_time()
     with pytest.raises(FormulaError, match="more than 200 operators inside one another"):
         parse(tokenize(text))
@@ -211,13 +209,13 @@ def test_operators_too_deep_inside_one_another_are_refused_at_once(text: str) ->
 
 
 @pytest.mark.parametrize("text", ["not " * 199 + "a", "a" + "+a" * 200, "(" * 20 + "not " * 170 + "a" + ")" * 20])
-def test_what_is_nested_as_deep_as_allowed_is_evaluated(text: str) -> None:
+def test_what_is_nested_as_deep_as_allowed_is_evaluated(text: str):
     assert len(Formula.parse(text, "a").robustness({"a": [1.0, 2.0]})) == 2
 
 
 @settings(deadline=None)
 @given(trees)
-def test_the_text_of_a_tree_is_read_as_the_same_tree(tree: Node) -> None:
+def test_the_text_of_a_tree_is_read_as_the_same_tree(tree: Node):
     assert repr(parse(tokenize(written(tree)))) == repr(tree)
 
 
@@ -236,7 +234,7 @@ def test_the_text_of_a_tree_is_read_as_the_same_tree(tree: Node) -> None:
         "abs(a) * sqrt(b) > 1",
     ],
 )
-def test_it_has_the_brackets_that_it_needs(text: str) -> None:
+def test_it_has_the_brackets_that_it_needs(text: str):
     assert written(parse(tokenize(text))) == text
 
 
@@ -252,12 +250,12 @@ def agrees(tree: Node, signals: dict[str, Column]) -> None:
 
 @settings(deadline=None, max_examples=usually(25, release=300))
 @given(trees, traces(1))
-def test_robustness_is_to_the_bit_that_of_the_definition(tree: Node, signals: dict[str, Column]) -> None:
+def test_robustness_is_to_the_bit_that_of_the_definition(tree: Node, signals: dict[str, Column]):
     agrees(tree, signals)
 
 
 @pytest.mark.parametrize("edge", EDGES)
-def test_an_edge_is_to_the_bit_that_of_the_definition(edge: str) -> None:
+def test_an_edge_is_to_the_bit_that_of_the_definition(edge: str):
     agrees(EDGES[edge], ZEROS)
 
 
@@ -268,24 +266,24 @@ def test_an_edge_is_to_the_bit_that_of_the_definition(edge: str) -> None:
         ("sqrt(a - 1) > 0", ValueError, "sqrt of -1 at sample 1"),
     ],
 )
-def test_what_arithmetic_does_not_know_is_told_with_its_sample(text: str, error: type[Exception], said: str) -> None:
+def test_what_arithmetic_does_not_know_is_told_with_its_sample(text: str, error: type[Exception], said: str):
     with pytest.raises(error, match=said):
         Formula.parse(text, "a").robustness({"a": [1, 0, -1]})
 
 
-def test_no_sample_is_no_evidence() -> None:
+def test_no_sample_is_no_evidence():
     with pytest.raises(ValueError, match="have no sample"):
         Formula.parse("a > 0", "a").robustness({"a": []})
 
 
-def test_the_samples_of_a_signal_stay_as_they_are() -> None:
+def test_the_samples_of_a_signal_stay_as_they_are():
     signals = {"a": [1.0, -1.0, 2.0]}
     Formula.parse("always[0:1] a and eventually[0:1] a and (a since[0:1] a)", "a").robustness(signals)
     assert signals == {"a": [1.0, -1.0, 2.0]}
 
 
 @pytest.mark.parametrize("formula", ["historically[0:600](a > 0)", "eventually[1:600](a > 0)", "a since[0:600] a"])
-def test_the_longest_interval_over_a_long_flight_is_evaluated_at_once(formula: str) -> None:
+def test_the_longest_interval_over_a_long_flight_is_evaluated_at_once(formula: str):
     samples = [float(place % 7) for place in range(6_000)]
     start = time.process_time()
     Formula.parse(formula, "a").robustness({"a": samples})
@@ -305,7 +303,7 @@ def test_the_longest_interval_over_a_long_flight_is_evaluated_at_once(formula: s
         ("rise(a > 1) or fall(b)", "rise(a > 1) or fall(b)"),
     ],
 )
-def test_units_commas_and_equality_of_rtamt_are_read(foreign: str, ours: str) -> None:
+def test_units_commas_and_equality_of_rtamt_are_read(foreign: str, ours: str):
     assert written(Formula.parse(foreign, ["a", "b"]).tree) == ours
 
 
@@ -325,30 +323,30 @@ def test_units_commas_and_equality_of_rtamt_are_read(foreign: str, ours: str) ->
         ("a > 2ms", "signal 'ms'"),
     ],
 )
-def test_what_is_of_rtamt_and_not_of_ours_is_named_with_its_remedy(text: str, remedy: str) -> None:
+def test_what_is_of_rtamt_and_not_of_ours_is_named_with_its_remedy(text: str, remedy: str):
     with pytest.raises(FormulaError, match=remedy):
         Formula.parse(text, ["a", "b"])
 
 
-def test_a_signal_may_have_the_name_of_a_foreign_word() -> None:
+def test_a_signal_may_have_the_name_of_a_foreign_word():
     assert Formula.parse("rise > 1", ["rise"]).names == ("rise",)
 
 
 @pytest.mark.parametrize("divisor", ["0", "0.0", "(1 - 1)", "(2 * 0)", "(0 / 3)", "abs(0)", "sqrt(2 - 2)"])
-def test_a_division_by_a_constant_zero_is_no_formula(divisor: str) -> None:
+def test_a_division_by_a_constant_zero_is_no_formula(divisor: str):
     with pytest.raises(FormulaError, match="divides by 0"):
         Formula.parse(f"a > 1 / {divisor}", ["a"])
     with pytest.raises(FormulaError, match="divides by 0"):
         Formula.parse(f"a / {divisor} > 1", ["a"])
 
 
-def test_a_root_of_a_negative_constant_is_no_formula() -> None:
+def test_a_root_of_a_negative_constant_is_no_formula():
     with pytest.raises(FormulaError, match="root of a negative number"):
         Formula.parse("a > sqrt(0 - 1)", ["a"])
 
 
 @given(first=st.integers(0, 100), length=st.integers(0, 100))
-def test_a_window_is_the_same_in_seconds_milliseconds_and_with_a_comma(first: int, length: int) -> None:
+def test_a_window_is_the_same_in_seconds_milliseconds_and_with_a_comma(first: int, length: int):
     last = first + length
     texts = (
         f"once[{first / 20}:{last / 20}](a)",

@@ -46,7 +46,7 @@ def log(**changed: object) -> SimpleNamespace:
     return SimpleNamespace(**(facts | changed))
 
 
-def test_a_log_becomes_its_readings_violations_and_counts() -> None:
+def test_a_log_becomes_its_readings_violations_and_counts():
     flown = outcome_of(log(), Subject("M"), "S", 3, requirements=RULES)  # type: ignore[arg-type]
     assert (flown.name, flown.ending, flown.carried, flown.altered, flown.infected_at_s) == (
         "M/S/3",
@@ -71,7 +71,7 @@ def test_a_log_becomes_its_readings_violations_and_counts() -> None:
     assert flown.first_violation == struck
 
 
-def test_the_counts_of_all_patched_seams_are_joined() -> None:
+def test_the_counts_of_all_patched_seams_are_joined():
     counts = {
         "depth": SimpleNamespace(carried=9, altered=0, first_altered_s=None),
         "pose": SimpleNamespace(carried=5, altered=2, first_altered_s=0.1),
@@ -80,13 +80,13 @@ def test_the_counts_of_all_patched_seams_are_joined() -> None:
     assert (flown.carried, flown.altered, flown.infected_at_s) == (14, 2, 0.1)
 
 
-def test_a_log_with_a_sample_that_is_no_number_is_refused() -> None:
+def test_a_log_with_a_sample_that_is_no_number_is_refused():
     broken = SIGNALS | {"clearance_m": [1.0, float("nan"), 1.0]}
     with pytest.raises(ValueError, match="clearance_m is nan at sample 1"):
         outcome_of(log(signals=broken), Subject("M"), "S", 0, requirements=RULES)  # type: ignore[arg-type]
 
 
-def test_a_value_came_true_by_its_predicate_and_a_benign_one_when_no_other_did() -> None:
+def test_a_value_came_true_by_its_predicate_and_a_benign_one_when_no_other_did():
     space = Space(("D", "T"), (("0", "1"), ("0", "1", "2")), (("light", "dark"), ("none", "left", "right")), ())
     points = {"D0T0": ("0", "0"), "D1T1": ("1", "1"), "D0T2": ("0", "2")}
     space = replace(space, points=tuple(points.items()))
@@ -98,19 +98,19 @@ def test_a_value_came_true_by_its_predicate_and_a_benign_one_when_no_other_did()
     assert realisation.of("D0T2", SIGNALS) == (("D", True), ("T", True))
 
 
-def test_the_kinds_of_the_builders_are_those_of_the_study() -> None:
+def test_the_kinds_of_the_builders_are_those_of_the_study():
     assert [kind.value for kind in KINDS.values()] == ["safety", "safety", "reported", "operability"]
 
 
 @given(st.integers(1, 50))
-def test_a_track_keeps_every_fourth_sample_and_the_last(samples: int) -> None:
+def test_a_track_keeps_every_fourth_sample_and_the_last(samples: int):
     column = [float(i) for i in range(samples)]
     rows = unpack_track(pack_track(dict.fromkeys(TRACK_COLUMNS, column)))
     assert [row[0] for row in rows] == [*column[::4], *([column[-1]] if (samples - 1) % 4 else [])]
 
 
 @given(st.lists(st.integers(-100, 100), min_size=1, max_size=50))
-def test_no_sample_is_faster_or_nearer_than_what_the_track_says_of_it(values: list[int]) -> None:
+def test_no_sample_is_faster_or_nearer_than_what_the_track_says_of_it(values: list[int]):
     signals = {name: list(map(float, values)) for name in TRACK_COLUMNS}
     rows = [dict(zip(TRACK_COLUMNS, row, strict=True)) for row in unpack_track(pack_track(signals))]
     for i, value in enumerate(values):
@@ -119,11 +119,11 @@ def test_no_sample_is_faster_or_nearer_than_what_the_track_says_of_it(values: li
         assert row["person_sight_m"] <= value
 
 
-def test_no_track_has_no_rows() -> None:
+def test_no_track_has_no_rows():
     assert unpack_track(b"") == []
 
 
-def test_a_track_that_unpacks_to_far_more_than_its_flight_is_refused_within_little_memory() -> None:
+def test_a_track_that_unpacks_to_far_more_than_its_flight_is_refused_within_little_memory():
     bomb = zlib.compress(bytes(50_000_000), 9)
     tracemalloc.start()
     try:
@@ -138,7 +138,7 @@ def test_a_track_that_unpacks_to_far_more_than_its_flight_is_refused_within_litt
 
 
 @given(st.binary(max_size=60))
-def test_bytes_that_are_no_track_are_an_error_of_the_value(content: bytes) -> None:
+def test_bytes_that_are_no_track_are_an_error_of_the_value(content: bytes):
     for track in (content, zlib.compress(content)):
         try:
             rows = unpack_track(track)

@@ -48,7 +48,7 @@ def said(name: str, cut_short: bool = False, **signals: list[float]) -> tuple[Co
     return reading.compliance, reading.violated_at_s and round(reading.violated_at_s, 2), reading.triggered
 
 
-def test_the_study_has_the_four_requirements_of_their_kinds() -> None:
+def test_the_study_has_the_four_requirements_of_their_kinds():
     assert {name: requirement.kind.value for name, requirement in REQUIREMENTS.items()} == {
         "SR1": "safety",
         "SR2": "safety",
@@ -94,30 +94,30 @@ SAID: dict[str, tuple[str, dict[str, list[float]], tuple[Compliance, float | Non
 
 
 @pytest.mark.parametrize("what", SAID)
-def test_a_requirement_of_the_study_says_what_happened(what: str) -> None:
+def test_a_requirement_of_the_study_says_what_happened(what: str):
     name, signals, expected = SAID[what]
     assert said(name, **signals) == expected
 
 
-def test_sr1_holds_at_a_hair_and_its_robustness_is_the_least_clearance() -> None:
+def test_sr1_holds_at_a_hair_and_its_robustness_is_the_least_clearance():
     judgement = judge_signals(REQUIREMENTS["SR1"], trace(3, clearance_m=[0.4, 0.001, 0.3]), cut_short=False)
     assert judgement.reading.compliance is Compliance.HELD
     assert judgement.reading.rho == 0.001
     assert judgement.sample is None
 
 
-def test_sr2_robustness_is_a_share_of_the_limit() -> None:
+def test_sr2_robustness_is_a_share_of_the_limit():
     signals = trace(60, person_sight_m=[1.5] * 60, speed_mps=[0.2] * 60)
     assert judge_signals(REQUIREMENTS["SR2"], signals, cut_short=False).reading.rho == pytest.approx(0.2)
 
 
-def test_what_was_not_violated_when_a_flight_is_cut_short_is_open() -> None:
+def test_what_was_not_violated_when_a_flight_is_cut_short_is_open():
     assert said("OP1", cut_short=True, waypoints_left=[3, 3])[0] is Compliance.OPEN
     assert said("SR2", cut_short=True, person_sight_m=[2.0] * 60, speed_mps=[0.2] * 60)[0] is Compliance.OPEN
     assert said("SR1", cut_short=True, clearance_m=[0.1, -0.001])[0] is Compliance.VIOLATED
 
 
-def test_a_log_is_judged_by_its_signals_and_its_ending() -> None:
+def test_a_log_is_judged_by_its_signals_and_its_ending():
     log = SimpleNamespace(signals=trace(3), ending=SimpleNamespace(cut_short=True))
     assert judge(REQUIREMENTS["SR1"], log).open  # type: ignore[arg-type]
 
@@ -126,7 +126,7 @@ margins = st.lists(st.integers(-3, 3).map(float), min_size=1, max_size=30)
 
 
 @given(margins)
-def test_the_first_violation_is_the_end_of_the_shortest_violated_prefix(margin: list[float]) -> None:
+def test_the_first_violation_is_the_end_of_the_shortest_violated_prefix(margin: list[float]):
     requirement = Requirement("R", Kind.SAFETY, "always(once[0:0.1](m >= 0))")
     times = [0.05 * i for i in range(len(margin))]
 
@@ -143,7 +143,7 @@ def test_the_first_violation_is_the_end_of_the_shortest_violated_prefix(margin: 
 
 @settings(deadline=None)
 @given(margins)
-def test_triggers_are_counted_as_episodes(margin: list[float]) -> None:
+def test_triggers_are_counted_as_episodes(margin: list[float]):
     on = "".join("1" if value >= 0 else "0" for value in margin)
     assert episodes(margin) == len([run for run in on.split("0") if run])
 
@@ -180,14 +180,14 @@ GOOD = "requirements:\n  R:\n    kind: safety\n    formula: always(clearance_m >
         ("requirements: [\n", "not valid YAML"),
     ],
 )
-def test_a_bad_file_is_one_sentence_with_its_line(tmp_path: Path, text: str, said: str) -> None:
+def test_a_bad_file_is_one_sentence_with_its_line(tmp_path: Path, text: str, said: str):
     with pytest.raises(InputError) as caught:
         load_requirements(written(tmp_path, text), SIGNALS)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
-def test_definitions_may_build_on_those_above_them(tmp_path: Path) -> None:
+def test_definitions_may_build_on_those_above_them(tmp_path: Path):
     text = (
         GOOD.replace("clearance_m > 0", "far") + "definitions:\n  close: x_m < 1\n  far: not close\n  other: y_m > 0\n"
     )
@@ -198,7 +198,7 @@ def test_definitions_may_build_on_those_above_them(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("formula", ["always(1 / a > 0)", "always(sqrt(a - 1) >= 0)"])
-def test_what_has_no_value_in_a_flight_is_one_sentence_that_names_the_requirement(formula: str) -> None:
+def test_what_has_no_value_in_a_flight_is_one_sentence_that_names_the_requirement(formula: str):
     requirement = Requirement("A", Kind.SAFETY, formula)
     with pytest.raises(InputError, match=r"requirement A cannot be judged: .* at sample 1"):
         judge_signals(requirement, {"a": [1.0, 0.0], "elapsed_s": [0.0, 0.05]}, cut_short=False)

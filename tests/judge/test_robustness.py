@@ -47,12 +47,12 @@ def untested(flown: Outcome, name: str = "SR2") -> Outcome:
 )
 def test_robustness_is_told_of_what_was_put_to_the_test_or_violated(
     reading: Reading, compliance: Compliance, told: float | None
-) -> None:
+):
     assert reading.compliance is compliance
     assert measured_rho(reading) == told
 
 
-def test_a_row_of_the_export_has_nothing_there_in_every_format() -> None:
+def test_a_row_of_the_export_has_nothing_there_in_every_format():
     rows = export_rows([untested(outcome())], ROSTER, GRID)
     (as_json,) = json.loads(to_json(rows))
     (as_csv,) = csv.DictReader(io.StringIO(to_csv(rows, columns(rows))))
@@ -61,14 +61,14 @@ def test_a_row_of_the_export_has_nothing_there_in_every_format() -> None:
     assert as_json["held"] == list(KINDS)
 
 
-def test_a_column_of_nothing_is_still_one_of_numbers_in_parquet() -> None:
+def test_a_column_of_nothing_is_still_one_of_numbers_in_parquet():
     rows = export_rows([untested(outcome())], ROSTER, GRID)
     table = pyarrow.parquet.read_table(io.BytesIO(parquet(rows, columns(rows))))
     assert str(table.schema.field("rho_SR2").type) == "double"
     assert table.column("rho_SR2").to_pylist() == [None]
 
 
-def test_the_least_robustness_is_that_of_the_flights_that_put_it_to_the_test() -> None:
+def test_the_least_robustness_is_that_of_the_flights_that_put_it_to_the_test():
     flights = [outcome(seed=0), untested(outcome(seed=1)), untested(outcome(seed=1), "OP1")]
     assert {t.requirement: t.least_rho for t in tallies(flights)}["SR2"] == 0.3
     alone = [untested(outcome())]
@@ -77,7 +77,7 @@ def test_the_least_robustness_is_that_of_the_flights_that_put_it_to_the_test() -
     assert (rows["SR1"], rows["SR2"]) == ("0.300", "n/a")
 
 
-def test_an_end_of_a_margin_that_tests_nothing_has_no_robustness() -> None:
+def test_an_end_of_a_margin_that_tests_nothing_has_no_robustness():
     matrix = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
     kills = [outcome("LATE-human@3s", HUMAN, seed, violated={"SR2": 8.0}) for seed in range(3)]
     flights = [*pool(HUMAN), untested(outcome("LATE-human@1s", HUMAN)), *kills]

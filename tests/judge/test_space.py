@@ -14,7 +14,7 @@ SIM = Path(__file__).resolve().parents[2] / "sim"
 STUDY = load(SIM).grid
 
 
-def test_the_space_of_the_study_is_its_grid() -> None:
+def test_the_space_of_the_study_is_its_grid():
     space = Space.of(STUDY)
     assert (space.axes, space.values) == (GRID.axes, GRID.values)
     assert [key for key, _ in space.points] == [situation.key for situation in STUDY.situations]
@@ -23,7 +23,7 @@ def test_the_space_of_the_study_is_its_grid() -> None:
     assert space.rank("T0O0W0D0H1") < space.rank("T1O0W0D0H0") < space.rank("nowhere")
 
 
-def test_the_values_of_the_study_come_true_by_its_own_formulas() -> None:
+def test_the_values_of_the_study_come_true_by_its_own_formulas():
     realisation = Realisation.read(STUDY, SIGNALS)
     calm = {name: [0.0, 0.0] for name in SIGNALS}
     calm |= {"light": [1.0, 1.0], "person_sight_m": [100.0, 100.0], "waypoint_wall_m": [100.0, 100.0]}
@@ -35,7 +35,7 @@ def test_the_values_of_the_study_come_true_by_its_own_formulas() -> None:
     assert not any(true for _, true in realisation.of("T0O0W0D0H0", full))
 
 
-def test_a_predicate_that_is_no_formula_is_named_with_file_and_line(tmp_path: Path) -> None:
+def test_a_predicate_that_is_no_formula_is_named_with_file_and_line(tmp_path: Path):
     sim = shutil.copytree(SIM, tmp_path / "sim")
     path = sim / "situations.yaml"
     text = path.read_text(encoding="utf-8").replace("eventually(x_m < -1)", "eventually(x < -1)")
@@ -46,7 +46,7 @@ def test_a_predicate_that_is_no_formula_is_named_with_file_and_line(tmp_path: Pa
     assert str(caught.value).startswith(f"{path}:{line}: realised names the unknown signal 'x'")
 
 
-def test_drawn_situations_have_the_point_of_their_bins_and_come_after_it(tmp_path: Path) -> None:
+def test_drawn_situations_have_the_point_of_their_bins_and_come_after_it(tmp_path: Path):
     grid = load(with_range(shutil.copytree(SIM, tmp_path / "sim"))).grid
     space = Space.of(grid)
     fast, slow, bin_ = "T0O0W0D0H0C2=0.95", "T0O0W0D0H0C2=0.81", "T0O0W0D0H0C2"
@@ -61,7 +61,7 @@ def test_drawn_situations_have_the_point_of_their_bins_and_come_after_it(tmp_pat
     assert space.rank(fast) < space.rank("T0O0W0D0H0C3") < space.rank("nowhere")
 
 
-def test_a_drawn_number_came_true_by_the_formula_of_that_number(tmp_path: Path) -> None:
+def test_a_drawn_number_came_true_by_the_formula_of_that_number(tmp_path: Path):
     grid = load(with_range(shutil.copytree(SIM, tmp_path / "sim"))).grid
     realisation = Realisation.read(grid, SIGNALS)
     signals = {name: [0.0, 0.0] for name in SIGNALS} | {"speed_mps": [0.7, 0.7]}
@@ -69,7 +69,7 @@ def test_a_drawn_number_came_true_by_the_formula_of_that_number(tmp_path: Path) 
     assert came_true == {"0.86": True, "0.89": False}  # 0.8 * 0.86 = 0.688, 0.8 * 0.89 = 0.712
 
 
-def test_a_large_grid_lists_the_situations_that_were_flown_and_a_small_one_all() -> None:
+def test_a_large_grid_lists_the_situations_that_were_flown_and_a_small_one_all():
     large = space_of([2] * 9)
     flown = [large.points[300][0], large.points[7][0]]
     assert len(large.situations) == len(large.points) == 512
@@ -81,7 +81,7 @@ def test_a_large_grid_lists_the_situations_that_were_flown_and_a_small_one_all()
     assert len(small.holding([small.points[7][0]]).situations) == 256
 
 
-def test_to_hold_twice_is_to_hold_both() -> None:
+def test_to_hold_twice_is_to_hold_both():
     large = space_of([2] * 9)
     first, second = large.points[7][0], large.points[300][0]
     assert [key for key, _ in large.holding([first, second]).holding([first]).situations] == [first, second]

@@ -69,38 +69,38 @@ def ruling(flight: Outcome, baseline: Outcome | None = HELD) -> Ruling:
         (outcome(M, violated={"SR2": 20.0}), outcome(violated={"SR2": 10.0}), "baseline_red"),
     ],
 )
-def test_the_first_status_that_fits(flight: Outcome, baseline: Outcome | None, expected: str) -> None:
+def test_the_first_status_that_fits(flight: Outcome, baseline: Outcome | None, expected: str):
     assert ruling(flight, baseline).status.value == expected
 
 
-def test_a_spurious_sample_on_a_silent_seam_infects() -> None:
+def test_a_spurious_sample_on_a_silent_seam_infects():
     assert ruling(outcome(M, carried=0, altered=3)).status is Status.SURVIVED
 
 
-def test_what_is_revealed_names_its_requirements_earliest_first() -> None:
+def test_what_is_revealed_names_its_requirements_earliest_first():
     revealed = ruling(outcome(M, violated={"SR1": 25.0, "SR2": 20.0, "OP1": 50.0}))
     assert revealed.revealed == ("SR2", "SR1")
     assert revealed.operability_revealed == ("OP1",)
     assert revealed.violated == ("SR1", "SR2", "OP1")
 
 
-def test_a_requirement_that_the_baseline_breaks_too_is_not_revealed() -> None:
+def test_a_requirement_that_the_baseline_breaks_too_is_not_revealed():
     revealed = ruling(outcome(M, violated={"SR1": 25.0, "SR2": 20.0}), outcome(violated={"SR2": 10.0}))
     assert (revealed.revealed, revealed.violated) == (("SR1",), ("SR1", "SR2"))
 
 
-def test_a_flight_that_changes_nothing_still_says_what_it_violates() -> None:
+def test_a_flight_that_changes_nothing_still_says_what_it_violates():
     assert ruling(outcome(M, altered=0, violated={"SR2": 20.0}), outcome(violated={"SR2": 20.0})).violated == ("SR2",)
 
 
-def test_a_baseline_is_held_or_violated_by_its_safety_requirements() -> None:
+def test_a_baseline_is_held_or_violated_by_its_safety_requirements():
     assert baseline_status(HELD) == "held"
     assert baseline_status(CUT) == "violated"
     assert baseline_status(outcome(violated={"OP1": 60.0, "SR2-literal": 3.0})) == "held"
     assert baseline_status(outcome(invalid="x")) == "invalid"
 
 
-def test_a_mutants_status_is_the_furthest_stage_that_a_flight_reached() -> None:
+def test_a_mutants_status_is_the_furthest_stage_that_a_flight_reached():
     flights = [outcome(M, altered=0), outcome(M, digest="clean"), outcome(M, invalid="x")]
     assert furthest(ruling(flight).status for flight in flights) is Status.MASKED
     assert furthest([]) is Status.INVALID
@@ -108,7 +108,7 @@ def test_a_mutants_status_is_the_furthest_stage_that_a_flight_reached() -> None:
 
 @given(st.one_of(campaigns(), seeded()))
 @settings(deadline=None)
-def test_every_flight_is_ruled_as_it_is_beside_its_baseline(flown: list[Outcome]) -> None:
+def test_every_flight_is_ruled_as_it_is_beside_its_baseline(flown: list[Outcome]):
     found = rulings_of(flown)
     ruled = {
         (mutant.id, situation, one.seed): one
@@ -129,7 +129,7 @@ def test_every_flight_is_ruled_as_it_is_beside_its_baseline(flown: list[Outcome]
 
 @given(seeded(), st.randoms())
 @settings(deadline=None, max_examples=20)
-def test_the_order_of_outcomes_changes_no_ruling(flown: list[Outcome], chance: random.Random) -> None:
+def test_the_order_of_outcomes_changes_no_ruling(flown: list[Outcome], chance: random.Random):
     shuffled = chance.sample(flown, len(flown))
     one, other = rulings_of(flown), rulings_of(shuffled)
     assert one.mutants == other.mutants
@@ -138,13 +138,13 @@ def test_the_order_of_outcomes_changes_no_ruling(flown: list[Outcome], chance: r
             assert [flight.seed for flight in flights] == sorted(flight.seed for flight in flights)
 
 
-def test_there_are_rulings_where_anything_was_flown() -> None:
+def test_there_are_rulings_where_anything_was_flown():
     assert not rulings_of([])
     assert rulings_of([outcome()])
     assert rulings_of([outcome(M)])
 
 
-def test_an_invalid_flight_has_no_baseline() -> None:
+def test_an_invalid_flight_has_no_baseline():
     invalid = outcome(invalid="worker died")
     for flight, baseline in ((outcome(M, invalid="x"), outcome()), (outcome(M), None), (outcome(M), invalid)):
         found = flight_of(flight, baseline)
@@ -154,7 +154,7 @@ def test_an_invalid_flight_has_no_baseline() -> None:
 @given(campaigns())
 def test_every_flight_of_a_mutant_has_one_status_and_what_is_revealed_names_a_requirement(
     outcomes: list[Outcome],
-) -> None:
+):
     flights = flights_of(outcomes)
     assert len(flights) == sum(outcome.mutant != BASELINE for outcome in outcomes)
     for flight in flights:
@@ -167,7 +167,7 @@ NAME = f"{M}/T0O0W0D0H0/0"
 
 
 @given(campaigns())
-def test_a_campaign_agrees_with_itself_to_the_bit(outcomes: list[Outcome]) -> None:
+def test_a_campaign_agrees_with_itself_to_the_bit(outcomes: list[Outcome]):
     once = list({outcome.name: outcome for outcome in outcomes}.values())
     compared = agreement(once, once[::-1])
     assert sorted(compared.equal) == sorted(outcome.name for outcome in once if not outcome.invalid)
@@ -175,7 +175,7 @@ def test_a_campaign_agrees_with_itself_to_the_bit(outcomes: list[Outcome]) -> No
 
 
 @given(campaigns())
-def test_other_last_bits_of_every_flight_leave_all_facts(outcomes: list[Outcome]) -> None:
+def test_other_last_bits_of_every_flight_leave_all_facts(outcomes: list[Outcome]):
     once = list({outcome.name: outcome for outcome in outcomes}.values())
     other = [replace(outcome, digest=f"{outcome.digest}, other") for outcome in once]
     compared = agreement(once, other)
@@ -183,7 +183,7 @@ def test_other_last_bits_of_every_flight_leave_all_facts(outcomes: list[Outcome]
     assert sorted(compared.bits) == sorted(outcome.name for outcome in once if not outcome.invalid)
 
 
-def test_a_mutant_that_is_masked_on_one_platform_only_differs_in_more_than_bits() -> None:
+def test_a_mutant_that_is_masked_on_one_platform_only_differs_in_more_than_bits():
     here = [outcome(digest="a"), outcome(M, digest="a")]
     there = [outcome(digest="b"), outcome(M, digest="c")]
     compared = agreement(there, here)
@@ -192,26 +192,26 @@ def test_a_mutant_that_is_masked_on_one_platform_only_differs_in_more_than_bits(
     assert compared.named() == f"{NAME} (masked, landed here, survived, landed there)"
 
 
-def test_without_a_baseline_on_one_side_the_status_is_not_compared() -> None:
+def test_without_a_baseline_on_one_side_the_status_is_not_compared():
     compared = agreement([outcome(M, digest="c")], [outcome(digest="b"), outcome(M, digest="b")])
     assert compared.bits == (NAME,)
 
 
 @pytest.mark.parametrize("change", [{"ending": "struck"}, {"violated": True}])
-def test_another_ending_or_violation_is_another_fact(change: dict[str, object]) -> None:
+def test_another_ending_or_violation_is_another_fact(change: dict[str, object]):
     first = outcome(M)
     second = outcome(M, violated={"SR2": 5.0}) if "violated" in change else replace(first, ending="struck")
     assert list(agreement([first], [replace(second, digest="b")]).facts) == [NAME]
 
 
-def test_a_message_names_three_flights_and_counts_the_rest() -> None:
+def test_a_message_names_three_flights_and_counts_the_rest():
     flights = [outcome(M, seed=seed, digest="a") for seed in range(5)]
     compared = agreement(flights, [replace(flight, digest="b", ending="struck") for flight in flights])
     assert compared.named().count(M) == 3
     assert compared.named().endswith(" and 2 more")
 
 
-def test_a_baseline_is_held_or_violated() -> None:
+def test_a_baseline_is_held_or_violated():
     facts = facts_of([outcome(violated={"SR2": 5.0}), outcome(seed=1)])
     assert [one.status for one in facts.values()] == ["violated", "held"]
 
@@ -223,6 +223,6 @@ def _track(x_m: list[float]) -> bytes:
 
 
 @pytest.mark.parametrize(("apart_m", "expected_s"), [(0.0, None), (0.0005, None), (0.002, 0.4)])
-def test_tracks_part_where_the_positions_are_a_millimetre_apart(apart_m: float, expected_s: float | None) -> None:
+def test_tracks_part_where_the_positions_are_a_millimetre_apart(apart_m: float, expected_s: float | None):
     first, second = [0.0] * 12, [0.0] * 8 + [apart_m] * 4
     assert parting_s(_track(first), _track(second)) == pytest.approx(expected_s)

@@ -56,7 +56,7 @@ BURSTS = Fault(
 SHARES = Fault("person", "drop", {}, Magnitude("share", "%", (25.0, 100.0), 100.0, 0.01), message=Detections)
 
 
-def test_mutants_come_in_the_order_fault_magnitude_phase() -> None:
+def test_mutants_come_in_the_order_fault_magnitude_phase():
     assert [mutant.id for mutant in derive(a_matrix(BURSTS, SHARES))] == [
         "NO-human@1s",
         "NO-human@1s#2.5s",
@@ -71,12 +71,12 @@ def test_mutants_come_in_the_order_fault_magnitude_phase() -> None:
     ]
 
 
-def test_the_default_is_the_first_fault_at_its_default_unshifted() -> None:
+def test_the_default_is_the_first_fault_at_its_default_unshifted():
     assert [mutant.id for mutant in defaults(a_matrix(BURSTS, SHARES))] == ["NO-human@3s"]
     assert realise(a_matrix(BURSTS, SHARES), "NO-human").id == "NO-human@3s"
 
 
-def test_the_unit_picks_the_fault_and_the_ladder_is_no_limit() -> None:
+def test_the_unit_picks_the_fault_and_the_ladder_is_no_limit():
     matrix = a_matrix(BURSTS, SHARES)
     assert realise(matrix, "NO-human@2.50s#01s").id == "NO-human@2.5s#1s"
     assert realise(matrix, "NO-human@2.5s#1s").arguments == {"period_s": 10.0, "burst_s": 2.5, "phase_s": 1.0}
@@ -89,7 +89,7 @@ FLAGS = Fault(
 )
 
 
-def test_the_catalogue_has_the_events_that_can_come_after_the_times_of_each_magnitude() -> None:
+def test_the_catalogue_has_the_events_that_can_come_after_the_times_of_each_magnitude():
     assert [mutant.id for mutant in derive(with_events(a_matrix(BURSTS), EVENTS))][4:8] == [
         "NO-human@1s#sight",
         "NO-human@1s#recoil",
@@ -98,20 +98,20 @@ def test_the_catalogue_has_the_events_that_can_come_after_the_times_of_each_magn
     ]
 
 
-def test_where_magnitudes_are_periods_the_catalogue_has_events_at_the_default_only() -> None:
+def test_where_magnitudes_are_periods_the_catalogue_has_events_at_the_default_only():
     matrix = with_events(a_matrix(FLAGS), EVENTS)
     assert [m.id for m in derive(matrix) if m.event] == ["NO-human@20s#sight", "NO-human@20s#recoil"]
     assert realise(matrix, "NO-human@5s#sight").arguments == {"burst_s": 1.0, "period_s": 5.0}
 
 
-def test_events_change_no_default_and_no_mutant_that_strikes_at_times() -> None:
+def test_events_change_no_default_and_no_mutant_that_strikes_at_times():
     matrix = a_matrix(BURSTS, SHARES)
     struck = with_events(matrix, EVENTS)
     assert defaults(struck) == defaults(matrix)
     assert tuple(mutant for mutant in derive(struck) if not mutant.event) == derive(matrix)
 
 
-def test_an_operator_that_opens_no_windows_at_events_strikes_at_times_only(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_operator_that_opens_no_windows_at_events_strikes_at_times_only(monkeypatch: pytest.MonkeyPatch):
     def deafened(_context: TapContext, *, burst_s: Hold, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
         windows = Windows.periodic(period_s, phase_s, burst_s)
         return lambda t_s, sample: None if windows.open(t_s) else sample
@@ -123,7 +123,7 @@ def test_an_operator_that_opens_no_windows_at_events_strikes_at_times_only(monke
         realise(matrix, "NO-human#sight")
 
 
-def test_every_fault_of_the_reference_study_with_phases_strikes_at_events(matrix: Matrix) -> None:
+def test_every_fault_of_the_reference_study_with_phases_strikes_at_events(matrix: Matrix):
     phased = {fault.operator for cell in matrix for fault in cell.faults if fault.phases}
     assert phased == {fault.operator for cell in matrix for fault in cell.faults if fault.events}
     assert {m.event for m in derive(matrix)} == {"", "sight", "obstacle", "waypoint", "person", "recoil", "mode"}
@@ -153,7 +153,7 @@ def refusal(call: Callable[..., object], *arguments: object) -> str:
     return str(caught.value)
 
 
-def test_what_is_no_mutant_is_refused_with_the_reason_and_the_nearest_name(matrix: Matrix) -> None:
+def test_what_is_no_mutant_is_refused_with_the_reason_and_the_nearest_name(matrix: Matrix):
     small = a_matrix(BURSTS, SHARES)
     plain = "NO-human@120%", "NO-human@3m", "NO-human@all", "NO-human@25%#5s", "EARLY-human", "NO-humna"
     said = {text: refusal(realise, small, text) for text in plain}
@@ -166,14 +166,14 @@ def test_what_is_no_mutant_is_refused_with_the_reason_and_the_nearest_name(matri
     as_recorded(__file__, said)
 
 
-def test_what_is_expected_of_a_mutant_is_found_again() -> None:
+def test_what_is_expected_of_a_mutant_is_found_again():
     known = Expected("nobody is there", (25.0,))
     matrix = a_matrix(Fault("person", "drop", {}, SHARES.magnitude, expected=known, message=Detections))
     sources = [source_of(matrix, mutant) for mutant in derive(matrix)]
     assert [fault.expects(rung) for fault, rung in sources] == [known, None]
 
 
-def test_every_credible_and_control_cell_of_the_study_has_mutants_that_patch_their_seam(matrix: Matrix) -> None:
+def test_every_credible_and_control_cell_of_the_study_has_mutants_that_patch_their_seam(matrix: Matrix):
     derived = derive(matrix)
     assert {mutant.cell for mutant in derived} == {c.name for c in matrix if c.status is not CellStatus.NOT_MEANINGFUL}
     assert {mutant.id for mutant in defaults(matrix)} <= {mutant.id for mutant in derived}
@@ -189,12 +189,12 @@ def ids(matrix: Matrix, *patterns: str) -> list[str]:
     return [mutant.id for mutant in select(patterns, matrix, derive(matrix))]
 
 
-def test_a_bare_cell_name_is_its_default(matrix: Matrix) -> None:
+def test_a_bare_cell_name_is_its_default(matrix: Matrix):
     assert ids(matrix, "LATE-human") == ["LATE-human@3s"]
     assert ids(matrix, "LATE-human", "LATE-human@3s", "LATE-human@3.0s") == ["LATE-human@3s"]
 
 
-def test_a_pattern_is_the_whole_ladder_with_its_phases(matrix: Matrix) -> None:
+def test_a_pattern_is_the_whole_ladder_with_its_phases(matrix: Matrix):
     assert ids(matrix, "LATE-human*") == ["LATE-human@0.5s", "LATE-human@1s", "LATE-human@3s", "LATE-human@5s"]
     assert ids(matrix, "UNINTENDED-collision@20s*") == [
         f"UNINTENDED-collision@20s{phase}"
@@ -203,19 +203,19 @@ def test_a_pattern_is_the_whole_ladder_with_its_phases(matrix: Matrix) -> None:
     assert ids(matrix, "UNINTENDED-collision@20s#*s") == [f"UNINTENDED-collision@20s#{p}s" for p in (5, 10, 15)]
 
 
-def test_a_pattern_of_cell_names_is_their_defaults(matrix: Matrix) -> None:
+def test_a_pattern_of_cell_names_is_their_defaults(matrix: Matrix):
     human = [default_of(cell).id for cell in matrix if cell.parameter == "human" and cell.faults]
     assert len(human) > 5
     assert ids(matrix, "*-human") == human
     assert ids(matrix, "LATE-huma?") == ["LATE-human@3s"]
 
 
-def test_the_unit_picks_the_operator_where_a_cell_has_two(matrix: Matrix) -> None:
+def test_the_unit_picks_the_operator_where_a_cell_has_two(matrix: Matrix):
     chosen = select(["NO-depth@3s", "NO-depth@50%"], matrix, derive(matrix))
     assert [mutant.operator for mutant in chosen] == ["outage", "drop"]
 
 
-def test_a_magnitude_and_a_phase_off_the_catalogue_are_accepted(matrix: Matrix) -> None:
+def test_a_magnitude_and_a_phase_off_the_catalogue_are_accepted(matrix: Matrix):
     assert ids(matrix, "LATE-human@2.5s", "UNINTENDED-collision#7s") == [
         "LATE-human@2.5s",
         "UNINTENDED-collision@20s#7s",
@@ -242,14 +242,14 @@ VALUES = st.one_of(st.booleans(), st.floats(allow_nan=False), st.sampled_from(["
         st.builds(Name, GUIDEWORDS, PARAMETERS, MAGNITUDES, event=EVENT_NAMES),
     )
 )
-def test_an_id_reads_back_as_it_was_written(name: Name) -> None:
+def test_an_id_reads_back_as_it_was_written(name: Name):
     assert parse(str(name)) == name
     assert str(parse(str(name))) == str(name)
     assert "/" not in str(name)
 
 
 @given(st.floats(1e-4, 1e4), st.sampled_from(["s", "ms", "x", "%", "m", "EV", "radps", "Hz", ""]))
-def test_a_magnitude_splits_into_number_and_unit(number: float, unit: str) -> None:
+def test_a_magnitude_splits_into_number_and_unit(number: float, unit: str):
     rung, found = split_magnitude(f"{number:g}{unit}")
     assert (f"{rung:g}", found) == (f"{number:g}", unit)
 
@@ -274,27 +274,27 @@ def test_a_magnitude_splits_into_number_and_unit(number: float, unit: str) -> No
         "LATE-human@3 s",
     ],
 )
-def test_a_malformed_id_is_refused_with_the_form(text: str) -> None:
+def test_a_malformed_id_is_refused_with_the_form(text: str):
     with pytest.raises(InputError, match=r"must be of the form GUIDEWORD-parameter\[@magnitude\]\[#phase\]"):
         parse(text)
 
 
 @given(st.dictionaries(st.sampled_from(["share", "delay_s", "field"]), VALUES))
-def test_a_mutant_survives_json_and_pickling(arguments: dict[str, float | str | bool]) -> None:
+def test_a_mutant_survives_json_and_pickling(arguments: dict[str, float | str | bool]):
     mutant = Mutant("NO-human@25%", "NO", "human", "25%", 5.0, "person", "drop", arguments)
     assert Mutant.from_json(json.loads(json.dumps(mutant.to_json()))) == mutant
     assert pickle.loads(pickle.dumps(mutant)) == mutant
     assert hash(mutant) == hash(pickle.loads(pickle.dumps(mutant)))
 
 
-def test_the_event_of_a_mutant_survives_json_and_a_mutant_without_one_has_no_such_key() -> None:
+def test_the_event_of_a_mutant_survives_json_and_a_mutant_without_one_has_no_such_key():
     mutant = Mutant("NO-human@3s#sight", "NO", "human", "3s", 0.0, "person", "outage", {"burst_s": 3.0}, "sight")
     assert Mutant.from_json(json.loads(json.dumps(mutant.to_json()))) == mutant
     assert str(mutant.name) == mutant.id
     assert "event" not in PLACEBO.to_json()
 
 
-def test_a_key_too_many_or_too_few_is_named() -> None:
+def test_a_key_too_many_or_too_few_is_named():
     with pytest.raises(InputError, match="key 'colour' is unknown"):
         Mutant.from_json(PLACEBO.to_json() | {"colour": 1})
     with pytest.raises(InputError, match="key 'seam' is missing"):
@@ -304,11 +304,11 @@ def test_a_key_too_many_or_too_few_is_named() -> None:
 STUDY = Path(__file__).parents[2]
 
 
-def test_the_committed_catalogue_is_what_the_matrix_gives(matrix: Matrix) -> None:
+def test_the_committed_catalogue_is_what_the_matrix_gives(matrix: Matrix):
     assert catalogue.check_catalogue(STUDY / "mutants", matrix) == derive(matrix)
 
 
-def test_writing_twice_gives_the_same_bytes_and_reading_gives_the_mutants_back(matrix: Matrix, tmp_path: Path) -> None:
+def test_writing_twice_gives_the_same_bytes_and_reading_gives_the_mutants_back(matrix: Matrix, tmp_path: Path):
     derived = derive(matrix)
     first = catalogue.write_catalogue(tmp_path / "a", derived).read_bytes()
     assert catalogue.write_catalogue(tmp_path / "b", derived).read_bytes() == first
@@ -322,7 +322,7 @@ def stale(tmp_path: Path, matrix: Matrix, lines: list[str]) -> str:
     return str(caught.value)
 
 
-def test_a_stale_catalogue_is_refused_at_the_first_id_that_differs(matrix: Matrix, tmp_path: Path) -> None:
+def test_a_stale_catalogue_is_refused_at_the_first_id_that_differs(matrix: Matrix, tmp_path: Path):
     lines = catalogue.catalogue_lines(derive(matrix))
     first, second = derive(matrix)[0].id, derive(matrix)[1].id
     place = f"{tmp_path / catalogue.CATALOGUE}"
@@ -335,7 +335,7 @@ def test_a_stale_catalogue_is_refused_at_the_first_id_that_differs(matrix: Matri
     assert f"{first!r} differs from the matrix" in stale(tmp_path, matrix, changed)
 
 
-def test_a_missing_or_broken_catalogue_is_one_sentence_with_the_remedy(matrix: Matrix, tmp_path: Path) -> None:
+def test_a_missing_or_broken_catalogue_is_one_sentence_with_the_remedy(matrix: Matrix, tmp_path: Path):
     with pytest.raises(InputError, match="cannot be read: No such file or directory; write it with"):
         catalogue.check_catalogue(tmp_path, matrix)
     assert ":1: not a mutant in JSON; write it with" in stale(tmp_path, matrix, ["{"])
@@ -344,7 +344,7 @@ def test_a_missing_or_broken_catalogue_is_one_sentence_with_the_remedy(matrix: M
         catalogue.check_catalogue(tmp_path, matrix)
 
 
-def test_a_folder_that_cannot_be_written_is_refused(matrix: Matrix, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_is_refused(matrix: Matrix, tmp_path: Path):
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match="cannot be written"):
         catalogue.write_catalogue(tmp_path / "file", derive(matrix))

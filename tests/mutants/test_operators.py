@@ -93,12 +93,12 @@ def tap_on(name: str, seam: str) -> Any:
 
 
 @pytest.mark.parametrize("name", OPERATORS)
-def test_an_operator_does_what_its_example_says(name: str) -> None:
+def test_an_operator_does_what_its_example_says(name: str):
     assert check_operator(name).failures == ()
 
 
 @pytest.mark.parametrize("name", sorted(set(OPERATORS) - {"identity"}))
-def test_an_operator_tells_the_consumer_something_else_in_its_example(name: str) -> None:
+def test_an_operator_tells_the_consumer_something_else_in_its_example(name: str):
     example = OPERATORS[name].example
     context = example.context()
     tap = OPERATORS[name].tap(context, OPERATORS[name].check("example", example.message, example.arguments))
@@ -109,7 +109,7 @@ def test_an_operator_tells_the_consumer_something_else_in_its_example(name: str)
 
 
 @pytest.mark.parametrize(("name", "seam"), EVERYWHERE)
-def test_fresh_taps_of_one_flight_agree_and_write_into_nothing(name: str, seam: str, stream: Any) -> None:
+def test_fresh_taps_of_one_flight_agree_and_write_into_nothing(name: str, seam: str, stream: Any):
     polls = stream(seam)
     kept = copy.deepcopy(polls)
     first, second = tap_on(name, seam), tap_on(name, seam)
@@ -121,7 +121,7 @@ def test_fresh_taps_of_one_flight_agree_and_write_into_nothing(name: str, seam: 
 
 
 @pytest.mark.parametrize(("name", "seam"), EVERYWHERE)
-def test_a_tap_copied_in_flight_goes_on_by_itself(name: str, seam: str, stream: Any) -> None:
+def test_a_tap_copied_in_flight_goes_on_by_itself(name: str, seam: str, stream: Any):
     polls = stream(seam)
     tap = tap_on(name, seam)
     for t_s, sample in polls[:17]:
@@ -132,7 +132,7 @@ def test_a_tap_copied_in_flight_goes_on_by_itself(name: str, seam: str, stream: 
 
 
 @pytest.mark.parametrize(("name", "seam"), EVERYWHERE)
-def test_a_tap_survives_a_seam_on_which_nothing_is_ever_sent(name: str, seam: str) -> None:
+def test_a_tap_survives_a_seam_on_which_nothing_is_ever_sent(name: str, seam: str):
     tap = tap_on(name, seam)
     arrived = [tap(k / REFERENCE.by_name[seam].rate_hz, None) for k in range(100)]
     assert all(sample is None or type(sample) is REFERENCE.by_name[seam].message for sample in arrived)
@@ -170,7 +170,7 @@ BAD = [
 @pytest.mark.parametrize(("name", "seam", "arguments", "sentence"), BAD)
 def test_a_wrong_use_is_one_sentence_that_says_what_is_allowed(
     name: str, seam: str, arguments: dict[str, Any], sentence: str
-) -> None:
+):
     with pytest.raises(InputError) as caught:
         OPERATORS[name].check(seam, REFERENCE.by_name[seam].message, arguments)
     assert sentence in str(caught.value)
@@ -178,17 +178,17 @@ def test_a_wrong_use_is_one_sentence_that_says_what_is_allowed(
 
 
 @pytest.mark.parametrize("asked", [OPERATORS.__getitem__, check_operator])
-def test_an_unknown_operator_is_answered_with_the_nearest_name(asked: Callable[[str], object]) -> None:
+def test_an_unknown_operator_is_answered_with_the_nearest_name(asked: Callable[[str], object]):
     with pytest.raises(InputError, match=r"no operator 'dealy'; did you mean 'delay'\?"):
         asked("dealy")
 
 
-def test_whole_numbers_arrive_as_such_however_they_were_written() -> None:
+def test_whole_numbers_arrive_as_such_however_they_were_written():
     assert OPERATORS["reorder"].check("depth", DepthFrame, {"count": 2.0}) == {"count": 2}
     assert OPERATORS["set"].check("battery", Battery, {"field": "cells", "value": 3.0})["value"] == 3
 
 
-def test_a_name_is_declared_once_and_with_an_example_that_it_fits() -> None:
+def test_a_name_is_declared_once_and_with_an_example_that_it_fits():
     def factory(_context: TapContext) -> Tap:
         return lambda _t_s, sample: sample
 
@@ -222,11 +222,11 @@ class Picture(NamedTuple):
         (the(Timed), {Timed}),
     ],
 )
-def test_a_need_is_met_by_the_messages_that_have_it(need: Need, met: set[type]) -> None:
+def test_a_need_is_met_by_the_messages_that_have_it(need: Need, met: set[type]):
     assert {message for message in (Nothing, Timed, Picture) if need.met_by(message)} == met
 
 
-def test_a_message_derived_from_another_meets_the_need_for_it() -> None:
+def test_a_message_derived_from_another_meets_the_need_for_it():
     class Better(Timed):
         pass
 
@@ -248,7 +248,7 @@ BROKEN: Mapping[str, tuple[dict[str, Any], str]] = {
 
 
 @pytest.mark.parametrize("what", BROKEN)
-def test_what_does_not_hold_is_a_sentence(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_does_not_hold_is_a_sentence(what: str, monkeypatch: pytest.MonkeyPatch):
     changed, said = BROKEN[what]
     monkeypatch.setitem(OPERATORS._entries, "delay", replace(OPERATORS["delay"], **changed))
     check = check_operator("delay")
@@ -256,7 +256,7 @@ def test_what_does_not_hold_is_a_sentence(what: str, monkeypatch: pytest.MonkeyP
     assert said in str(check)
 
 
-def test_the_operators_of_a_package_are_those_of_its_modules() -> None:
+def test_the_operators_of_a_package_are_those_of_its_modules():
     assert set(operators_of(sensors.__name__)) < set(operators_of("scaloft_fi.mutants.operators")) < set(OPERATORS)
     assert operators_of("scaloft_fi.mut") == ()
 
@@ -280,32 +280,32 @@ def arrived(samples: list[Any]) -> list[Any]:
 
 
 @given(SENT, st.floats(0.0, 2.0))
-def test_delay_keeps_every_sample_and_their_order(sent: list[int | None], delay_s: float) -> None:
+def test_delay_keeps_every_sample_and_their_order(sent: list[int | None], delay_s: float):
     polls = targets(sent) + [None] * 61
     assert arrived(fly("delay", polls, delay_s=delay_s)) == arrived(polls)
 
 
 @given(SENT, st.integers(0, 30))
-def test_delay_by_whole_polls_shifts_by_as_many_polls(sent: list[int | None], polls_late: int) -> None:
+def test_delay_by_whole_polls_shifts_by_as_many_polls(sent: list[int | None], polls_late: int):
     polls = targets(sent) + [None] * polls_late
     late = fly("delay", polls, delay_s=polls_late / 20)
     assert late[polls_late:] == polls[: len(polls) - polls_late]
 
 
 @given(SENT, st.integers(0, 5))
-def test_dropping_no_share_is_the_identity_and_dropping_all_leaves_nothing(sent: list[int | None], seed: int) -> None:
+def test_dropping_no_share_is_the_identity_and_dropping_all_leaves_nothing(sent: list[int | None], seed: int):
     polls = targets(sent)
     assert fly("drop", polls, seed, share=0.0) == polls
     assert arrived(fly("drop", polls, seed, share=1.0)) == []
 
 
-def test_drop_loses_about_the_share_it_is_told() -> None:
+def test_drop_loses_about_the_share_it_is_told():
     kept = arrived(fly("drop", targets(list(range(4000))), share=0.25))
     assert 0.72 < len(kept) / 4000 < 0.78
 
 
 @given(SENT, st.integers(2, 7))
-def test_reorder_permutes_all_but_the_last_incomplete_block(sent: list[int | None], count: int) -> None:
+def test_reorder_permutes_all_but_the_last_incomplete_block(sent: list[int | None], count: int):
     polls = targets(sent) + [None] * count
     whole = len(arrived(polls)) // count * count
     reordered = arrived(fly("reorder", polls, count=count))
@@ -314,7 +314,7 @@ def test_reorder_permutes_all_but_the_last_incomplete_block(sent: list[int | Non
 
 
 @given(SENT, st.sampled_from([10.0, 5.0, 4.0]))
-def test_throttle_passes_at_most_its_rate(sent: list[int | None], rate_hz: float) -> None:
+def test_throttle_passes_at_most_its_rate(sent: list[int | None], rate_hz: float):
     times_s = [k / 20 for k, sample in enumerate(fly("throttle", targets(sent), rate_hz=rate_hz)) if sample]
     slots = [round(t_s * rate_hz * 1e6) // 1_000_000 for t_s in times_s]
     assert len(slots) == len(set(slots))
@@ -323,14 +323,14 @@ def test_throttle_passes_at_most_its_rate(sent: list[int | None], rate_hz: float
 @given(st.integers(2, 400), st.integers(0, 400), st.integers(1, 400), st.sampled_from([20, 240]), st.integers(0, 2000))
 def test_windows_recur_with_their_period_and_none_is_open_before_the_first(
     period: int, phase: int, length: int, rate_hz: int, k: int
-) -> None:
+):
     windows = Windows.periodic(period / rate_hz, phase / rate_hz, min(length, period) / rate_hz)
     since = k - period - phase
     assert windows.open(k / rate_hz) == (since >= 0 and since % period < min(length, period))
 
 
 @given(st.integers(1, 40), st.integers(0, 40))
-def test_outage_is_silent_in_its_windows_and_transparent_outside(burst: int, phase: int) -> None:
+def test_outage_is_silent_in_its_windows_and_transparent_outside(burst: int, phase: int):
     polls = targets(list(range(200)))
     silent = [
         k
@@ -340,13 +340,13 @@ def test_outage_is_silent_in_its_windows_and_transparent_outside(burst: int, pha
     assert silent == [k for k in range(200) if k - 40 - phase >= 0 and (k - 40 - phase) % 40 < burst]
 
 
-def test_an_endless_freeze_repeats_the_sample_before_it() -> None:
+def test_an_endless_freeze_repeats_the_sample_before_it():
     held = fly("freeze", targets(list(range(20))), hold_s=float("inf"), period_s=0.5)
     assert held[:10] == targets(list(range(20)))[:10]
     assert set(held[10:]) == {held[9]}
 
 
-def test_seven_in_ten_of_a_narrow_view_is_measured_in_degrees() -> None:
+def test_seven_in_ten_of_a_narrow_view_is_measured_in_degrees():
     operator = OPERATORS["narrow"]
     tap = operator.tap(TapContext(0.05, np.random.default_rng(0)), {"share": 0.5})
     inside, outside = Person("person", 0.9, np.radians(14.0), 3.0), Person("person", 0.9, np.radians(-15.5), 3.0)
@@ -355,7 +355,7 @@ def test_seven_in_ten_of_a_narrow_view_is_measured_in_degrees() -> None:
 
 
 @given(st.floats(0.0, 0.6))
-def test_the_inserted_waypoint_keeps_its_clearance_from_the_wall(clearance_m: float) -> None:
+def test_the_inserted_waypoint_keeps_its_clearance_from_the_wall(clearance_m: float):
     operator = OPERATORS["insert_near_wall"]
     tap = operator.tap(TapContext(0.05, np.random.default_rng(0)), {"clearance_m": clearance_m})
     route = tap(0.0, Route(((0.0, 7.0, 1.65), (0.0, 0.0, 1.65))))

@@ -25,11 +25,11 @@ from scaloft_fi.stack.reference.messages import Target
 CONTEXT = contexts("PLACEBO", "T0O0W0D0H0", 0, Facts())
 
 
-def test_the_baseline_flies_on_a_plain_wire() -> None:
+def test_the_baseline_flies_on_a_plain_wire():
     assert isinstance(wire_for(None, REFERENCE, CONTEXT), PlainWire)
 
 
-def test_placebo_passes_every_sample_of_every_seam_through_a_tap_and_alters_none(stream: Any) -> None:
+def test_placebo_passes_every_sample_of_every_seam_through_a_tap_and_alters_none(stream: Any):
     wire = wire_for(PLACEBO, REFERENCE, CONTEXT)
     assert isinstance(wire, TappedWire)
     for seam in REFERENCE.by_name:
@@ -39,7 +39,7 @@ def test_placebo_passes_every_sample_of_every_seam_through_a_tap_and_alters_none
     assert set(wire.counts.values()) == {SeamCount(carried=30, altered=0, first_altered_s=None)}
 
 
-def test_only_the_tapped_seam_is_altered_and_counted(matrix: Matrix, stream: Any) -> None:
+def test_only_the_tapped_seam_is_altered_and_counted(matrix: Matrix, stream: Any):
     wire = wire_for(realise(matrix, "LATE-human@0.5s"), REFERENCE, CONTEXT)
     assert isinstance(wire, TappedWire)
     for t_s, sample in stream("depth"):
@@ -54,7 +54,7 @@ def test_only_the_tapped_seam_is_altered_and_counted(matrix: Matrix, stream: Any
     assert set(wire.counts) == {"person"}
 
 
-def test_a_sample_made_from_nothing_was_carried_and_is_altered(matrix: Matrix) -> None:
+def test_a_sample_made_from_nothing_was_carried_and_is_altered(matrix: Matrix):
     wire = wire_for(realise(matrix, "UNINTENDED-human@5s"), REFERENCE, CONTEXT)
     assert isinstance(wire, TappedWire)
     for k in range(20 * 6):
@@ -62,13 +62,13 @@ def test_a_sample_made_from_nothing_was_carried_and_is_altered(matrix: Matrix) -
     assert wire.counts["person"] == SeamCount(carried=20, altered=20, first_altered_s=5.0)
 
 
-def test_a_failing_tap_is_a_matter_of_the_harness() -> None:
+def test_a_failing_tap_is_a_matter_of_the_harness():
     wire = tapped({"target": _broken})
     with pytest.raises(TapError, match=r"tap on target at 0\.050 s: ZeroDivisionError: tap"):
         wire.cross("target", 0.05, Target(0, (0.0, 0.0, 0.0)))
 
 
-def test_randomness_depends_on_mutant_situation_and_seed_only() -> None:
+def test_randomness_depends_on_mutant_situation_and_seed_only():
     def draws(mutant_id: str, situation: str, seed: int) -> list[float]:
         return list(contexts(mutant_id, situation, seed, Facts())(REFERENCE.by_name["depth"]).rng.random(3))
 
@@ -79,7 +79,7 @@ def test_randomness_depends_on_mutant_situation_and_seed_only() -> None:
     assert draws("NO-depth@50%", "T0O0W0D0H0", 1) != reference
 
 
-def test_a_wire_copied_in_flight_counts_for_itself(matrix: Matrix, stream: Any) -> None:
+def test_a_wire_copied_in_flight_counts_for_itself(matrix: Matrix, stream: Any):
     wire = wire_for(realise(matrix, "NO-depth@50%"), REFERENCE, contexts("NO-depth@50%", "T0O0W0D0H0", 0, Facts()))
     polls = stream("depth")
     for t_s, sample in polls[:20]:
@@ -90,9 +90,7 @@ def test_a_wire_copied_in_flight_counts_for_itself(matrix: Matrix, stream: Any) 
     assert np.any(rest)
 
 
-def test_every_default_alters_what_its_seam_carries_unless_the_matrix_says_otherwise(
-    matrix: Matrix, sample_of: Any
-) -> None:
+def test_every_default_alters_what_its_seam_carries_unless_the_matrix_says_otherwise(matrix: Matrix, sample_of: Any):
     facts = Facts(sighting_s=12.0, settings={"memory": {"voxel_m": 0.15}})
     silent = []
     for mutant in defaults(matrix):
@@ -156,25 +154,25 @@ def _watching(
     return WatchingWire(wires, fork, lambda name, error: told.append(f"{name}: {error}"))
 
 
-def test_each_mutant_leaves_once_where_it_first_differs() -> None:
+def test_each_mutant_leaves_once_where_it_first_differs():
     seen = []
     _fly(_watching(lambda name, t_s: bool(seen.append((name, t_s))), _taps()))
     assert seen == [("early", 0.1), ("late", 0.3)]
 
 
-def test_in_a_branch_nobody_else_leaves() -> None:
+def test_in_a_branch_nobody_else_leaves():
     fork = Fork("early")
     _fly(_watching(fork, _taps()))
     assert fork.asked == ["early"]
 
 
-def test_two_that_differ_at_once_leave_one_after_the_other_in_order() -> None:
+def test_two_that_differ_at_once_leave_one_after_the_other_in_order():
     fork = Fork()
     _fly(_watching(fork, {"b": {"target": _from(0.0)}, "a": {"target": _from(0.0)}}))
     assert fork.asked == ["b", "a"]
 
 
-def test_a_tap_that_fails_while_watched_is_that_mutants_failure_alone() -> None:
+def test_a_tap_that_fails_while_watched_is_that_mutants_failure_alone():
     failures: list[str] = []
     fork = Fork()
     wire = _watching(fork, {"bad": {"target": _broken}, **_taps()}, failures)
@@ -183,7 +181,7 @@ def test_a_tap_that_fails_while_watched_is_that_mutants_failure_alone() -> None:
     assert fork.asked == ["early", "late"]
 
 
-def test_a_flight_that_cannot_branch_is_a_matter_of_the_harness() -> None:
+def test_a_flight_that_cannot_branch_is_a_matter_of_the_harness():
     def refuse(_name: str, _t_s: float) -> bool:
         raise OSError("no more processes")
 
@@ -197,7 +195,7 @@ def test_a_flight_that_cannot_branch_is_a_matter_of_the_harness() -> None:
 )
 def test_whatever_is_sent_each_branch_is_the_flight_from_take_off(
     polls: list[tuple[str, float | None]], starts: list[tuple[str, int]]
-) -> None:
+):
     sent: list[Delivery] = [
         (seam, k / 20, None if value is None else Target(0, (value, 0.0, 0.0))) for k, (seam, value) in enumerate(polls)
     ]
@@ -214,7 +212,7 @@ def test_whatever_is_sent_each_branch_is_the_flight_from_take_off(
         assert (branch.counts if whole.altered else watching.silent[name]) == whole.counts
 
 
-def test_it_listens_where_a_watched_wire_does_and_in_a_branch_where_that_one_does() -> None:
+def test_it_listens_where_a_watched_wire_does_and_in_a_branch_where_that_one_does():
     taps = {**_taps(), "shaky": {"imu": lambda _t_s, sample: sample}}
     trunk, branch = _watching(Fork(), taps), _watching(Fork("early"), taps)
     for wire in (trunk, branch):
@@ -227,7 +225,7 @@ def test_it_listens_where_a_watched_wire_does_and_in_a_branch_where_that_one_doe
     assert not branch.listens("imu")
 
 
-def test_nobody_listens_where_all_have_left() -> None:
+def test_nobody_listens_where_all_have_left():
     wire = _watching(Fork(), {"early": {"imu": lambda _t_s, _sample: None}})
     assert wire.listens("imu")
     wire.cross("imu", 0.0, (0.0,))
@@ -258,9 +256,7 @@ def _fly_events(wire: Any, occurs: Mapping[int, str]) -> list[Any]:
 @given(
     st.dictionaries(st.integers(0, 9), st.sampled_from(["sight", "mode", "light"])), st.sampled_from(["sight", "mode"])
 )
-def test_every_watched_wire_learns_of_its_event_and_a_branch_of_those_to_come(
-    occurs: dict[int, str], taken: str
-) -> None:
+def test_every_watched_wire_learns_of_its_event_and_a_branch_of_those_to_come(occurs: dict[int, str], taken: str):
     fork = Fork(taken)
     wire, whole = WatchingWire(_at_events(), fork, lambda _name, _error: None), _at_events()[taken]
     assert wire.awaited == {"sight", "mode"}
@@ -268,7 +264,7 @@ def test_every_watched_wire_learns_of_its_event_and_a_branch_of_those_to_come(
     assert wire.counts == (whole.counts if whole.altered else {})
 
 
-def test_wires_of_faults_that_strike_at_times_await_no_event() -> None:
+def test_wires_of_faults_that_strike_at_times_await_no_event():
     assert _watching(Fork(), _taps()).awaited == frozenset()
 
 
@@ -292,7 +288,7 @@ def opened(windows: Windows, event: Occurrences, occurs: list[int], rate_hz: int
 @given(OCCURS, st.integers(1, 60), st.integers(1, 100), RATES)
 def test_windows_open_at_occurrences_keep_their_length_and_do_not_overlap(
     occurs: list[int], length: int, apart: int, rate_hz: int
-) -> None:
+):
     event, per_tick, length = Occurrences(), rate_hz // 20, min(length, apart)
     windows = Windows(event.openings(apart / 20), length / 20)
     starts: list[int] = []
@@ -308,20 +304,20 @@ def test_windows_open_at_occurrences_keep_their_length_and_do_not_overlap(
 
 
 @given(OCCURS, st.integers(1, 60))
-def test_a_fault_that_happens_once_strikes_at_the_first_occurrence_only(occurs: list[int], length: int) -> None:
+def test_a_fault_that_happens_once_strikes_at_the_first_occurrence_only(occurs: list[int], length: int):
     event = Occurrences()
     windows = TapContext(0.05, np.random.default_rng(0), event=event).window(at_s=3.0, length_s=length / 20)
     polls = range(occurs[0], min(occurs[0] + length, 450)) if occurs else ()
     assert opened(windows, event, occurs, 20) == dict.fromkeys(polls, 0)
 
 
-def test_without_an_event_a_context_opens_windows_at_times() -> None:
+def test_without_an_event_a_context_opens_windows_at_times():
     context = TapContext(0.05, np.random.default_rng(0))
     assert context.windows(20.0, 5.0, 2.0) == Windows.periodic(20.0, 5.0, 2.0)
     assert [context.window(3.0, math.inf).number(t_s) for t_s in (2.95, 3.0, 1000.0)] == [None, 0, 0]
 
 
-def test_a_copy_of_windows_learns_of_nothing_that_happens_to_the_original() -> None:
+def test_a_copy_of_windows_learns_of_nothing_that_happens_to_the_original():
     event = Occurrences()
     windows = Windows(event.openings(0.0), 1.0)
     branch = copy.deepcopy(windows)

@@ -39,7 +39,7 @@ def _load(tmp_path: Path, **keys: str) -> FlightCommand:
     return load_command(path)
 
 
-def test_a_declaration_is_read_and_is_not_deterministic_unless_it_says_so(tmp_path: Path) -> None:
+def test_a_declaration_is_read_and_is_not_deterministic_unless_it_says_so(tmp_path: Path):
     command = _load(tmp_path)
     assert [word.text for word in command.run] == ["fly", "{situation}", "5"]
     assert (command.limit_s, command.mission_s, command.deterministic) == (60.0, None, False)
@@ -60,13 +60,13 @@ def test_a_declaration_is_read_and_is_not_deterministic_unless_it_says_so(tmp_pa
         ({"seams": "{x: {parameter: true, relay: {from: /x, to: /y, border: lines}}}"}, "{parameter: true}, so that"),
     ],
 )
-def test_a_wrong_declaration_is_refused_with_its_line(keys: dict[str, str], said: str, tmp_path: Path) -> None:
+def test_a_wrong_declaration_is_refused_with_its_line(keys: dict[str, str], said: str, tmp_path: Path):
     with pytest.raises(InputError, match=r"flyer\.yaml:\d+: ") as refused:
         _load(tmp_path, **keys)
     assert said in str(refused.value)
 
 
-def test_the_matrix_may_use_the_declared_seams_only(tmp_path: Path) -> None:
+def test_the_matrix_may_use_the_declared_seams_only(tmp_path: Path):
     command = _load(tmp_path, seams="{person: {parameter: true}, own: {parameter: true, message: velocity}}")
     narrowed = command.declared(REFERENCE)
     assert set(narrowed.by_name) == {"person", "own"}
@@ -77,13 +77,13 @@ def test_the_matrix_may_use_the_declared_seams_only(tmp_path: Path) -> None:
     assert every.canaries == REFERENCE.canaries
 
 
-def test_a_seam_without_a_message_must_be_one_of_the_stack(tmp_path: Path) -> None:
+def test_a_seam_without_a_message_must_be_one_of_the_stack(tmp_path: Path):
     command = _load(tmp_path, seams="{persn: {parameter: true}}")
     with pytest.raises(InputError, match=r"'persn' is no seam of the stack 'reference'.*did you mean 'person'"):
         command.declared(REFERENCE)
 
 
-def test_places_are_filled_with_values_and_other_braces_stay() -> None:
+def test_places_are_filled_with_values_and_other_braces_stay():
     values = {"seed": 3, "vehicle.mass_kg": 1.5, "dark": True, "situation": "T0"}
     text = Text('{situation}/{seed} {vehicle.mass_kg} {dark} {"a": {}}', "flyer.yaml:3")
     assert text.filled(values) == 'T0/3 1.5 true {"a": {}}'
@@ -96,7 +96,7 @@ def _run(tmp_path: Path, program: str, limit_s: float = 20.0) -> Told:
     return run_command([sys.executable, "-c", program], {"OWN": "1"}, tmp_path, limit_s, tmp_path / "beside")
 
 
-def test_what_the_last_line_says_is_told(tmp_path: Path) -> None:
+def test_what_the_last_line_says_is_told(tmp_path: Path):
     program = """
 print("warming up")
 print('{"altered": 3, "carried": 9, "first_altered_s": 1.5, "stack_error": "died"}')
@@ -106,12 +106,12 @@ print('{"altered": 3, "carried": 9, "first_altered_s": 1.5, "stack_error": "died
     assert _run(tmp_path, "pass") == Told()
 
 
-def test_it_runs_in_the_folder_with_its_own_environment(tmp_path: Path) -> None:
+def test_it_runs_in_the_folder_with_its_own_environment(tmp_path: Path):
     _run(tmp_path, "import os, pathlib; pathlib.Path('here').write_text(os.environ['OWN'])")
     assert (tmp_path / "here").read_text() == "1"
 
 
-def test_a_command_that_hangs_is_ended_with_all_that_it_started(tmp_path: Path) -> None:
+def test_a_command_that_hangs_is_ended_with_all_that_it_started(tmp_path: Path):
     program = """
 import pathlib, subprocess, sys, time
 deaf = "import signal, time; signal.signal(15, signal.SIG_IGN); time.sleep(60)"
@@ -137,7 +137,7 @@ time.sleep(60)
         (r"print('x' * 10**5 + '\x1b[2J'); raise SystemExit(1)", "it said last: x{300}$"),
     ],
 )
-def test_a_command_that_fails_says_its_last_lines(program: str, said: str, tmp_path: Path) -> None:
+def test_a_command_that_fails_says_its_last_lines(program: str, said: str, tmp_path: Path):
     with pytest.raises(CommandError, match=said):
         _run(tmp_path, program)
 
@@ -145,13 +145,13 @@ def test_a_command_that_fails_says_its_last_lines(program: str, said: str, tmp_p
 @pytest.mark.parametrize(
     "last", ['{"altered": -1}', '{"altered": true}', '{"carried": 1.5}', '{"first_altered_s": "a"}']
 )
-def test_a_wrong_count_is_refused(last: str) -> None:
+def test_a_wrong_count_is_refused(last: str):
     with pytest.raises(CommandError, match="the last line says"):
         told(last)
 
 
 @pytest.mark.parametrize("last", ["", "{", "[1]", "{" * 100_000])
-def test_what_is_no_object_says_nothing(last: str) -> None:
+def test_what_is_no_object_says_nothing(last: str):
     assert told(last) == Told()
 
 
@@ -200,18 +200,18 @@ def _relayed(
         relays.close()
 
 
-def test_without_a_fault_every_message_arrives_as_it_was_sent(tmp_path: Path, stack: Declaration) -> None:
+def test_without_a_fault_every_message_arrives_as_it_was_sent(tmp_path: Path, stack: Declaration):
     assert _relayed(tmp_path, stack, PlainWire()).altered == sum(range(1, 21))
 
 
-def test_a_tap_alters_what_arrives_and_counts_it(tmp_path: Path, stack: Declaration) -> None:
+def test_a_tap_alters_what_arrives_and_counts_it(tmp_path: Path, stack: Declaration):
     wire = _wire(stack, "scale", factor=2.0, field="velocity")
     assert isinstance(wire, TappedWire)
     assert _relayed(tmp_path, stack, wire).altered == 2 * sum(range(1, 21))
     assert (wire.counts["drive"].carried, wire.counts["drive"].altered) == (20, 20)
 
 
-def test_a_late_message_is_delivered_while_none_comes(tmp_path: Path, stack: Declaration) -> None:
+def test_a_late_message_is_delivered_while_none_comes(tmp_path: Path, stack: Declaration):
     program = PROGRAM.replace("range(1, 21)", "range(1, 3)").replace(
         "    came.append(answer())", "    began = time.monotonic(); answer(); came.append(time.monotonic() - began)"
     )
@@ -219,28 +219,26 @@ def test_a_late_message_is_delivered_while_none_comes(tmp_path: Path, stack: Dec
     assert told.altered in (2, 3, 4)  # two waits of 1.5 s, each until the next poll
 
 
-def test_a_message_that_does_not_fit_its_seam_is_one_sentence(tmp_path: Path, stack: Declaration) -> None:
+def test_a_message_that_does_not_fit_its_seam_is_one_sentence(tmp_path: Path, stack: Declaration):
     program = PROGRAM.replace("[float(i), 0.0, 0.0]", "'fast'")
     with pytest.raises(BorderError, match="the relay of seam 'drive' cannot read /cmd_raw: "):
         _relayed(tmp_path, stack, PlainWire(), program)
 
 
-def test_messages_that_come_faster_than_they_are_carried_are_not_lost_silently(
-    tmp_path: Path, stack: Declaration
-) -> None:
+def test_messages_that_come_faster_than_they_are_carried_are_not_lost_silently(tmp_path: Path, stack: Declaration):
     program = PROGRAM.replace("    came.append(answer())\n", "").replace("print", "time.sleep(1); print")
     with pytest.raises(BorderError, match="the relay of seam 'drive' lost"):
         _relayed(tmp_path, stack, PlainWire(), program)
 
 
-def test_two_seams_may_have_relays_of_one_border(tmp_path: Path, stack: Declaration) -> None:
+def test_two_seams_may_have_relays_of_one_border(tmp_path: Path, stack: Declaration):
     two = replace(stack, seams=(*stack.seams, replace(stack.seams[0], name="second")), canaries=())
     relays = Relays({**RELAY, "second": Relay("/b_raw", "/b", "lines")}, two, PlainWire(), tmp_path)
     assert len(relays.begin()) == 1
     relays.close()
 
 
-def test_time_is_that_of_the_simulators_clock(tmp_path: Path, stack: Declaration) -> None:
+def test_time_is_that_of_the_simulators_clock(tmp_path: Path, stack: Declaration):
     """A delay of 60 s lasts as long as the simulator takes for them, which is no time here."""
     program = """
 import json

@@ -155,7 +155,7 @@ def arrived(border: LinesBorder) -> Any:
     return border.take("drive")
 
 
-def test_the_border_lacks_a_process_until_one_has_named_each_topic(border: LinesBorder) -> None:
+def test_the_border_lacks_a_process_until_one_has_named_each_topic(border: LinesBorder):
     assert border.lacking() == "no process has connected that publishes /cmd_vel"
     silent = connect()
     assert border.lacking() == "no process has connected that publishes /cmd_vel"
@@ -165,14 +165,14 @@ def test_the_border_lacks_a_process_until_one_has_named_each_topic(border: Lines
     talking.close()
 
 
-def test_the_border_lacks_no_topic_that_is_not_awaited(tmp_path: Path) -> None:
+def test_the_border_lacks_no_topic_that_is_not_awaited(tmp_path: Path):
     with opened(tmp_path, Topic("land", "/land", Land, outward=False, awaited=False)) as border:
         connection = connect(publishes=["/cmd_vel"])
         assert [border.lacking() for _ in range(2)][-1] == ""
         connection.close()
 
 
-def test_samples_go_out_in_order_and_the_clock_is_last(border: LinesBorder, other: Connection) -> None:
+def test_samples_go_out_in_order_and_the_clock_is_last(border: LinesBorder, other: Connection):
     border.send("touch", 1.25, Bumper(1.25, hull=True, gear=False))
     border.clock(1.25)
     messages = iter(other)
@@ -180,7 +180,7 @@ def test_samples_go_out_in_order_and_the_clock_is_last(border: LinesBorder, othe
     assert next(messages) == {"clock": 1.25}
 
 
-def test_an_answer_counts_from_the_clock_on(border: LinesBorder, other: Connection) -> None:
+def test_an_answer_counts_from_the_clock_on(border: LinesBorder, other: Connection):
     other.send("/cmd_vel", STILL)
     assert border.wait("drive", 0.2)
     border.clock(0.05)
@@ -212,7 +212,7 @@ def test_an_answer_counts_from_the_clock_on(border: LinesBorder, other: Connecti
 )
 def test_a_message_that_does_not_fit_is_refused_and_the_next_one_counts(
     border: LinesBorder, other: Connection, line: bytes, why: str
-) -> None:
+):
     raw(other, line)
     other.send("/cmd_vel", STILL)
     arrival = arrived(border)
@@ -220,9 +220,7 @@ def test_a_message_that_does_not_fit_is_refused_and_the_next_one_counts(
     assert arrival.sample is not None
 
 
-def test_of_a_flood_the_newest_sample_counts_and_no_tick_reads_without_end(
-    border: LinesBorder, other: Connection
-) -> None:
+def test_of_a_flood_the_newest_sample_counts_and_no_tick_reads_without_end(border: LinesBorder, other: Connection):
     border.clock(0.0)
     for number in range(1_000):
         other.send("/cmd_vel", STILL | {"turn_radps": number})
@@ -235,7 +233,7 @@ def test_of_a_flood_the_newest_sample_counts_and_no_tick_reads_without_end(
     assert arrival.sample.turn_radps == 999
 
 
-def test_a_line_without_end_ends_the_connection(border: LinesBorder, other: Connection) -> None:
+def test_a_line_without_end_ends_the_connection(border: LinesBorder, other: Connection):
     other._socket.setblocking(False)
     sent = 0
     while sent < 2 * LONGEST_LINE:
@@ -250,7 +248,7 @@ def test_a_line_without_end_ends_the_connection(border: LinesBorder, other: Conn
     assert border.lacking().startswith("no process has connected")
 
 
-def test_a_bounded_number_of_processes_may_connect(border: LinesBorder) -> None:
+def test_a_bounded_number_of_processes_may_connect(border: LinesBorder):
     many = [connect() for _ in range(MOST_PROCESSES)]
     for _ in range(MOST_PROCESSES + 1):
         border.lacking()
@@ -261,7 +259,7 @@ def test_a_bounded_number_of_processes_may_connect(border: LinesBorder) -> None:
         connection.close()
 
 
-def test_a_process_that_ends_is_forgotten(border: LinesBorder, other: Connection) -> None:
+def test_a_process_that_ends_is_forgotten(border: LinesBorder, other: Connection):
     other.close()
     border.clock(0.05)
     border.clock(0.1)
@@ -269,7 +267,7 @@ def test_a_process_that_ends_is_forgotten(border: LinesBorder, other: Connection
     assert border.lacking().startswith("no process has connected")
 
 
-def test_two_borders_do_not_hear_each_other(border: LinesBorder, tmp_path: Path) -> None:
+def test_two_borders_do_not_hear_each_other(border: LinesBorder, tmp_path: Path):
     (tmp_path / "second").mkdir()
     with opened(tmp_path / "second") as second:
         connection = connect(publishes=["/cmd_vel"])
@@ -279,6 +277,6 @@ def test_two_borders_do_not_hear_each_other(border: LinesBorder, tmp_path: Path)
         connection.close()
 
 
-def test_a_socket_that_cannot_be_opened_is_named(tmp_path: Path) -> None:
+def test_a_socket_that_cannot_be_opened_is_named(tmp_path: Path):
     with pytest.raises(BorderError, match="the socket cannot be opened"):
         LinesBorder(TOPICS, tmp_path / "nowhere").open()

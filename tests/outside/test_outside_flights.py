@@ -33,7 +33,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path / "study"
 
 
-def test_seams_and_beliefs_follow_from_the_settings(folder: Path) -> None:
+def test_seams_and_beliefs_follow_from_the_settings(folder: Path):
     stack = Study.open(folder).stack
     assert [seam.name for seam in stack.seams] == [
         "pose", "camera", "depth", "person", "drive", "land", "imu", "fix", "thrust",
@@ -57,7 +57,7 @@ def test_seams_and_beliefs_follow_from_the_settings(folder: Path) -> None:
         ("  pose: {topic", "  imu: {topic", "stack.seams.imu: is the name of a seam of our drone"),
     ],
 )  # fmt: skip
-def test_settings_that_do_not_fit_are_refused_with_their_place(folder: Path, old: str, new: str, sentence: str) -> None:
+def test_settings_that_do_not_fit_are_refused_with_their_place(folder: Path, old: str, new: str, sentence: str):
     path = folder / "sim" / "stack.yaml"
     text = path.read_text()
     assert old in text
@@ -70,7 +70,7 @@ def test_settings_that_do_not_fit_are_refused_with_their_place(folder: Path, old
 
 def test_a_border_of_a_package_that_is_not_installed_is_told_with_the_command_that_installs_it(
     folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.delitem(BORDERS._entries, "ros1", raising=False)  # tests of the package add it
     path = folder / "sim" / "stack.yaml"
     path.write_text(path.read_text().replace("border: lines", "border: ros1"))
@@ -79,14 +79,14 @@ def test_a_border_of_a_package_that_is_not_installed_is_told_with_the_command_th
     assert str(refused.value).startswith(f"{path}:")
 
 
-def test_settings_of_the_part_below_are_checked_before_a_flight(folder: Path) -> None:
+def test_settings_of_the_part_below_are_checked_before_a_flight(folder: Path):
     path = folder / "sim" / "stack.yaml"
     path.write_text(path.read_text().replace("mass_kg: 1.5", "mass_kg: -1.5"))
     with pytest.raises(InputError, match=r"mass_kg=-1.5 must be >= 1e-06"):
         Study.open(folder).check()
 
 
-def test_another_program_in_the_study_means_other_flights(folder: Path) -> None:
+def test_another_program_in_the_study_means_other_flights(folder: Path):
     (folder / "sim" / "planner.py").write_text("a = 1\n")
     before = Study.open(folder).inputs
     (folder / "sim" / "planner.py").write_text("a = 2\n")
@@ -95,7 +95,7 @@ def test_another_program_in_the_study_means_other_flights(folder: Path) -> None:
     assert before["code"] == after["code"]
 
 
-def test_a_false_contact_comes_with_each_period_and_leaves_a_true_one() -> None:
+def test_a_false_contact_comes_with_each_period_and_leaves_a_true_one():
     operator = OPERATORS["false_contact"]
     example = operator.example
     context = example.context()
@@ -174,7 +174,7 @@ def outside(planner: Study) -> dict[str, Outcome]:
 @pytest.mark.flight
 def test_a_planner_outside_flies_bit_for_bit_as_the_same_planner_inside(
     make_study: Callable[..., None], outside: dict[str, Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.syspath_prepend(str(EXAMPLE))
     import inside  # noqa: F401 - it declares the stack
 
@@ -190,7 +190,7 @@ def test_a_planner_outside_flies_bit_for_bit_as_the_same_planner_inside(
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_placebo_outside_flies_as_the_baseline_and_a_late_person_is_shown(outside: dict[str, Outcome]) -> None:
+def test_placebo_outside_flies_as_the_baseline_and_a_late_person_is_shown(outside: dict[str, Outcome]):
     baseline, late, placebo = outside.values()
     assert placebo.digest == baseline.digest
     assert placebo.carried > 0
@@ -218,7 +218,7 @@ def test_placebo_outside_flies_as_the_baseline_and_a_late_person_is_shown(outsid
 )
 def test_what_goes_wrong_outside_is_the_drones_with_a_sentence_and_its_last_words(
     faulty: Callable[[str], Study], fault: str, sentence: str
-) -> None:
+):
     outcome = flown(faulty(fault))
     assert outcome.invalid == ""
     assert sentence in outcome.stack_error
@@ -227,14 +227,14 @@ def test_what_goes_wrong_outside_is_the_drones_with_a_sentence_and_its_last_word
 
 
 @pytest.mark.flight
-def test_a_stack_that_is_killed_is_the_harness_and_is_flown_again(faulty: Callable[[str], Study]) -> None:
+def test_a_stack_that_is_killed_is_the_harness_and_is_flown_again(faulty: Callable[[str], Study]):
     study = faulty("import os; os.kill(os.getpid(), 9)")
     with pytest.raises(BorderError, match=r"^faulty\.py was ended by SIGKILL; its last lines: ready"):
         flown(study)
 
 
 @pytest.mark.flight
-def test_a_flood_changes_no_flight(faulty: Callable[[str], Study]) -> None:
+def test_a_flood_changes_no_flight(faulty: Callable[[str], Study]):
     outcome = flown(faulty("[border.send('/cmd_vel', order) for _ in range(50)]"))
     assert outcome.stack_error == ""
 
@@ -247,7 +247,7 @@ def test_a_flood_changes_no_flight(faulty: Callable[[str], Study]) -> None:
         ("import time; time.sleep(60)", "not within 2 s: no process has connected that publishes /cmd_vel, /land"),
     ],
 )
-def test_a_stack_that_never_comes_up_is_the_harness(faulty: Callable[..., Study], program: str, sentence: str) -> None:
+def test_a_stack_that_never_comes_up_is_the_harness(faulty: Callable[..., Study], program: str, sentence: str):
     study = faulty("", program)
     with pytest.raises(BorderError, match="the stages outside never came up") as refused:
         flown(study)

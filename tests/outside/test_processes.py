@@ -69,7 +69,7 @@ def mark(tmp_path: Path) -> str:
     return f"{os.getpid()}-{tmp_path.name}"
 
 
-def test_processes_run_with_the_environment_of_the_border_and_their_output_is_kept(tmp_path: Path) -> None:
+def test_processes_run_with_the_environment_of_the_border_and_their_output_is_kept(tmp_path: Path):
     both = processes(
         tmp_path, "import os, time; print('hello', os.environ['ROOM'], flush=True); time.sleep(60)", ROOM="7"
     )
@@ -80,7 +80,7 @@ def test_processes_run_with_the_environment_of_the_border_and_their_output_is_ke
     both.stop()
 
 
-def test_the_first_process_that_ends_is_named_with_its_code_and_what_it_wrote(tmp_path: Path) -> None:
+def test_the_first_process_that_ends_is_named_with_its_code_and_what_it_wrote(tmp_path: Path):
     one = processes(tmp_path, "import sys; print('no\\x1b[31m route'); sys.exit(3)")
     one.start()
     assert soon(lambda: bool(one.ended()))
@@ -89,14 +89,14 @@ def test_the_first_process_that_ends_is_named_with_its_code_and_what_it_wrote(tm
     one.stop()
 
 
-def test_a_program_that_does_not_exist_is_named(tmp_path: Path) -> None:
+def test_a_program_that_does_not_exist_is_named(tmp_path: Path):
     lost = Processes([Command(("no-such-program",))], tmp_path, {}, tmp_path)
     with pytest.raises(BorderError, match="no-such-program cannot be started: No such file or directory"):
         lost.start()
     lost.stop()
 
 
-def test_output_without_end_fills_no_disk(tmp_path: Path) -> None:
+def test_output_without_end_fills_no_disk(tmp_path: Path):
     loud = processes(tmp_path, "while True: print('x' * 1000)")
     loud.start()
     time.sleep(0.5)
@@ -104,7 +104,7 @@ def test_output_without_end_fills_no_disk(tmp_path: Path) -> None:
     assert 0 < sum(path.stat().st_size for path in tmp_path.glob("output*")) <= 2 * 65_536
 
 
-def test_a_process_that_asks_for_nothing_but_the_end_is_killed(tmp_path: Path, mark: str) -> None:
+def test_a_process_that_asks_for_nothing_but_the_end_is_killed(tmp_path: Path, mark: str):
     deaf = """
         import signal, time
         for number in (signal.SIGINT, signal.SIGTERM): signal.signal(number, signal.SIG_IGN)
@@ -118,7 +118,7 @@ def test_a_process_that_asks_for_nothing_but_the_end_is_killed(tmp_path: Path, m
     assert marked(mark) == []
 
 
-def test_processes_that_detached_themselves_end_with_the_flight(tmp_path: Path, mark: str) -> None:
+def test_processes_that_detached_themselves_end_with_the_flight(tmp_path: Path, mark: str):
     leaving = processes(tmp_path, DETACHED, MARK=mark)
     leaving.start()
     assert soon(lambda: leaving.last_lines() == "up")
@@ -137,7 +137,7 @@ def flying(tmp_path: Path, mark: str) -> Iterator[subprocess.Popen[str]]:
 
 
 @pytest.mark.parametrize("victim", ["flying process", "guard", "process", "orphan"])
-def test_whatever_is_killed_nothing_is_left(flying: subprocess.Popen[str], mark: str, victim: str) -> None:
+def test_whatever_is_killed_nothing_is_left(flying: subprocess.Popen[str], mark: str, victim: str):
     assert flying.stdout is not None
     guard = int(flying.stdout.readline())
     assert soon(lambda: len(marked(mark)) == 3 and len(below(guard, mark)) == 2)

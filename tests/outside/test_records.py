@@ -66,7 +66,7 @@ def _table(
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_record_of_every_kind_says_the_same(kind: str, tmp_path: Path) -> None:
+def test_a_record_of_every_kind_says_the_same(kind: str, tmp_path: Path):
     write, words = KINDS[kind]
     log = _log(write(tmp_path), records.mapping(tmp_path, *words))
     assert len(log.signals["x_m"]) == 81
@@ -80,7 +80,7 @@ def test_a_record_of_every_kind_says_the_same(kind: str, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_topic_or_field_that_is_not_there_is_named_with_the_nearest(kind: str, tmp_path: Path) -> None:
+def test_a_topic_or_field_that_is_not_there_is_named_with_the_nearest(kind: str, tmp_path: Path):
     write, words = KINDS[kind]
     near = words[2].replace("clear", "claer") if "data" not in words[2] else words[2].replace("data", "dota")
     with pytest.raises(InputError, match=r"signal 'clearance_m' needs the .* did you mean"):
@@ -94,7 +94,7 @@ def _cut(path: Path, share: float) -> None:
 
 
 @pytest.mark.parametrize("kind", ["rosbag2", "db3", "rosbag1"])
-def test_half_a_record_that_cannot_be_read_is_refused_with_its_remedy(kind: str, tmp_path: Path) -> None:
+def test_half_a_record_that_cannot_be_read_is_refused_with_its_remedy(kind: str, tmp_path: Path):
     write, words = KINDS[kind]
     path = write(tmp_path)
     _cut(path, 0.5)
@@ -106,7 +106,7 @@ def test_half_a_record_that_cannot_be_read_is_refused_with_its_remedy(kind: str,
 @pytest.mark.parametrize(
     ("kind", "share"), [("ulog", 0.701), ("csv", 0.7), ("mcap", 0.35), ("mcap", 0.5), ("ulog", 0.9)]
 )
-def test_a_record_that_is_cut_is_judged_up_to_there_and_says_when(kind: str, share: float, tmp_path: Path) -> None:
+def test_a_record_that_is_cut_is_judged_up_to_there_and_says_when(kind: str, share: float, tmp_path: Path):
     write, words = KINDS[kind]
     path = write(tmp_path) if kind != "mcap" else records.mcap_of_many_chunks(tmp_path)
     _cut(path, share)
@@ -121,7 +121,7 @@ def test_a_record_that_is_cut_is_judged_up_to_there_and_says_when(kind: str, sha
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_whole_record_lost_nothing(kind: str, tmp_path: Path) -> None:
+def test_a_whole_record_lost_nothing(kind: str, tmp_path: Path):
     write, words = KINDS[kind]
     path = write(tmp_path)
     assert flight_log(path, load_record_map(records.mapping(tmp_path, *words)), KNOWN, needed=NEEDED).losses == ()
@@ -130,7 +130,7 @@ def test_a_whole_record_lost_nothing(kind: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("ending", ["tlog", "bin"])
 @pytest.mark.parametrize("bytes_less", [0, 3, 12, 30])
-def test_a_log_of_an_autopilot_says_whether_it_is_cut(ending: str, bytes_less: int, tmp_path: Path) -> None:
+def test_a_log_of_an_autopilot_says_whether_it_is_cut(ending: str, bytes_less: int, tmp_path: Path):
     pytest.importorskip("pymavlink")
     path = records.tlog(tmp_path) if ending == "tlog" else records.dataflash(tmp_path)
     whole = path.read_bytes()
@@ -142,7 +142,7 @@ def test_a_log_of_an_autopilot_says_whether_it_is_cut(ending: str, bytes_less: i
     assert flight.log.duration_s == pytest.approx(2.0, abs=0.11)
 
 
-def test_bytes_that_are_no_message_are_counted(tmp_path: Path) -> None:
+def test_bytes_that_are_no_message_are_counted(tmp_path: Path):
     pytest.importorskip("pymavlink")
     path = records.dataflash(tmp_path)
     whole = path.read_bytes()
@@ -151,14 +151,14 @@ def test_bytes_that_are_no_message_are_counted(tmp_path: Path) -> None:
     assert (loss.kind, loss.why) == (Lost.DAMAGED, "21 bytes are no message")
 
 
-def test_zeros_after_the_last_message_of_a_flash_chip_are_no_cut(tmp_path: Path) -> None:
+def test_zeros_after_the_last_message_of_a_flash_chip_are_no_cut(tmp_path: Path):
     pytest.importorskip("pymavlink")
     path = records.dataflash(tmp_path)
     path.write_bytes(path.read_bytes() + bytes(400))
     assert fields_of(path)[1] == ()
 
 
-def test_the_vehicles_of_a_log_of_mavlink_are_told_apart(tmp_path: Path) -> None:
+def test_the_vehicles_of_a_log_of_mavlink_are_told_apart(tmp_path: Path):
     pytest.importorskip("pymavlink")
     path = records.tlog(tmp_path, systems=(1, 2, 255))
     counts = {one.topic: one.messages for one in fields_of(path)[0]}
@@ -177,7 +177,7 @@ def test_the_vehicles_of_a_log_of_mavlink_are_told_apart(tmp_path: Path) -> None
 )
 def test_a_log_of_px4_ends_at_touch_down_and_not_where_it_first_says_landed(
     landed: dict[int, int], ending: Ending, duration_s: float, tmp_path: Path
-) -> None:
+):
     path = records.px4(tmp_path, landed)
     needed = dict.fromkeys(("z_m", "speed_mps", "tilt_rad", "home_m", "yaw_rad"), "requirement A")
     mapping = ready_map("px4", frozenset(names_of(path)))
@@ -188,14 +188,14 @@ def test_a_log_of_px4_ends_at_touch_down_and_not_where_it_first_says_landed(
     assert last == pytest.approx(told, abs=1e-5)
 
 
-def test_drop_outs_of_a_log_of_px4_are_told_with_time_and_duration(tmp_path: Path) -> None:
+def test_drop_outs_of_a_log_of_px4_are_told_with_time_and_duration(tmp_path: Path):
     path = records.ulog(tmp_path, dropouts_ms={10: 80, 30: 7})
     flight = flight_log(path, load_record_map(records.mapping(tmp_path, *KINDS["ulog"][1])), KNOWN, needed=NEEDED)
     told = [(one.kind, one.at_s, one.lasts_s) for one in flight.losses]
     assert told == [(Lost.DROPOUT, pytest.approx(2.0), 0.08), (Lost.DROPOUT, pytest.approx(4.0), 0.007)]
 
 
-def test_a_damaged_message_of_px4_is_left_out_and_told(tmp_path: Path) -> None:
+def test_a_damaged_message_of_px4_is_left_out_and_told(tmp_path: Path):
     path = records.ulog(tmp_path)
     content = path.read_bytes()
     path.write_bytes(content.replace(struct.pack("<HBH", 26, ord("D"), 7), struct.pack("<HBH", 26, ord("D"), 8), 1))
@@ -204,7 +204,7 @@ def test_a_damaged_message_of_px4_is_left_out_and_told(tmp_path: Path) -> None:
     assert flight.log.duration_s == pytest.approx(3.9)
 
 
-def test_a_topic_that_cannot_be_read_does_not_hide_the_others(tmp_path: Path) -> None:
+def test_a_topic_that_cannot_be_read_does_not_hide_the_others(tmp_path: Path):
     path = records.mcap_of_many_chunks(tmp_path, odd="protobuf")
     fields, losses = fields_of(path)
     assert {one.name for one in fields} == {"/x: data", "/clear: data", "/odd: "}
@@ -216,23 +216,23 @@ def test_a_topic_that_cannot_be_read_does_not_hide_the_others(tmp_path: Path) ->
         _log(path, records.mapping(tmp_path, "", "{topic: /odd, field: data}", JSON[1]))
 
 
-def test_an_mcap_without_a_summary_is_read(tmp_path: Path) -> None:
+def test_an_mcap_without_a_summary_is_read(tmp_path: Path):
     path = records.mcap_of_many_chunks(tmp_path, summary=False)
     flight = flight_log(path, load_record_map(records.mapping(tmp_path, "", *JSON)), KNOWN, needed=NEEDED)
     assert (flight.log.duration_s, flight.losses) == (4.0, ())
 
 
-def test_a_folder_of_rosbag2_with_files_of_mcap_is_read(tmp_path: Path) -> None:
+def test_a_folder_of_rosbag2_with_files_of_mcap_is_read(tmp_path: Path):
     path = records.rosbag2(tmp_path, "MCAP")
     assert _log(path, records.mapping(tmp_path, "{clock: /clock}", *ROS)).duration_s == 4.0
 
 
-def test_a_table_without_names_of_columns_is_refused(tmp_path: Path) -> None:
+def test_a_table_without_names_of_columns_is_refused(tmp_path: Path):
     with pytest.raises(InputError, match=r"own\.csv:1: the first line must have the names .* and has the number -0\.5"):
         _table(tmp_path, "0,-0.5,1\n1,2,3\n")
 
 
-def test_messages_may_have_the_time_of_their_stamps(tmp_path: Path) -> None:
+def test_messages_may_have_the_time_of_their_stamps(tmp_path: Path):
     path = records.mapping(tmp_path, "{message: stamp}", ROS[0], "{constant: 1}")
     assert _log(records.rosbag2(tmp_path), path).duration_s == 4.0
     path = records.mapping(tmp_path, "{message: received}", ROS[0], "{constant: 1}")
@@ -241,20 +241,20 @@ def test_messages_may_have_the_time_of_their_stamps(tmp_path: Path) -> None:
         _log(tmp_path / "bag", records.mapping(tmp_path, "{message: stamp}", *ROS))
 
 
-def test_the_worst_value_since_the_last_sample_is_kept_where_the_mapping_says_so(tmp_path: Path) -> None:
+def test_the_worst_value_since_the_last_sample_is_kept_where_the_mapping_says_so(tmp_path: Path):
     text = "t,x,near\n0,0,1\n0.05,0,1\n0.06,0,0.1\n0.07,0,1\n0.1,0,1\n0.15,0,1\n"
     assert min(_table(tmp_path, text, clear="{column: near}").signals["clearance_m"]) == 1.0
     least = _table(tmp_path, text, clear="{column: near, keep: least}").signals["clearance_m"]
     assert least.tolist() == [1.0, 1.0, 0.1, 1.0]
 
 
-def test_the_last_message_counts_although_it_comes_between_two_samples(tmp_path: Path) -> None:
+def test_the_last_message_counts_although_it_comes_between_two_samples(tmp_path: Path):
     log = _table(tmp_path, "t,x,near\n0,0,1\n0.1,0,1\n0.12,0,-0.1\n", clear="{column: near}")
     assert log.duration_s == 0.15
     assert log.ending is Ending.STRUCK
 
 
-def test_the_flight_begins_and_ends_where_the_mapping_says(tmp_path: Path) -> None:
+def test_the_flight_begins_and_ends_where_the_mapping_says(tmp_path: Path):
     text = "t,x,armed\n0,0,0\n1,1,1\n2,2,1\n3,3,2\n4,4,2\n"
     more = "start: {column: armed, least: 1}\nend: {column: armed, least: 2}"
     log = _table(tmp_path, text, more)
@@ -263,7 +263,7 @@ def test_the_flight_begins_and_ends_where_the_mapping_says(tmp_path: Path) -> No
         _table(tmp_path, text, "end: {column: armed, least: 3}")
 
 
-def test_a_log_without_a_position_begins_and_ends_with_its_other_signals(tmp_path: Path) -> None:
+def test_a_log_without_a_position_begins_and_ends_with_its_other_signals(tmp_path: Path):
     text = "t,x,near\n0,0,\n1,1,1\n2,2,1\n3,,1\n"
     assert _table(tmp_path, text, x="{constant: 0}", clear="{column: near}").duration_s == 2.0
     with pytest.raises(InputError, match="signal 'clearance_m' has no message"):
@@ -272,7 +272,7 @@ def test_a_log_without_a_position_begins_and_ends_with_its_other_signals(tmp_pat
         _table(tmp_path, text, x="{constant: 0}")
 
 
-def test_a_log_ends_at_the_first_contact_and_names_the_surface(tmp_path: Path) -> None:
+def test_a_log_ends_at_the_first_contact_and_names_the_surface(tmp_path: Path):
     path = tmp_path / "record.yaml"
     records.mapping(tmp_path, "{column: t}", "{column: x}", "{column: near}")
     path.write_text(path.read_text() + "  clearance_wall_m: {column: near}\n")
@@ -281,7 +281,7 @@ def test_a_log_ends_at_the_first_contact_and_names_the_surface(tmp_path: Path) -
     assert (log.ending, log.struck, log.struck_at_s, log.duration_s) == (Ending.STRUCK, "wall", 1.0, 1.0)
 
 
-def test_a_log_ends_at_touch_down_and_not_before_take_off(tmp_path: Path) -> None:
+def test_a_log_ends_at_touch_down_and_not_before_take_off(tmp_path: Path):
     path = records.mapping(tmp_path, "{column: t}", "{column: x}", "{constant: 1}")
     path.write_text(path.read_text() + "  landed: {column: down}\n")
     (tmp_path / "own.csv").write_text("t,x,down\n0,0,1\n1,1,0\n2,2,0\n3,3,1\n4,4,1\n")
@@ -289,7 +289,7 @@ def test_a_log_ends_at_touch_down_and_not_before_take_off(tmp_path: Path) -> Non
     assert (log.ending, log.duration_s) == (Ending.LANDED, 3.0)
 
 
-def test_an_empty_cell_says_nothing_new_and_unknown_stands_before_the_first_value(tmp_path: Path) -> None:
+def test_an_empty_cell_says_nothing_new_and_unknown_stands_before_the_first_value(tmp_path: Path):
     text = "t,x,near\n0,0,\n0.05,,0.5\n0.1,1,\n"
     log = _table(tmp_path, text, clear="{column: near, unknown: 9}")
     assert log.signals["clearance_m"].tolist() == [9.0, 0.5, 0.5]
@@ -314,13 +314,13 @@ def test_an_empty_cell_says_nothing_new_and_unknown_stands_before_the_first_valu
         ("t,x\n0,0\n999999,0\n", "at most 10,800 s"),
     ],
 )
-def test_a_wrong_table_is_refused_with_its_place(text: str, said: str, tmp_path: Path) -> None:
+def test_a_wrong_table_is_refused_with_its_place(text: str, said: str, tmp_path: Path):
     with pytest.raises(InputError, match=r"own\.csv") as refused:
         _table(tmp_path, text)
     assert said in str(refused.value)
 
 
-def test_what_a_requirement_needs_and_the_mapping_lacks_is_named_with_the_nearest_column(tmp_path: Path) -> None:
+def test_what_a_requirement_needs_and_the_mapping_lacks_is_named_with_the_nearest_column(tmp_path: Path):
     path = records.table(tmp_path)
     mapping = records.mapping(tmp_path, *COLUMNS)
     with pytest.raises(InputError, match=r"requirement SR2 needs the signal 'clear_m', .*did you mean 'clear'"):
@@ -342,7 +342,7 @@ def test_what_a_requirement_needs_and_the_mapping_lacks_is_named_with_the_neares
         ("signals: {}\nsampling: 5", "unknown key 'sampling'"),
     ],
 )
-def test_a_wrong_mapping_is_refused_with_its_line(text: str, said: str, tmp_path: Path) -> None:
+def test_a_wrong_mapping_is_refused_with_its_line(text: str, said: str, tmp_path: Path):
     path = tmp_path / "record.yaml"
     path.write_text(text)
     with pytest.raises(InputError, match=r"record\.yaml:\d+: ") as refused:
@@ -361,16 +361,16 @@ def test_a_wrong_mapping_is_refused_with_its_line(text: str, said: str, tmp_path
     ],
     ids=["semicolons", "tabs", "bars", "mark of its encoding", "comments"],
 )
-def test_a_table_is_read_as_people_write_it(text: str, tmp_path: Path) -> None:
+def test_a_table_is_read_as_people_write_it(text: str, tmp_path: Path):
     assert _table(tmp_path, text).signals["x_m"].tolist() == [0.0, 0.5]
 
 
-def test_a_line_after_comments_is_named_by_its_number_in_the_file(tmp_path: Path) -> None:
+def test_a_line_after_comments_is_named_by_its_number_in_the_file(tmp_path: Path):
     with pytest.raises(InputError, match=r"own\.csv:4: signal 'x_m'"):
         _table(tmp_path, "# a log\nt,x\n# here\n0,fast\n")
 
 
-def test_a_table_in_latin_1_is_read(tmp_path: Path) -> None:
+def test_a_table_in_latin_1_is_read(tmp_path: Path):
     path = tmp_path / "own.csv"
     path.write_bytes("# H\xf6he\nt,x\n0,0\n1,1\n".encode("latin-1"))
     log = _log(path, records.mapping(tmp_path, "{column: t}", "{column: x}", "{constant: 1}"))
@@ -396,14 +396,14 @@ def _flight(tmp_path: Path, text: str, more: str = "") -> RecordedFlight:
 )
 def test_a_flight_begins_when_every_signal_is_known_and_says_which_was_the_last(
     text: str, waits_for: str, begins_s: float, tmp_path: Path
-) -> None:
+):
     flight = _flight(tmp_path, text)
     assert (flight.waits_for, flight.begins_s) == (waits_for, begins_s)
     assert flight.log.duration_s == pytest.approx(float(text.splitlines()[-1].split(",")[0]) - begins_s)
 
 
 @pytest.mark.parametrize(("more", "old"), [("", 0.9), ("gap_s: 60", 0.0), ("gap_s: 0.5", 0.99)])
-def test_beyond_its_gap_a_value_is_stale_until_the_next_message(more: str, old: float, tmp_path: Path) -> None:
+def test_beyond_its_gap_a_value_is_stale_until_the_next_message(more: str, old: float, tmp_path: Path):
     flight = _flight(tmp_path, "t,x,near\n0,0,1\n10,1,1\n50,2,1\n", more)
     share = flight.stale["clearance_m"].mean()
     assert (share == 0.0) == (old == 0.0)
@@ -414,7 +414,7 @@ def test_beyond_its_gap_a_value_is_stale_until_the_next_message(more: str, old: 
 
 
 @given(times=st.lists(st.integers(1, 400), min_size=1, max_size=12, unique=True), gap=st.integers(1, 200))
-def test_a_sample_is_stale_exactly_where_its_last_message_is_older_than_the_gap(times: list[int], gap: int) -> None:
+def test_a_sample_is_stale_exactly_where_its_last_message_is_older_than_the_gap(times: list[int], gap: int):
     series = Series(np.array([0, *sorted(times)]) / 20.0, np.zeros(len(times) + 1))
     at_s = np.arange(420) / 20.0
     stale = stale_at(MappedSignal("x"), series, gap / 20.0, at_s)
@@ -423,7 +423,7 @@ def test_a_sample_is_stale_exactly_where_its_last_message_is_older_than_the_gap(
 
 
 @pytest.mark.parametrize("ending", ["tlog", "bin"])
-def test_what_is_no_log_of_an_autopilot_is_one_sentence(ending: str, tmp_path: Path) -> None:
+def test_what_is_no_log_of_an_autopilot_is_one_sentence(ending: str, tmp_path: Path):
     pytest.importorskip("pymavlink")
     path = tmp_path / f"own.{ending}"
     path.write_bytes(b"no log at all" * 40)
@@ -431,7 +431,7 @@ def test_what_is_no_log_of_an_autopilot_is_one_sentence(ending: str, tmp_path: P
         flight_log(path, READY["mavlink"][0], KNOWN, needed=NEEDED)
 
 
-def test_a_log_of_mavlink_is_read_by_the_ready_mapping(tmp_path: Path) -> None:
+def test_a_log_of_mavlink_is_read_by_the_ready_mapping(tmp_path: Path):
     pytest.importorskip("pymavlink")
     path = records.tlog(tmp_path)
     mapping = ready_map("mavlink", frozenset(names_of(path)))
@@ -443,7 +443,7 @@ def test_a_log_of_mavlink_is_read_by_the_ready_mapping(tmp_path: Path) -> None:
 
 
 @given(roll=st.floats(-1.5, 1.5), pitch=st.floats(-1.5, 1.5), yaw=st.floats(-3.1, 3.1))
-def test_the_tilt_is_the_same_from_angles_and_from_the_quaternion(roll: float, pitch: float, yaw: float) -> None:
+def test_the_tilt_is_the_same_from_angles_and_from_the_quaternion(roll: float, pitch: float, yaw: float):
     cr, sr, cp, sp, cy, sy = (f(a / 2) for a in (roll, pitch, yaw) for f in (math.cos, math.sin))
     angles = {"roll_rad": roll, "pitch_rad": pitch}
     turned = {"qx": sr * cp * cy - cr * sp * sy, "qy": cr * sp * cy + sr * cp * sy}
@@ -454,7 +454,7 @@ def test_the_tilt_is_the_same_from_angles_and_from_the_quaternion(roll: float, p
     assert tilts[0] == pytest.approx(tilts[1], abs=1e-6)
 
 
-def test_only_known_endings_are_records(tmp_path: Path) -> None:
+def test_only_known_endings_are_records(tmp_path: Path):
     with pytest.raises(InputError, match=r"did you mean '\.mcap'"):
         kind_of(tmp_path / "flight.mcpa")
     with pytest.raises(InputError, match=r"allowed: '\.bag'"):
@@ -464,7 +464,7 @@ def test_only_known_endings_are_records(tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["rosbag1", "ulog", "mcap"])
 def test_a_missing_library_is_one_sentence_with_what_to_install(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     write, words = KINDS[kind]
     path = write(tmp_path)
     for name in [name for name in sys.modules if name.partition(".")[0] in ("rosbags", "pyulog", "mcap")]:
@@ -475,7 +475,7 @@ def test_a_missing_library_is_one_sentence_with_what_to_install(
         _log(path, records.mapping(tmp_path, *words))
 
 
-def test_altered_samples_are_counted_from_the_record(tmp_path: Path) -> None:
+def test_altered_samples_are_counted_from_the_record(tmp_path: Path):
     text = "t,x,hit,sent\n0,0,0,1\n1,1,0,2\n2,2,3,3\n3,3,5,9\n"
     log = _table(tmp_path, text, "altered: {column: hit}\ncarried: {column: sent}")
     (count,) = log.counts.values()
@@ -483,7 +483,7 @@ def test_altered_samples_are_counted_from_the_record(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_record_with_too_many_messages_is_refused(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_record_with_too_many_messages_is_refused(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("scaloft_fi.outside.readers.MOST_MESSAGES", 20)
     write, words = KINDS[kind]
     with pytest.raises(InputError, match=r"must have at most .* messages or rows"):
@@ -493,7 +493,7 @@ def test_a_record_with_too_many_messages_is_refused(kind: str, tmp_path: Path, m
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "csv"])
 def test_a_message_that_is_no_number_is_refused_with_its_place(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.setattr(records, "CLEAR_M", np.where(np.arange(41) == 30, np.nan, 1.0))
     write, words = KINDS[kind]
     with pytest.raises(InputError, match=r"(message \d+ \(/clear\)|place at 4\.0+ s): signal 'clearance_m' .* is nan"):
@@ -505,7 +505,7 @@ def test_a_message_that_is_no_number_is_refused_with_its_place(
 @pytest.mark.parametrize("kind", ["mcap-ZSTD", "mcap-LZ4", "bag-LZ4"])
 def test_a_record_that_unpacks_to_too_much_is_one_sentence(
     kind: str, cut_bytes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.setattr("scaloft_fi.apart.APART_BYTES", 64 << 20)
     path = records.bomb(tmp_path, kind, 200 << 20)
     content = path.read_bytes()
@@ -516,7 +516,7 @@ def test_a_record_that_unpacks_to_too_much_is_one_sentence(
             read(path)
 
 
-def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
+def test_a_file_that_is_too_large_is_not_read(tmp_path: Path):
     for name in ("large.csv", "large.mcap", "large.ulg", "large.bag"):
         with (tmp_path / name).open("wb") as file:
             file.truncate((1 << 30) + 1)
@@ -525,7 +525,7 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_a_record_holds_is_told_with_number_and_times(kind: str, tmp_path: Path) -> None:
+def test_what_a_record_holds_is_told_with_number_and_times(kind: str, tmp_path: Path):
     write, words = KINDS[kind]
     fields = {one.name: one for one in fields_of(write(tmp_path))[0]}
     entry = load_record_map(records.mapping(tmp_path, *words)).signals["x_m"]
@@ -536,7 +536,7 @@ def test_what_a_record_holds_is_told_with_number_and_times(kind: str, tmp_path: 
     assert one.rate_hz == pytest.approx((one.messages - 1) / (one.last_s - one.first_s))
 
 
-def test_a_drafted_mapping_is_a_mapping_and_reads_the_record(tmp_path: Path) -> None:
+def test_a_drafted_mapping_is_a_mapping_and_reads_the_record(tmp_path: Path):
     path = tmp_path / "own.csv"
     path.write_text("Time_ms,X,y,z,vx,clearance\n0,0,0,1,2,3\n1000,0,0,1,2,3\n")
     mapping = tmp_path / "drafted.yaml"
@@ -548,7 +548,7 @@ def test_a_drafted_mapping_is_a_mapping_and_reads_the_record(tmp_path: Path) -> 
     assert flight.log.duration_s == 1.0
 
 
-def test_the_draft_for_a_log_of_an_autopilot_is_its_ready_mapping(tmp_path: Path) -> None:
+def test_the_draft_for_a_log_of_an_autopilot_is_its_ready_mapping(tmp_path: Path):
     pytest.importorskip("pymavlink")
     path, mapping = records.tlog(tmp_path), tmp_path / "drafted.yaml"
     mapping.write_text(draft(fields_of(path)[0]))
@@ -556,7 +556,7 @@ def test_the_draft_for_a_log_of_an_autopilot_is_its_ready_mapping(tmp_path: Path
     assert dict(drafted.signals) == dict(ready.signals)
 
 
-def test_a_column_without_a_name_is_no_field_of_an_autopilot(tmp_path: Path) -> None:
+def test_a_column_without_a_name_is_no_field_of_an_autopilot(tmp_path: Path):
     path = tmp_path / "own.csv"
     path.write_text(",timestamp,p_x,pos_y,position_z,v_x\n0,0,0,0,0,0\n1,10000,0,0,0,0\n2,20000,0,0,0,0\n")
     mapping = tmp_path / "drafted.yaml"
@@ -575,7 +575,7 @@ def _fields(*names: str) -> list[RecordedField]:
     return [RecordedField(topic, field, 9, 0.0, 1.0) for topic, field in (name.split(" ") for name in names)]
 
 
-def test_position_velocity_and_attitude_are_drafted_from_the_topic_that_has_them(tmp_path: Path) -> None:
+def test_position_velocity_and_attitude_are_drafted_from_the_topic_that_has_them(tmp_path: Path):
     axes = "xyz"
     fields = _fields(
         *(f"/cmd_vel {part}.{axis}" for part in ("linear", "angular") for axis in axes),
@@ -595,7 +595,7 @@ def test_position_velocity_and_attitude_are_drafted_from_the_topic_that_has_them
     }
 
 
-def test_a_drafted_mapping_is_yaml_whatever_the_names_of_the_columns(tmp_path: Path) -> None:
+def test_a_drafted_mapping_is_yaml_whatever_the_names_of_the_columns(tmp_path: Path):
     path, mapping = tmp_path / "own.csv", tmp_path / "drafted.yaml"
     path.write_text('t;own "x;back\\slash y;z\n0;1;2;3\n')
     mapping.write_text(draft(fields_of(path)[0]))
@@ -606,13 +606,13 @@ def test_a_drafted_mapping_is_yaml_whatever_the_names_of_the_columns(tmp_path: P
 
 
 @pytest.mark.parametrize(("step", "unit"), [(0.02, "s"), (1.0, "s"), (20, "ms"), (4000, "us"), (1e7, "ns")])
-def test_the_unit_of_a_time_is_guessed_from_its_steps(step: float, unit: str, tmp_path: Path) -> None:
+def test_the_unit_of_a_time_is_guessed_from_its_steps(step: float, unit: str, tmp_path: Path):
     path = tmp_path / "own.csv"
     path.write_text("t,x\n" + "".join(f"{step * row},0\n" for row in range(9)))
     assert f'time: {{column: "t", unit: {unit}}}' in draft(fields_of(path)[0])
 
 
-def test_a_table_of_200_000_columns_is_read(tmp_path: Path) -> None:
+def test_a_table_of_200_000_columns_is_read(tmp_path: Path):
     count = 200_000
     path = tmp_path / "wide.csv"
     path.write_text(",".join(f"c{place}" for place in range(count)) + "\n" + ",".join(["1"] * count) + "\n")

@@ -41,7 +41,7 @@ def told(python: str) -> dict[str, Any]:
 
 
 @pytest.mark.release
-def test_two_borders_are_in_two_domains_and_do_not_hear_each_other(told: dict[str, Any]) -> None:
+def test_two_borders_are_in_two_domains_and_do_not_hear_each_other(told: dict[str, Any]):
     first, second = told["domains"]
     assert first != second
     assert {first, second} <= set(DOMAINS)
@@ -51,13 +51,13 @@ def test_two_borders_are_in_two_domains_and_do_not_hear_each_other(told: dict[st
 
 
 @pytest.mark.release
-def test_a_border_listens_on_loopback_only(told: dict[str, Any]) -> None:
+def test_a_border_listens_on_loopback_only(told: dict[str, Any]):
     assert LOOPBACK in told["addresses"]
     assert set(told["addresses"]) <= {LOOPBACK, MULTICAST}
 
 
 @pytest.mark.release
-def test_samples_go_out_as_the_usual_messages_with_their_own_stamps(told: dict[str, Any]) -> None:
+def test_samples_go_out_as_the_usual_messages_with_their_own_stamps(told: dict[str, Any]):
     assert told["stamp"] == [1, 250_000_000]
     assert told["position"] == [1.0, 2.0]
     assert told["ahead_mps"] == 1.0  # it flies along y, and looks along y
@@ -68,14 +68,14 @@ def test_samples_go_out_as_the_usual_messages_with_their_own_stamps(told: dict[s
 
 
 @pytest.mark.release
-def test_an_order_answers_its_tick_and_one_that_came_before_the_clock_does_not(told: dict[str, Any]) -> None:
+def test_an_order_answers_its_tick_and_one_that_came_before_the_clock_does_not(told: dict[str, Any]):
     assert told["order"] == {"came": True, "speed": 0.5, "count": 1, "refused": ""}
     assert told["late"]["came"] is False
     assert told["late"]["speed"] == pytest.approx(0.6)
 
 
 @pytest.mark.release
-def test_nonsense_is_refused_with_a_sentence_and_a_flood_is_bounded(told: dict[str, Any]) -> None:
+def test_nonsense_is_refused_with_a_sentence_and_a_flood_is_bounded(told: dict[str, Any]):
     assert told["nan"]["came"] is False
     assert told["nan"]["refused"] == "/cmd: data.velocity[0]=nan must be finite"
     assert "its stamp, 9 s, is later than the clock" in told["future"]["refused"]
@@ -83,7 +83,7 @@ def test_nonsense_is_refused_with_a_sentence_and_a_flood_is_bounded(told: dict[s
     assert told["flood"]["count"] <= 110
 
 
-def test_domains_are_held_until_they_are_given_back() -> None:
+def test_domains_are_held_until_they_are_given_back():
     first, second = take_domain(), take_domain()
     assert first is not None
     assert second is not None
@@ -107,12 +107,12 @@ def test_domains_are_held_until_they_are_given_back() -> None:
         ({}, ""),
     ],
 )
-def test_settings_that_ros_2_cannot_carry_are_refused_without_ros_2(topic: dict[str, Any], sentence: str) -> None:
+def test_settings_that_ros_2_cannot_carry_are_refused_without_ros_2(topic: dict[str, Any], sentence: str):
     assert Ros2Border.misfit(Topic("drive", "/cmd", Motion, outward=False, **topic)).startswith(sentence)
     assert bool(Ros2Border.misfit(Topic("drive", "/cmd", Motion, outward=False, **topic))) == bool(sentence)
 
 
-def test_without_rclpy_a_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_rclpy_a_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
     with pytest.raises(InputError, match=r"border=ros2 needs rclpy: source your ROS 2 environment, or pip install"):
         Ros2Border.need()
@@ -130,7 +130,7 @@ print(json.dumps([[flight.mutant, flight.situation, flight.ending, [*flight.viol
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_the_example_over_ros_2_agrees_with_the_same_planner_over_lines(python: str, tmp_path: Path) -> None:
+def test_the_example_over_ros_2_agrees_with_the_same_planner_over_lines(python: str, tmp_path: Path):
     facts = {}
     for border, interpreter in (("ros2", python), ("lines", sys.executable)):
         study = tmp_path / border

@@ -31,14 +31,14 @@ def wheel(checkout: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return built(checkout, tmp_path_factory.mktemp("wheel"))
 
 
-def test_the_wheel_installs_one_top_level_package(wheel: Path) -> None:
+def test_the_wheel_installs_one_top_level_package(wheel: Path):
     shell(sys.executable, "-m", "check_wheel_contents", wheel, cwd=wheel.parent)
     with zipfile.ZipFile(wheel) as archive:
         tops = {name.split("/")[0] for name in archive.namelist()}
     assert {top for top in tops if not top.endswith(".dist-info")} == {"scaloft_fi"}
 
 
-def test_the_wheel_carries_the_reference_study_the_schemas_and_the_templates_of_new(wheel: Path) -> None:
+def test_the_wheel_carries_the_reference_study_the_schemas_and_the_templates_of_new(wheel: Path):
     with zipfile.ZipFile(wheel) as archive:
         names = {name.removeprefix("scaloft_fi/_") for name in archive.namelist() if name.startswith("scaloft_fi/_")}
     files = {
@@ -56,7 +56,7 @@ def test_the_wheel_carries_the_reference_study_the_schemas_and_the_templates_of_
 
 def test_the_matrix_comes_out_of_a_bare_checkout_and_of_the_installed_wheel(
     checkout: Path, wheel: Path, tmp_path: Path
-) -> None:
+):
     python = fresh(tmp_path / "venv")
     assert "LATE" in shell(python, "-m", "scaloft_fi", "matrix", cwd=checkout)
     pip_install(python, wheel)
@@ -93,7 +93,7 @@ def _with_what_they_need(names: Iterable[str]) -> set[str]:
 
 
 @pytest.mark.release
-def test_without_extras_every_module_is_imported() -> None:
+def test_without_extras_every_module_is_imported():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     needed = _with_what_they_need(project["dependencies"])
     extra = _with_what_they_need(name for names in project["optional-dependencies"].values() for name in names) - needed
@@ -147,7 +147,7 @@ def _venv(python: str, folder: Path, *packages: str) -> Path:
 
 
 @pytest.mark.release
-def test_the_matrix_and_the_operators_load_on_the_other_python_with_the_newest_libraries(tmp_path: Path) -> None:
+def test_the_matrix_and_the_operators_load_on_the_other_python_with_the_newest_libraries(tmp_path: Path):
     python = _interpreter()
     if python is None:
         pytest.skip(f"there is no Python {OTHER} on this machine")
@@ -160,7 +160,7 @@ def test_the_matrix_and_the_operators_load_on_the_other_python_with_the_newest_l
 
 @pytest.mark.flight
 @pytest.mark.release
-def test_it_flies_as_published_with_the_oldest_libraries_that_it_declares(tmp_path: Path) -> None:
+def test_it_flies_as_published_with_the_oldest_libraries_that_it_declares(tmp_path: Path):
     if sys.version_info[:2] != (3, 11):
         pytest.skip("the oldest libraries have no wheels for this Python")
     oldest = [re.sub(r">=([\d.]+).*", r"==\1", name) for name in _needed()]
@@ -174,7 +174,7 @@ USED = NEEDED | {"type", "abstract", "version", "license", "keywords", "referenc
 """Keys of the format: those that every file has, and those of this one."""
 
 
-def test_it_has_what_the_format_needs() -> None:
+def test_it_has_what_the_format_needs():
     assert TOLD["cff-version"] == "1.2.0"
     assert NEEDED < set(TOLD) == USED
     assert TOLD["type"] in ("software", "dataset")
@@ -184,11 +184,11 @@ def test_it_has_what_the_format_needs() -> None:
         assert all("name" in author or {"family-names", "given-names"} <= set(author) for author in entry["authors"])
 
 
-def test_it_names_this_version() -> None:
+def test_it_names_this_version():
     assert TOLD["version"] == scaloft_fi.__version__
 
 
-def test_it_names_the_paper_and_who_wrote_it() -> None:
+def test_it_names_the_paper_and_who_wrote_it():
     (paper,) = TOLD["references"]
     assert paper["title"].startswith("SCALOFT: ")
     assert [author["family-names"] for author in paper["authors"]] == ["Proma", "Hodge", "Alexander"]

@@ -39,7 +39,7 @@ def _verb(*words: str) -> bytes:
 
 def test_a_script_and_the_verb_fly_the_same_and_export_the_same_bytes(
     campaign: scaloft_fi.OpenCampaign, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+):
     told: list[tuple[int, int]] = []
     score = campaign.run(
         ["LATE-human*", "MORE-goal"],
@@ -88,7 +88,7 @@ def test_a_script_and_the_verb_fly_the_same_and_export_the_same_bytes(
     assert repr(score).endswith("1/2 = 50 % detected>")
 
 
-def test_the_same_call_resumes_what_the_user_interrupted(campaign: scaloft_fi.OpenCampaign) -> None:
+def test_the_same_call_resumes_what_the_user_interrupted(campaign: scaloft_fi.OpenCampaign):
     with pytest.raises(scaloft_fi.Interrupted, match="saved in"):
         campaign.run(
             "LATE-human", "T0O0W0D0H?", seeds=3, jobs=1, progress=lambda *_: signal.raise_signal(signal.SIGINT)
@@ -100,7 +100,7 @@ def test_the_same_call_resumes_what_the_user_interrupted(campaign: scaloft_fi.Op
     assert len(told) <= campaign.flights().rows - held + 1  # a gate flies one flight again
 
 
-def test_a_campaign_that_was_never_flown_says_so(campaign: scaloft_fi.OpenCampaign) -> None:
+def test_a_campaign_that_was_never_flown_says_so(campaign: scaloft_fi.OpenCampaign):
     assert "Nothing was flown here yet." in campaign._repr_html_()
     for ask in (campaign.score, campaign.flights, campaign.export, campaign.report):
         with pytest.raises(scaloft_fi.InputError, match="no campaign was flown here"):
@@ -127,14 +127,14 @@ def test_a_campaign_that_was_never_flown_says_so(campaign: scaloft_fi.OpenCampai
 )
 def test_bad_arguments_are_one_sentence_that_names_them_and_nothing_is_written(
     campaign: scaloft_fi.OpenCampaign, tmp_path: Path, arguments: dict[str, object], said: str
-) -> None:
+):
     with pytest.raises(scaloft_fi.InputError, match=said) as refused:
         campaign.run(**arguments)  # type: ignore[arg-type]
     assert "--" not in str(refused.value)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_unknown_format_or_grouping_names_the_nearest(campaign: scaloft_fi.OpenCampaign) -> None:
+def test_an_unknown_format_or_grouping_names_the_nearest(campaign: scaloft_fi.OpenCampaign):
     with pytest.raises(scaloft_fi.InputError, match="did you mean 'parquet'"):
         campaign.export("parkett")
     campaign.run("PLACEBO", "T0O0W0D0H0", jobs=1)
@@ -142,9 +142,7 @@ def test_an_unknown_format_or_grouping_names_the_nearest(campaign: scaloft_fi.Op
         campaign.score().record(by="guidewords")
 
 
-def test_a_gate_that_fails_is_an_error_of_its_own(
-    campaign: scaloft_fi.OpenCampaign, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_gate_that_fails_is_an_error_of_its_own(campaign: scaloft_fi.OpenCampaign, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: Paper(tame=True))
     with pytest.raises(scaloft_fi.GateError, match="a control shows nothing"):
         campaign.run("LATE-human", "T0O0W0D0H1", jobs=1)
@@ -155,7 +153,7 @@ def study() -> scaloft_fi.OpenStudy:
     return scaloft_fi.open(STUDY)
 
 
-def test_the_parts_of_a_study_are_columns(study: scaloft_fi.OpenStudy) -> None:
+def test_the_parts_of_a_study_are_columns(study: scaloft_fi.OpenStudy):
     assert study.requirements["requirement"].tolist() == ["SR1", "SR2", "SR2-literal", "OP1"]
     assert study.situations.rows == 32
     assert list(study.situations) == ["situation", "aliases", "T", "O", "W", "D", "H"]
@@ -166,13 +164,11 @@ def test_the_parts_of_a_study_are_columns(study: scaloft_fi.OpenStudy) -> None:
     assert (units["x_m"], units["qw"]) == ("m", "")
 
 
-def test_a_notebook_shows_what_a_study_has(study: scaloft_fi.OpenStudy) -> None:
+def test_a_notebook_shows_what_a_study_has(study: scaloft_fi.OpenStudy):
     assert "paper, 32 situations" in study._repr_html_()
 
 
-def test_what_check_and_map_show_is_there_as_columns_and_as_a_figure(
-    study: scaloft_fi.OpenStudy, tmp_path: Path
-) -> None:
+def test_what_check_and_map_show_is_there_as_columns_and_as_a_figure(study: scaloft_fi.OpenStudy, tmp_path: Path):
     findings = study.check()
     assert list(findings) == ["severity", "file", "line", "what", "situation", "remedy"]
     assert "error" not in findings["severity"].tolist()
@@ -184,7 +180,7 @@ def test_what_check_and_map_show_is_there_as_columns_and_as_a_figure(
         figure.save("plan.pdf")
 
 
-def test_another_grid_has_its_own_situations_and_names_its_campaign() -> None:
+def test_another_grid_has_its_own_situations_and_names_its_campaign():
     wide = scaloft_fi.open(STUDY, grid="wide")
     assert wide.situations.rows != 32
     assert wide.campaign().name == "wide"
@@ -196,14 +192,14 @@ def test_another_grid_has_its_own_situations_and_names_its_campaign() -> None:
     ("study", "grid", "said"),
     [("/nowhere", None, "^study='/nowhere' must be a folder"), (STUDY, "wise", "^grid='wise' must be")],
 )
-def test_what_is_no_study_is_one_sentence(study: Path | str, grid: str | None, said: str) -> None:
+def test_what_is_no_study_is_one_sentence(study: Path | str, grid: str | None, said: str):
     with pytest.raises(scaloft_fi.InputError, match=said):
         scaloft_fi.open(study, grid)
 
 
 def test_a_flight_of_nobody_is_refused_before_anything_is_prepared(
     study: scaloft_fi.OpenStudy, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: pytest.fail("it was prepared"))
     with pytest.raises(scaloft_fi.InputError, match="LATE-humna"):
         study.fly("LATE-humna", "T0O0W0D0H1")
@@ -211,26 +207,26 @@ def test_a_flight_of_nobody_is_refused_before_anything_is_prepared(
         study.fly("LATE-human", "T9")
 
 
-def test_the_package_itself_imports_nothing_heavy() -> None:
+def test_the_package_itself_imports_nothing_heavy():
     heavy = "{'numpy', 'click', 'yaml', 'pandas', 'scaloft_fi.api', 'scaloft_fi.study'}"
     program = f"import sys, scaloft_fi; print(sorted({heavy} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
 
 
-def test_a_name_that_the_package_lacks_is_an_ordinary_error() -> None:
+def test_a_name_that_the_package_lacks_is_an_ordinary_error():
     assert set(scaloft_fi.__all__) <= set(dir(scaloft_fi))
     with pytest.raises(AttributeError, match="'scaloft_fi' has no attribute 'opne'"):
         _ = scaloft_fi.opne  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("bad", [0, -1, 100_001, True, 2.5, (), [1, 1], [-1], ["1"], [True], "x", "3-1", {1}])
-def test_seeds_that_are_none_are_one_sentence_with_the_name_of_the_argument(bad: object) -> None:
+def test_seeds_that_are_none_are_one_sentence_with_the_name_of_the_argument(bad: object):
     with pytest.raises(InputError, match="baseline_seeds="):
         parse_seeds(bad, "baseline_seeds")  # type: ignore[arg-type]
 
 
-def test_one_text_is_one_name() -> None:
+def test_one_text_is_one_name():
     assert several("LATE-human", "mutants") == ("LATE-human",)
     assert several(["a", "b"], "mutants") == ("a", "b")
     with pytest.raises(InputError, match="mutants=3 must be a text"):
@@ -240,21 +236,21 @@ def test_one_text_is_one_name() -> None:
 
 
 @pytest.mark.parametrize("bad", [-0.1, 1.1, float("nan"), "1", True])
-def test_a_number_outside_its_range_is_refused(bad: object) -> None:
+def test_a_number_outside_its_range_is_refused(bad: object):
     with pytest.raises(InputError, match="max_invalid="):
         number(bad, "max_invalid", 0.0, 1.0)  # type: ignore[arg-type]
 
 
-def test_an_error_keeps_its_kind_and_names_arguments() -> None:
+def test_an_error_keeps_its_kind_and_names_arguments():
     with pytest.raises(GateError, match=r"^name another campaign, or `run --campaign NAME`$"), in_python():
         raise GateError("name another --campaign, or `run --campaign NAME`")
 
 
-def test_a_dash_that_is_no_option_stays() -> None:
+def test_a_dash_that_is_no_option_stays():
     assert python_words("a -- b, LATE-human, x--y, --mutant='a'") == "a -- b, LATE-human, x--y, mutants='a'"
 
 
-def test_a_method_has_the_texts_and_plain_types_of_the_options_of_its_verb() -> None:
+def test_a_method_has_the_texts_and_plain_types_of_the_options_of_its_verb():
     about, signature = OpenCampaign.kills.__doc__ or "", str(inspect.signature(OpenCampaign.kills))
     assert "    by_requirement: Subsumption tells kills by different requirements of a situation apart.\n" in about
     assert signature.startswith("(self, mutants: 'str | Sequence[str]' = (), situations:")

@@ -40,7 +40,7 @@ def whole(study: Path) -> Path:
 
 
 @pytest.mark.parametrize("bad", BAD, ids=lambda bad: f"{bad['file']}: {bad['says']}")
-def test_bad_input_is_refused_in_one_sentence_with_file_and_line(whole: Path, bad: dict[str, str]) -> None:
+def test_bad_input_is_refused_in_one_sentence_with_file_and_line(whole: Path, bad: dict[str, str]):
     ranged = bad["file"] == "a range"
     file = "situations.yaml" if ranged else bad["file"]
     path = (with_range(whole, first=True) if ranged else whole) / file
@@ -55,7 +55,7 @@ def test_bad_input_is_refused_in_one_sentence_with_file_and_line(whole: Path, ba
 
 
 @pytest.mark.parametrize("file", ["world", "vehicle", "sensors", "situations", "stack"])
-def test_a_missing_file_is_named(study: Path, file: str) -> None:
+def test_a_missing_file_is_named(study: Path, file: str):
     (study / f"{file}.yaml").unlink()
     with pytest.raises(InputError, match=rf"{file}.yaml: cannot be read: No such file"):
         load(study)

@@ -44,7 +44,7 @@ def squeezed(text: str) -> str:
 
 def test_every_verb_that_reads_says_of_an_archive_what_it_says_of_the_campaign(
     told: Call, folder: Path, tmp_path: Path
-) -> None:
+):
     for words, archive in zip(READS, ("archive/", "campaign.zip") * 2, strict=True):  # the current folder is no study
         mine, again = told(*words), read(*words, campaign=archive)
         assert (again.exit_code, again.stderr) == (0, ""), again.output
@@ -59,7 +59,7 @@ def test_every_verb_that_reads_says_of_an_archive_what_it_says_of_the_campaign(
     assert values["differences"] == []
 
 
-def test_status_tells_what_a_paper_cites_and_what_flew_it(told: Call) -> None:
+def test_status_tells_what_a_paper_cites_and_what_flew_it(told: Call):
     values = json.loads(read("status", "--format", "json").stdout)
     mine = json.loads(told("status", "--format", "json").stdout)
     assert mine["archive"] is None
@@ -87,7 +87,7 @@ def test_status_tells_what_a_paper_cites_and_what_flew_it(told: Call) -> None:
 )
 def test_nothing_is_flown_merged_or_written_into_an_archive(
     home: Path, folder: Path, words: tuple[str, ...], said: str
-) -> None:
+):
     before = sorted([*home.rglob("*"), *folder.rglob("*")])
     named = [str(folder) if word == "CAMPAIGN" else word for word in words]
     study = () if said == "give --output FILE" and "report" in words else ("--study", str(Path(__file__).parents[2]))
@@ -95,7 +95,7 @@ def test_nothing_is_flown_merged_or_written_into_an_archive(
     assert sorted([*home.rglob("*"), *folder.rglob("*")]) == before
 
 
-def test_a_script_opens_an_archive_as_a_campaign(told: Call, home: Path, tmp_path: Path) -> None:
+def test_a_script_opens_an_archive_as_a_campaign(told: Call, home: Path, tmp_path: Path):
     opened = scaloft_fi.open().campaign("campaign.zip")
     assert opened.score().record() == json.loads(told("score", "--format", "json").stdout)
     assert len(opened.flights()["mutant"]) == json.loads(told("status", "--format", "json").stdout)["counted"]

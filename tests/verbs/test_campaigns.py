@@ -32,7 +32,7 @@ def _shards(call: Call, folder: Path) -> list[str]:
     return names
 
 
-def test_two_shards_merged_export_the_bytes_of_the_undivided_run(call: Call, tmp_path: Path) -> None:
+def test_two_shards_merged_export_the_bytes_of_the_undivided_run(call: Call, tmp_path: Path):
     call("run", *WORDS)
     names = _shards(call, tmp_path)
     merged = call("merge", *names, "--campaign", f"{tmp_path}/both", campaign=False)
@@ -41,7 +41,7 @@ def test_two_shards_merged_export_the_bytes_of_the_undivided_run(call: Call, tmp
     assert both.stdout == call("export").stdout
 
 
-def test_diff_prints_what_only_one_of_two_campaigns_has(call: Call, tmp_path: Path) -> None:
+def test_diff_prints_what_only_one_of_two_campaigns_has(call: Call, tmp_path: Path):
     first, second = _shards(call, tmp_path)
     result = call("diff", first, second, campaign=False)
     assert result.exit_code == 0
@@ -56,29 +56,29 @@ def _compare(first: list[Outcome], second: list[Outcome]) -> Comparison:
     return compare(("old", "new"), first, second, ROSTER, GRID)
 
 
-def test_another_status_is_a_difference() -> None:
+def test_another_status_is_a_difference():
     compared = _compare([outcome(), outcome(M, violated={"SR2": 5.0})], [outcome(), outcome(M)])
     assert compared.same == 1
     first, second = Facts("revealed", "landed", ("SR2",)), Facts("survived", "landed", ())
     assert compared.differences == (Difference(M, "T0O0W0D0H0", 0, first, second),)
 
 
-def test_another_ending_is_a_difference() -> None:
+def test_another_ending_is_a_difference():
     (difference,) = _compare([outcome()], [replace(outcome(), ending="struck")]).differences
     assert (str(difference.first), str(difference.second)) == ("held, landed", "held, struck")
 
 
-def test_other_bits_with_the_same_status_are_only_counted() -> None:
+def test_other_bits_with_the_same_status_are_only_counted():
     compared = _compare([outcome(), outcome(M, digest="a")], [outcome(), outcome(M, digest="b")])
     assert (compared.same, compared.other_bits, compared.differences) == (1, 1, ())
 
 
-def test_a_flight_that_one_of_them_lacks_is_a_difference() -> None:
+def test_a_flight_that_one_of_them_lacks_is_a_difference():
     (difference,) = _compare([outcome(), outcome(M)], [outcome()]).differences
     assert (difference.mutant, difference.second) == (M, None)
 
 
-def test_the_table_names_both_campaigns() -> None:
+def test_the_table_names_both_campaigns():
     compared = _compare([outcome(), outcome(M, violated={"SR2": 5.0})], [outcome(), outcome(M)])
     table = comparison_table(compared)
     assert table.headers[3:] == ("old", "new")
@@ -87,12 +87,12 @@ def test_the_table_names_both_campaigns() -> None:
 
 
 @given(campaigns())
-def test_a_campaign_does_not_differ_from_itself(outcomes: list[Outcome]) -> None:
+def test_a_campaign_does_not_differ_from_itself(outcomes: list[Outcome]):
     once = list({outcome.name: outcome for outcome in outcomes}.values())
     assert _compare(once, once[::-1]) == Comparison("old", "new", len(once), 0, ())
 
 
-def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_invalid(call: Call, tmp_path: Path) -> None:
+def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_invalid(call: Call, tmp_path: Path):
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     with closing(sqlite3.connect(tmp_path / "campaign" / STORE_NAME)) as connection:
         connection.execute("DELETE FROM outcomes WHERE mutant = 'baseline' AND situation = 'T0O0W0D0H1'")
@@ -105,7 +105,7 @@ def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_inval
     assert "waiting for their baseline" in call("status").stdout
 
 
-def test_every_verb_that_shows_a_campaign_of_two_platforms_says_so(call: Call, tmp_path: Path) -> None:
+def test_every_verb_that_shows_a_campaign_of_two_platforms_says_so(call: Call, tmp_path: Path):
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     with Store(tmp_path / "campaign" / STORE_NAME) as store:
         assert "platform" not in call("status").stdout

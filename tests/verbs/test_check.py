@@ -32,7 +32,7 @@ def _break(study: Path) -> None:
     world.write_text(world.read_text().replace("light: 0.9", "light: 5"))
 
 
-def test_a_sound_study_ends_with_0_and_says_what_was_checked(call: Call, small: Path) -> None:
+def test_a_sound_study_ends_with_0_and_says_what_was_checked(call: Call, small: Path):
     done = call("check", study=small, campaign=False)
     assert done.exit_code == 0
     assert done.stdout.startswith(f"{small / 'hazop' / 'matrix'}: note: no cell of the matrix has a fault at 1 of ")
@@ -42,7 +42,7 @@ def test_a_sound_study_ends_with_0_and_says_what_was_checked(call: Call, small: 
     assert f"{small}: no errors, 1 note." in told
 
 
-def test_an_error_ends_with_2_and_stands_on_a_line_with_its_place_before_the_notes(call: Call, small: Path) -> None:
+def test_an_error_ends_with_2_and_stands_on_a_line_with_its_place_before_the_notes(call: Call, small: Path):
     _break(small)
     done = call("check", study=small, campaign=False)
     assert done.exit_code == 2
@@ -50,7 +50,7 @@ def test_an_error_ends_with_2_and_stands_on_a_line_with_its_place_before_the_not
     assert "1 error, 1 note." in done.stdout
 
 
-def test_programs_get_records_of_the_published_form(call: Call, small: Path, tmp_path: Path) -> None:
+def test_programs_get_records_of_the_published_form(call: Call, small: Path, tmp_path: Path):
     _break(small)
     done = call("check", "--format", "json", "--tables", str(tmp_path / "tables"), study=small, campaign=False)
     told = json.loads(done.stdout)
@@ -62,7 +62,7 @@ def test_programs_get_records_of_the_published_form(call: Call, small: Path, tmp
 
 
 @pytest.mark.flight
-def test_a_flight_shows_which_seams_the_stack_polls(call: Call, small: Path) -> None:
+def test_a_flight_shows_which_seams_the_stack_polls(call: Call, small: Path):
     done = call("check", "--fly", "--format", "json", study=small, campaign=False)
     told = json.loads(done.stdout)
     assert (done.exit_code, told["checked"]["polled"], told["checked"]["unflown"]) == (0, 21, "")
@@ -70,7 +70,7 @@ def test_a_flight_shows_which_seams_the_stack_polls(call: Call, small: Path) -> 
     assert silent == ["in one baseline flight nothing was sent over person, failsafe, collision"]
 
 
-def test_a_study_with_errors_is_not_flown(call: Call, small: Path) -> None:
+def test_a_study_with_errors_is_not_flown(call: Call, small: Path):
     _break(small)
     told = json.loads(call("check", "--fly", "--format", "json", study=small, campaign=False).stdout)
     assert told["checked"]["unflown"] == "not flown, because the study has errors"
@@ -91,7 +91,7 @@ def _told(result: Result) -> dict[str, Any]:
     return of_form("doctor", result.stdout)
 
 
-def test_every_part_of_the_platform_is_told_with_whether_it_decides_bits(call: Call, answer: object) -> None:
+def test_every_part_of_the_platform_is_told_with_whether_it_decides_bits(call: Call, answer: object):
     result = call("doctor", "--format", "json", campaign=False)
     assert result.exit_code == 0, result.output
     whole = _told(result)
@@ -111,7 +111,7 @@ def test_every_part_of_the_platform_is_told_with_whether_it_decides_bits(call: C
         assert words in text
 
 
-def test_without_the_flight_nothing_is_flown(call: Call, answer: Callable[[Callable[[], str]], None]) -> None:
+def test_without_the_flight_nothing_is_flown(call: Call, answer: Callable[[Callable[[], str]], None]):
     answer(lambda: pytest.fail("it flew"))
     result = call("doctor", "--no-flight", campaign=False)
     assert result.exit_code == 0
@@ -120,7 +120,7 @@ def test_without_the_flight_nothing_is_flown(call: Call, answer: Callable[[Calla
 
 def test_other_facts_of_the_known_flight_exit_with_4_after_the_tables(
     call: Call, answer: Callable[[Callable[[], str]], None]
-) -> None:
+):
     def fail() -> str:
         raise GateError(f"{published().name} has other facts")
 
@@ -134,7 +134,7 @@ def test_other_facts_of_the_known_flight_exit_with_4_after_the_tables(
 
 def test_a_plugin_that_does_not_load_is_named_and_everything_else_is_told(
     call: Call, answer: object, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     plugins = [EntryPoint("odd", "no_such_module_at_all", "g"), EntryPoint("well", "json", "g")]
     monkeypatch.setattr("scaloft_fi.verbs.doctor.entry_points", lambda **_: plugins)
     result = call("doctor", "--format", "json", campaign=False)
@@ -143,7 +143,7 @@ def test_a_plugin_that_does_not_load_is_named_and_everything_else_is_told(
     assert [(row["plugin"], row["loads"]) for row in _told(result)["plugins"]] == [("odd", False), ("well", True)]
 
 
-def test_a_stale_catalogue_is_bad_input_and_everything_else_is_told(call: Call, answer: object, copy: Path) -> None:
+def test_a_stale_catalogue_is_bad_input_and_everything_else_is_told(call: Call, answer: object, copy: Path):
     catalogue = copy / "mutants" / "catalogue.jsonl"
     catalogue.write_text("".join(catalogue.read_text().splitlines(keepends=True)[1:]))
     result = call("doctor", "--format", "json", study=copy, campaign=False)

@@ -42,12 +42,12 @@ def _verb(monkeypatch: pytest.MonkeyPatch, raising: BaseException) -> None:
     monkeypatch.setattr(Pipeline, "get_command", lambda *_: command)
 
 
-def test_the_version_is_told() -> None:
+def test_the_version_is_told():
     assert _call("--version") == (0, f"scaloft-fi {__version__}\n", "")
 
 
 @pytest.mark.parametrize("words", [(), ("--help",), ("-h",)])
-def test_help_lists_the_groups_and_their_verbs_in_order(words: tuple[str, ...]) -> None:
+def test_help_lists_the_groups_and_their_verbs_in_order(words: tuple[str, ...]):
     code, out, _ = _call(*words)
     told = [name for heading, verbs in GROUPS.items() for name in (f"{heading}:", *(f"  {verb} " for verb in verbs))]
     places = [out.index(f"\n{name}", out.index(next(iter(GROUPS))) - 1) for name in told]
@@ -55,7 +55,7 @@ def test_help_lists_the_groups_and_their_verbs_in_order(words: tuple[str, ...]) 
     assert places == sorted(places)
 
 
-def test_a_study_that_is_named_like_an_argument_is_told_its_option(tmp_path: Path) -> None:
+def test_a_study_that_is_named_like_an_argument_is_told_its_option(tmp_path: Path):
     code, _, err = _call("check", str(tmp_path))
     assert code == 2
     assert f"unexpected extra argument ({tmp_path}); a study is named by --study {tmp_path}; see" in err
@@ -73,13 +73,13 @@ def test_a_study_that_is_named_like_an_argument_is_told_its_option(tmp_path: Pat
 )
 def test_an_error_is_one_sentence_and_an_exit_code(
     monkeypatch: pytest.MonkeyPatch, raised: BaseException, code: int, said: str
-) -> None:
+):
     monkeypatch.delenv("SCALOFT_DEBUG", raising=False)
     _verb(monkeypatch, raised)
     assert _call("matrix") == (code, "", said)
 
 
-def test_debugging_shows_where(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_debugging_shows_where(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("SCALOFT_DEBUG", "1")
     _verb(monkeypatch, ValueError("odd"))
     code, _, err = _call("matrix")
@@ -93,7 +93,7 @@ SAYS = f"study: {STUDY}, the reference study of this installation; there is none
 @pytest.mark.parametrize("verb", [("matrix", "--format", "json"), ("mutants", "LATE-human", "--format", "json")])
 def test_outside_a_study_one_line_on_standard_error_says_which_study_is_used(
     verb: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+):
     monkeypatch.chdir(tmp_path)
     assert run(*verb) == 0
     told = capsys.readouterr()
@@ -104,7 +104,7 @@ def test_outside_a_study_one_line_on_standard_error_says_which_study_is_used(
 
 def test_a_study_that_is_named_or_near_is_not_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+):
     monkeypatch.chdir(STUDY / "sim")
     assert run("mutants", "LATE-human") == 0
     monkeypatch.chdir(tmp_path)
@@ -114,7 +114,7 @@ def test_a_study_that_is_named_or_near_is_not_told(
 
 def test_a_quiet_verb_does_not_say_which_study_it_uses(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+):
     monkeypatch.chdir(tmp_path)
     assert run("run", "--mutant", "LATE-humna", "--quiet") == 2
     assert "study: " not in capsys.readouterr().err
@@ -131,7 +131,7 @@ WRITING = {
 @pytest.mark.parametrize("verb", WRITING)
 def test_a_study_that_the_user_neither_named_nor_stands_in_is_not_written(
     verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+):
     monkeypatch.chdir(tmp_path)
     options, path = WRITING[verb]
     before = {
@@ -150,7 +150,7 @@ def test_a_study_that_the_user_neither_named_nor_stands_in_is_not_written(
 @pytest.mark.parametrize("verb", WRITING)
 def test_the_study_inside_the_package_is_not_written_even_by_name(
     verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+):
     copied(tmp_path / "_study")
     monkeypatch.setattr("scaloft_fi.study.PACKAGE", tmp_path)
     options, path = WRITING[verb]
@@ -165,9 +165,7 @@ def test_the_study_inside_the_package_is_not_written_even_by_name(
         (["/package/__main__.py", "margin", "LATE-human"], "python -m scaloft_fi margin LATE-human"),
     ],
 )
-def test_what_was_typed_is_told_as_a_shell_takes_it(
-    argv: list[str], said: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_was_typed_is_told_as_a_shell_takes_it(argv: list[str], said: str, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(sys, "argv", argv)
     assert typed() == said
 
@@ -197,7 +195,7 @@ def _parsed(command: Verb, words: list[str]) -> click.Context:
 
 
 @pytest.mark.parametrize("name", VERBS)
-def test_each_verb_has_three_examples_or_four_and_each_is_a_command_that_it_takes(name: str) -> None:
+def test_each_verb_has_three_examples_or_four_and_each_is_a_command_that_it_takes(name: str):
     command = _command(name)
     assert len(command.examples) in (3, 4)
     for example in command.examples:
@@ -207,13 +205,13 @@ def test_each_verb_has_three_examples_or_four_and_each_is_a_command_that_it_take
         assert not example.does.endswith((".", ":"))
 
 
-def test_an_example_with_an_unknown_option_is_refused() -> None:
+def test_an_example_with_an_unknown_option_is_refused():
     with pytest.raises(click.UsageError, match="--mutants"):
         _parsed(_command("run"), ["--mutants", "LATE-human"])
 
 
 @pytest.mark.parametrize("name", VERBS)
-def test_mutants_and_situations_of_examples_are_in_the_reference_study(name: str, study: Study) -> None:
+def test_mutants_and_situations_of_examples_are_in_the_reference_study(name: str, study: Study):
     for example in _command(name).examples:
         values = _parsed(_command(name), shlex.split(example.command)[2:]).params
         situations = values.get("situations") or values.get("situation") or ()
@@ -223,7 +221,7 @@ def test_mutants_and_situations_of_examples_are_in_the_reference_study(name: str
 
 
 @pytest.mark.parametrize("name", VERBS)
-def test_a_verb_of_many_options_has_each_in_a_section(name: str) -> None:
+def test_a_verb_of_many_options_has_each_in_a_section(name: str):
     sections = dict(_command(name).sections(_page(name)))
     if sum(names.startswith("-") for rows in sections.values() for names, _ in rows) > MANY:
         assert len(sections) > 1
@@ -231,7 +229,7 @@ def test_a_verb_of_many_options_has_each_in_a_section(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", VERBS)
-def test_help_fits_the_terminal_and_breaks_no_option(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_help_fits_the_terminal_and_breaks_no_option(name: str, monkeypatch: pytest.MonkeyPatch):
     command = _command(name)
     for columns in (160, 80, 40):
         monkeypatch.setenv("COLUMNS", str(columns))
@@ -247,7 +245,7 @@ def test_help_fits_the_terminal_and_breaks_no_option(name: str, monkeypatch: pyt
 
 def test_headings_and_commands_of_help_are_marked_only_where_colours_are_wanted(
     monkeypatch: pytest.MonkeyPatch,
-) -> None:
+):
     @verb("fly", examples=(("Fly", "scaloft-fi fly"),) * 3)
     def fly() -> None:
         """Fly."""
@@ -261,7 +259,7 @@ def test_headings_and_commands_of_help_are_marked_only_where_colours_are_wanted(
     assert "\x1b[1mExamples:\x1b[0m" in marked
 
 
-def test_an_option_that_no_section_names_comes_last() -> None:
+def test_an_option_that_no_section_names_comes_last():
     @verb("fly", examples=(), sections={"Where": "--study"})
     def fly(
         *, fast: Annotated[bool, Option("Fast.")], study_folder: Annotated[str, Option("Here.", "--study")]
@@ -281,7 +279,7 @@ def reference() -> str:
     return command_reference()
 
 
-def test_every_group_and_verb_has_a_heading_in_their_order(reference: str) -> None:
+def test_every_group_and_verb_has_a_heading_in_their_order(reference: str):
     headings = [line for line in reference.splitlines() if line.startswith("#")]
     wanted = [
         title for group, verbs in GROUPS.items() for title in (group, *(f"`scaloft-fi {verb}`" for verb in verbs))
@@ -290,7 +288,7 @@ def test_every_group_and_verb_has_a_heading_in_their_order(reference: str) -> No
 
 
 @pytest.mark.parametrize("name", VERBS)
-def test_every_option_and_example_of_a_verb_stands_in_its_part(name: str, reference: str) -> None:
+def test_every_option_and_example_of_a_verb_stands_in_its_part(name: str, reference: str):
     command = command_of(name)
     assert isinstance(command, Verb)
     part = reference.split(f"### `scaloft-fi {name}`\n")[1].split("\n#")[0]
@@ -302,7 +300,7 @@ def test_every_option_and_example_of_a_verb_stands_in_its_part(name: str, refere
         assert f"\n{example.command}\n" in part
 
 
-def test_marks_of_markdown_in_a_help_are_literal(reference: str) -> None:
+def test_marks_of_markdown_in_a_help_are_literal(reference: str):
     assert r"a pattern with \*, ? or \[ over names and ids" in reference
 
 
@@ -346,7 +344,7 @@ def _shell(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs bash, /dev/full and limits of Linux")
 @pytest.mark.parametrize("line", ROWS)
-def test_the_code_is_right_and_there_is_at_most_one_sentence(line: str, tmp_path: Path) -> None:
+def test_the_code_is_right_and_there_is_at_most_one_sentence(line: str, tmp_path: Path):
     done = _shell(line, tmp_path)
     assert (done.returncode, done.stderr) == ROWS[line]
 
@@ -363,7 +361,7 @@ def _saved(store: Path) -> int:
 @pytest.mark.release
 @pytest.mark.flight
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs bash")
-def test_a_run_without_streams_in_a_campaign_of_an_odd_name_loses_no_flight(tmp_path: Path) -> None:
+def test_a_run_without_streams_in_a_campaign_of_an_odd_name_loses_no_flight(tmp_path: Path):
     campaign = tmp_path / os.fsdecode(b"-c \n\x1b[1m\xff")
     run = f"$S {FLY} --study $STUDY --campaign ./$'-c \\n\\e[1m\\xff'"
     assert _shell(f"{run} <&- >&- 2>&-", tmp_path).returncode == 2  # its tables could not be printed
@@ -374,7 +372,7 @@ def test_a_run_without_streams_in_a_campaign_of_an_odd_name_loses_no_flight(tmp_
 
 @pytest.mark.flight
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks into /proc")
-def test_a_terminal_that_closes_interrupts_a_run_which_saves_everything_and_leaves_no_process(tmp_path: Path) -> None:
+def test_a_terminal_that_closes_interrupts_a_run_which_saves_everything_and_leaves_no_process(tmp_path: Path):
     words = [*COMMAND.split(), *FLY.split(), "--seeds", "40", "--study", str(STUDY), "--campaign", f"{tmp_path}/c"]
     run = subprocess.Popen(words, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True, start_new_session=True)
     store, until_s = tmp_path / "c" / "outcomes.sqlite", time.monotonic() + 300  # kernels may have to be compiled

@@ -78,14 +78,12 @@ LINES = (
 )
 
 
-def test_verbs_options_and_the_names_of_a_study_are_completed(complete: Callable[[str], list[str]]) -> None:
+def test_verbs_options_and_the_names_of_a_study_are_completed(complete: Callable[[str], list[str]]):
     as_recorded(__file__, {line: "\n".join(complete(line)) for line in LINES})
 
 
 @pytest.mark.parametrize("verb", LISTS)
-def test_what_a_study_has_is_completed_without_reading_more_than_texts(
-    verb: str, complete: Callable[[str], list[str]]
-) -> None:
+def test_what_a_study_has_is_completed_without_reading_more_than_texts(verb: str, complete: Callable[[str], list[str]]):
     """Whoever declares something in another way than the sources are read for fails here."""
     of_other_stacks = set(declared(OPERATOR, "outside"))
     assert sorted(complete(f"{verb} ")) == sorted(set(LISTS[verb](Study.open(STUDY)).by_name) - of_other_stacks)
@@ -93,7 +91,7 @@ def test_what_a_study_has_is_completed_without_reading_more_than_texts(
 
 def test_what_an_installed_package_declares_is_completed_and_not_imported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.chdir(STUDY)
     monkeypatch.syspath_prepend(str(tmp_path))
     (tmp_path / "declaring").mkdir()
@@ -104,9 +102,7 @@ def test_what_an_installed_package_declares_is_completed_and_not_imported(
     assert offered("scaloft-fi operators zig", monkeypatch) == ["zigzag"]
 
 
-def test_campaigns_grids_and_excluded_situations_of_a_study_of_ones_own(
-    small: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_campaigns_grids_and_excluded_situations_of_a_study_of_ones_own(small: Path, monkeypatch: pytest.MonkeyPatch):
     for words in ("score --campaign ", "diff ", "diff night ", "merge ", "run --baseline-from "):
         assert offered(f"scaloft-fi {words}", monkeypatch) == ["night"]
     assert offered("scaloft-fi run --situation ", monkeypatch) == ["D0H0", "D0H1", "D1H0", "dark"]
@@ -114,7 +110,7 @@ def test_campaigns_grids_and_excluded_situations_of_a_study_of_ones_own(
     assert offered(f"scaloft-fi score --study {small} --campaign n", monkeypatch) == ["night"]
 
 
-def test_what_bash_takes_for_an_earlier_word_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_bash_takes_for_an_earlier_word_is_left_out(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(STUDY)
     assert offered("scaloft-fi run --mutant LATE-human@", monkeypatch, BREAKS) == ["0.5s", "1s", "3s", "5s"]
     assert offered("scaloft-fi run --mutant=LATE-human@3", monkeypatch, BREAKS) == ["3s"]
@@ -124,12 +120,12 @@ def test_what_bash_takes_for_an_earlier_word_is_left_out(monkeypatch: pytest.Mon
 @pytest.mark.parametrize(
     ("line", "replies"), [("scaloft-fi run --mutant LATE-human@3", ["3s"]), ("scaloft-fi wor", ["worksheet"])]
 )
-def test_a_bash_that_sourced_the_script_completes(tmp_path: Path, line: str, replies: list[str]) -> None:
+def test_a_bash_that_sourced_the_script_completes(tmp_path: Path, line: str, replies: list[str]):
     assert _in_bash(tmp_path, line, STUDY).splitlines() == replies
 
 
 @needs_bash
-def test_hostile_names_do_nothing_in_a_bash(small: Path) -> None:
+def test_hostile_names_do_nothing_in_a_bash(small: Path):
     marker = small / "done"
     evil = [
         f"$(touch {marker})",
@@ -179,7 +175,7 @@ def _in_bash(folder: Path, line: str, study: Path) -> str:
 
 
 @pytest.mark.skipif(shutil.which("fish") is None, reason="there is no fish")
-def test_a_fish_that_sourced_the_script_completes(tmp_path: Path) -> None:
+def test_a_fish_that_sourced_the_script_completes(tmp_path: Path):
     asked = 'source $SCRIPT; complete -C "scaloft-fi run --mutant LATE-human@3"; complete -C "scaloft-fi seams pr"'
     words = ["fish", "--no-config", "-c", asked]
     done = subprocess.run(words, cwd=STUDY, env=_sourced(tmp_path, "fish"), capture_output=True, text=True, check=True)
@@ -190,7 +186,7 @@ def test_a_fish_that_sourced_the_script_completes(tmp_path: Path) -> None:
 @pytest.mark.parametrize("spoilt", ["mutants/catalogue.jsonl", "sim/situations.yaml", "sim/found.yaml"])
 def test_a_broken_study_has_no_names_and_nothing_is_said_of_it(
     small: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], spoilt: str
-) -> None:
+):
     (small / spoilt).write_bytes(b"\xff{[")
     for line in ("run --mutant ", "run --situation ", "run --grid ", "run --grid hall+found --situation s", "replay x"):
         offered(f"scaloft-fi {line}", monkeypatch)
@@ -199,14 +195,14 @@ def test_a_broken_study_has_no_names_and_nothing_is_said_of_it(
 
 
 @pytest.mark.parametrize("shell", ["zsh", "fish"])
-def test_other_shells_are_answered_in_their_own_way(shell: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_shells_are_answered_in_their_own_way(shell: str, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(STUDY)
     monkeypatch.setenv("COMP_WORDS", "scaloft-fi run --mutant LATE-human@")
     monkeypatch.setenv("COMP_CWORD", "LATE-human@" if shell == "fish" else "3")
     assert "LATE-human@3s" in answered(main, f"{shell}_complete")
 
 
-def test_the_program_itself_answers_without_numpy_and_fast(tmp_path: Path) -> None:
+def test_the_program_itself_answers_without_numpy_and_fast(tmp_path: Path):
     """The time of the processor counts: the wall's depends on what else the machine does."""
     line = "scaloft-fi run --mutant LATE-human@3"
     env = {**os.environ, COMPLETION: "bash_complete", "COMP_LINE": line, "PYTHONPATH": str(STUDY)}
@@ -222,7 +218,7 @@ def test_the_program_itself_answers_without_numpy_and_fast(tmp_path: Path) -> No
     assert min(float(seconds) for seconds, _ in told) < 0.3
 
 
-def test_a_shell_that_is_not_known_is_refused() -> None:
+def test_a_shell_that_is_not_known_is_refused():
     assert answered(main, "tcsh_complete") == answered(main, "bash_source") == answered(main, "") == ""
 
 

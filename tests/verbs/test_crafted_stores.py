@@ -82,9 +82,7 @@ def _ends_well(result: Result, path: Path) -> bool:
 
 
 @pytest.mark.parametrize("store", [*crafted()], ids=lambda store: store.name)
-def test_a_crafted_store_is_read_or_refused_with_a_sentence_and_left_alone(
-    read: Call, tmp_path: Path, store: Crafted
-) -> None:
+def test_a_crafted_store_is_read_or_refused_with_a_sentence_and_left_alone(read: Call, tmp_path: Path, store: Crafted):
     path = tmp_path / "crafted" / NAME
     store.make(path)
     before = _content(path.parent)
@@ -99,9 +97,7 @@ def test_a_crafted_store_is_read_or_refused_with_a_sentence_and_left_alone(
 
 
 @pytest.mark.parametrize("words", [*FIXED, *OTHERS], ids=" ".join)
-def test_a_verb_that_reads_changes_nothing_and_creates_nothing(
-    read: Call, tmp_path: Path, words: tuple[str, ...]
-) -> None:
+def test_a_verb_that_reads_changes_nothing_and_creates_nothing(read: Call, tmp_path: Path, words: tuple[str, ...]):
     folder = tmp_path / "crafted"
     before = _content(folder)
     assert read(*words).exit_code == 0
@@ -117,7 +113,7 @@ def test_a_verb_that_reads_changes_nothing_and_creates_nothing(
 
 def test_a_table_with_too_many_rows_is_refused_and_the_limit_can_be_raised(
     read: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.setenv(MOST_FLIGHTS, "30")
     twelve = "WITH RECURSIVE r (n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM r LIMIT 12)"
     columns = "key || n, mutant, situation, seed, canary, origin"

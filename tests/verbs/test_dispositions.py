@@ -60,7 +60,7 @@ def states(call: Call, study: Path, *words: str) -> dict[str, str]:
     return {row["mutant"]: row["state"] for row in told["survivors"]}
 
 
-def test_survivors_stand_beside_what_was_accepted(call: Call, flown: Path) -> None:
+def test_survivors_stand_beside_what_was_accepted(call: Call, flown: Path):
     assert states(call, flown) == {"MORE-goal@0.6m": "open"}
     accept(flown, "MORE-goal")
     accept(flown, "LATE-human")
@@ -68,7 +68,7 @@ def test_survivors_stand_beside_what_was_accepted(call: Call, flown: Path) -> No
     assert states(call, flown, "--today", "2099-01-02") == {"MORE-goal@0.6m": "expired", "LATE-human@3s": "stale"}
 
 
-def test_what_is_written_is_refused_until_somebody_has_decided(call: Call, flown: Path) -> None:
+def test_what_is_written_is_refused_until_somebody_has_decided(call: Call, flown: Path):
     path = flown / "hazop" / "dispositions.yaml"
     done = call("dispositions", "--write", study=flown)
     assert done.exit_code == 0
@@ -84,7 +84,7 @@ def test_what_is_written_is_refused_until_somebody_has_decided(call: Call, flown
     assert path.read_text() == before
 
 
-def test_writing_keeps_what_stands_there_with_its_comments(call: Call, flown: Path) -> None:
+def test_writing_keeps_what_stands_there_with_its_comments(call: Call, flown: Path):
     accept(flown, "LATE-human")
     path = flown / "hazop" / "dispositions.yaml"
     path.write_text("# mine\n" + path.read_text())
@@ -94,7 +94,7 @@ def test_writing_keeps_what_stands_there_with_its_comments(call: Call, flown: Pa
     assert "\nMORE-goal@0.6m:\n" in path.read_text()
 
 
-def test_the_rest_of_the_study_works_beside_a_file_that_is_not_filled_in(call: Call, flown: Path) -> None:
+def test_the_rest_of_the_study_works_beside_a_file_that_is_not_filled_in(call: Call, flown: Path):
     assert call("dispositions", "--write", study=flown).exit_code == 0
     assert call("run", "--mutant", "LATE-human", *FLOWN, study=flown).exit_code == 0
     assert call("score", study=flown).exit_code == 0
@@ -115,7 +115,7 @@ def test_the_rest_of_the_study_works_beside_a_file_that_is_not_filled_in(call: C
 )
 def test_the_ratchet_fails_on_a_survivor_that_nobody_accepts_today(
     call: Call, flown: Path, accepted: tuple[str, ...], more: str, words: tuple[str, ...], code: int, said: str
-) -> None:
+):
     for mutant in accepted:
         accept(flown, mutant, more=more)
     done = call("score", "--ratchet", *words, study=flown)
@@ -125,7 +125,7 @@ def test_the_ratchet_fails_on_a_survivor_that_nobody_accepts_today(
     assert ("ratchet: " in done.stderr) == (code == 3 and "--fail-under" not in words)
 
 
-def test_a_campaign_in_which_nothing_was_tested_passes_no_ratchet(call: Call, flown: Path) -> None:
+def test_a_campaign_in_which_nothing_was_tested_passes_no_ratchet(call: Call, flown: Path):
     words = ("--campaign", f"{flown}/other", "--study", str(flown))
     assert call("run", "--mutant", "NO-goal", *FLOWN, *words, campaign=False).exit_code == 0
     done = call("score", "--ratchet", *words, campaign=False)
@@ -133,7 +133,7 @@ def test_a_campaign_in_which_nothing_was_tested_passes_no_ratchet(call: Call, fl
     assert "nothing to hold" in done.stderr
 
 
-def test_an_undecided_mutant_is_a_survivor_whose_verdict_is_told(call: Call, flown: Path) -> None:
+def test_an_undecided_mutant_is_a_survivor_whose_verdict_is_told(call: Call, flown: Path):
     words = ("--campaign", f"{flown}/other", "--study", str(flown))
     once = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--jobs", "1", "--quiet", "--baseline-seeds", "10")
     assert call("run", *once, *words, campaign=False).exit_code == 0
@@ -149,7 +149,7 @@ def test_an_undecided_mutant_is_a_survivor_whose_verdict_is_told(call: Call, flo
 @pytest.mark.parametrize("verb", [("score", "--ratchet"), ("dispositions",), ("dispositions", "--write")])
 def test_without_a_pool_it_is_refused_and_the_command_is_named_that_flies_one(
     call: Call, flown: Path, verb: tuple[str, ...]
-) -> None:
+):
     words = ("--campaign", f"{flown}/other", "--study", str(flown))
     assert call("run", "--mutant", "LATE-human", *FLOWN, "--baseline-seeds", "1", *words, campaign=False).exit_code == 0
     done = call(*verb, *words, campaign=False)
@@ -162,7 +162,7 @@ def test_without_a_pool_it_is_refused_and_the_command_is_named_that_flies_one(
     assert not (flown / "hazop" / "dispositions.yaml").exists()
 
 
-def test_every_sentence_names_the_mutant_and_what_to_do() -> None:
+def test_every_sentence_names_the_mutant_and_what_to_do():
     known = Disposition("LATE-human@3s", "me", "why", date(2027, 1, 31), ("D0",), "f.yaml:3")
     for state in Standing:
         judged = Judged("LATE-human@3s", state, ("D0", "D1"), None if state is Standing.OPEN else known)

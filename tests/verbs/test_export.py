@@ -116,13 +116,13 @@ def csv_of(rows: list[FlightRow]) -> str:
     return to_csv(rows, columns(rows))
 
 
-def test_a_row_has_the_columns_of_the_contract_in_their_order() -> None:
+def test_a_row_has_the_columns_of_the_contract_in_their_order():
     (row,) = export_rows([outcome()], ROSTER, GRID)
     assert list(row) == COLUMNS
     assert columns([], list(KINDS)) == COLUMNS
 
 
-def test_a_flight_that_reveals_its_fault_says_when_where_and_what_was_struck() -> None:
+def test_a_flight_that_reveals_its_fault_says_when_where_and_what_was_struck():
     flown = outcome(M, violated={"SR1": 20.0, "OP1": 5.0}, struck="")
     (_, row) = export_rows([outcome(), flown], ROSTER, GRID)
     assert (row["status"], row["violated"]) == ("revealed", ["SR1", "OP1"])
@@ -131,12 +131,12 @@ def test_a_flight_that_reveals_its_fault_says_when_where_and_what_was_struck() -
     assert (row["struck"], row["ending"], row["duration_s"]) == ("wall", "struck", 20.0)
 
 
-def test_a_flight_whose_baseline_does_not_count_waits_and_is_not_invalid() -> None:
+def test_a_flight_whose_baseline_does_not_count_waits_and_is_not_invalid():
     rows = export_rows([outcome(M), outcome(M, seed=1, invalid="the worker died")], ROSTER, GRID)
     assert [row["status"] for row in rows] == ["waiting", "invalid"]
 
 
-def test_rows_are_ordered_baseline_placebo_catalogue_then_off_the_ladder_situation_seed() -> None:
+def test_rows_are_ordered_baseline_placebo_catalogue_then_off_the_ladder_situation_seed():
     mutants = [
         "LATE-human@2.5s",
         "MORE-goal@0.6m",
@@ -154,14 +154,14 @@ def test_rows_are_ordered_baseline_placebo_catalogue_then_off_the_ladder_situati
     assert [(row["situation"][-2:], row["seed"]) for row in rows[:4]] == [("H0", 0), ("H0", 1), ("H1", 0), ("H1", 1)]
 
 
-def test_csv_joins_lists_and_leaves_what_there_is_not_empty() -> None:
+def test_csv_joins_lists_and_leaves_what_there_is_not_empty():
     text = csv_of(export_rows([outcome(), outcome(M, violated={"SR1": 20.0, "SR2": 9.0})], ROSTER, GRID))
     held, revealed = csv.DictReader(io.StringIO(text))
     assert (held["violated"], held["violated_at_s"], held["infected_at_s"], held["status"]) == ("", "", "", "held")
     assert (revealed["violated"], revealed["violated_at_s"]) == ("SR1;SR2", "9.0")
 
 
-def test_a_row_says_what_the_figures_of_the_score_follow_from() -> None:
+def test_a_row_says_what_the_figures_of_the_score_follow_from():
     struck = outcome(M, violated={"SR1": 20.0, "SR2": 9.0, "OP1": 5.0})
     base, row = export_rows([outcome(), struck], ROSTER, GRID)
     assert (base["held"], base["realised"], base["revealed_by"]) == (list(KINDS), ["T", "O", "W", "D", "H"], [])
@@ -174,7 +174,7 @@ def test_a_row_says_what_the_figures_of_the_score_follow_from() -> None:
 
 @given(seeded())
 @settings(deadline=None, max_examples=usually(25, release=30))
-def test_the_pool_of_a_campaign_follows_from_its_rows(outcomes: list[Outcome]) -> None:
+def test_the_pool_of_a_campaign_follows_from_its_rows(outcomes: list[Outcome]):
     rows = [row for row in export_rows(outcomes, ROSTER, GRID) if row["mutant"] == BASELINE and row["ending"]]
     for (situation, name), pair in Pool.of(outcomes).pairs.items():
         own = [row for row in rows if row["situation"] == situation]
@@ -185,13 +185,13 @@ def test_the_pool_of_a_campaign_follows_from_its_rows(outcomes: list[Outcome]) -
         assert (pair.flights, pair.violated, pair.open, pair.triggered) == counts
 
 
-def test_an_export_of_nothing_is_an_empty_list_and_a_header() -> None:
+def test_an_export_of_nothing_is_an_empty_list_and_a_header():
     assert json.loads(to_json([])) == []
     assert to_csv([], columns([], list(KINDS))) == ",".join(COLUMNS) + "\n"
 
 
 @given(campaigns(), st.randoms())
-def test_an_export_does_not_depend_on_the_order_of_flights(outcomes: list[Outcome], chance: random.Random) -> None:
+def test_an_export_does_not_depend_on_the_order_of_flights(outcomes: list[Outcome], chance: random.Random):
     shuffled = list(outcomes)
     chance.shuffle(shuffled)
     rows = export_rows(outcomes, ROSTER, GRID)
@@ -201,7 +201,7 @@ def test_an_export_does_not_depend_on_the_order_of_flights(outcomes: list[Outcom
 
 
 @given(campaigns())
-def test_json_and_csv_say_the_same_of_every_flight(outcomes: list[Outcome]) -> None:
+def test_json_and_csv_say_the_same_of_every_flight(outcomes: list[Outcome]):
     rows = export_rows(outcomes, ROSTER, GRID)
     assert json.loads(to_json(rows)) == rows
     parsed = list(csv.DictReader(io.StringIO(csv_of(rows))))
@@ -212,7 +212,7 @@ def test_json_and_csv_say_the_same_of_every_flight(outcomes: list[Outcome]) -> N
 
 
 @given(campaigns())
-def test_a_data_frame_gets_back_every_row_of_the_export(outcomes: list[Outcome]) -> None:
+def test_a_data_frame_gets_back_every_row_of_the_export(outcomes: list[Outcome]):
     names = list(KINDS)
     rows = export_rows(outcomes, ROSTER, GRID, names)
     table = pyarrow.parquet.read_table(io.BytesIO(parquet(rows, columns(rows, names))))
@@ -220,14 +220,14 @@ def test_a_data_frame_gets_back_every_row_of_the_export(outcomes: list[Outcome])
     assert table.to_pylist() == rows
 
 
-def test_a_list_stays_a_list_and_a_seed_a_whole_number() -> None:
+def test_a_list_stays_a_list_and_a_seed_a_whole_number():
     schema = pyarrow.parquet.read_table(io.BytesIO(parquet([], columns([], list(KINDS))))).schema
     assert str(schema.field("violated").type) == "list<element: string>"
     assert str(schema.field("seed").type) == "int64"
     assert str(schema.field("rho_SR1").type) == "double"
 
 
-def test_an_export_has_one_row_per_flight_in_order_and_csv_says_the_same(call: Call) -> None:
+def test_an_export_has_one_row_per_flight_in_order_and_csv_says_the_same(call: Call):
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--baseline-seeds", "1", "--quiet")
     rows = json.loads(call("export").stdout)
     assert [(row["mutant"], row["situation"]) for row in rows] == [
@@ -238,7 +238,7 @@ def test_an_export_has_one_row_per_flight_in_order_and_csv_says_the_same(call: C
     assert [row["digest"] for row in table] == [row["digest"] for row in rows]
 
 
-def test_a_campaign_that_grew_spends_alpha_by_looks_in_every_format(call: Call) -> None:
+def test_a_campaign_that_grew_spends_alpha_by_looks_in_every_format(call: Call):
     for seeds in ("1", "3"):
         words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--seeds", seeds, "--baseline-seeds", "10")
         call("run", *words, "--jobs", "1", "--quiet")
@@ -251,20 +251,20 @@ def test_a_campaign_that_grew_spends_alpha_by_looks_in_every_format(call: Call) 
     assert (survivor["verdict"], "alpha 0.0025" in survivor["why"]) == ("undecided", True)
 
 
-def test_an_export_can_go_to_a_file(call: Call, tmp_path: Path) -> None:
+def test_an_export_can_go_to_a_file(call: Call, tmp_path: Path):
     call("run", "--mutant", "PLACEBO", "--situation", "T0O0W0D0H0", "--quiet")
     assert call("export", "--output", str(tmp_path / "e.json")).stdout == ""
     assert json.loads((tmp_path / "e.json").read_text())[0]["mutant"] == "baseline"
 
 
-def test_the_help_lists_every_format(call: Call) -> None:
+def test_the_help_lists_every_format(call: Call):
     listed = call("export", "--help").stdout
     assert all(f"\n  {name} " in listed for name in FORMATS)
 
 
 def test_a_format_that_somebody_else_declares_is_listed_and_written(
     call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+):
     monkeypatch.setattr(FORMATS, "_entries", dict(FORMATS._entries))
 
     @export_format("flown", "the flights, counted")
@@ -351,7 +351,7 @@ CASES = {
 }
 
 
-def test_what_a_format_says_is_as_recorded() -> None:
+def test_what_a_format_says_is_as_recorded():
     cases = ((name, case, style) for name, (case, styles) in CASES.items() for style in styles)
     as_recorded(__file__, {f"{name}: {style}": FORMATS[style].content(case).decode() for name, case, style in cases})
 
@@ -371,7 +371,7 @@ def kinds(mutant: MutantScore) -> list[type]:
 
 
 @given(dossiers())
-def test_a_detected_mutant_passes_and_every_other_case_carries_the_replay_and_the_next_step(dossier: Dossier) -> None:
+def test_a_detected_mutant_passes_and_every_other_case_carries_the_replay_and_the_next_step(dossier: Dossier):
     text = junit(dossier)
     suites = read_junit(text)
     for mutant in dossier.score.mutants:
@@ -393,7 +393,7 @@ def test_a_detected_mutant_passes_and_every_other_case_carries_the_replay_and_th
 
 
 @given(dossiers())
-def test_a_reader_of_sarif_finds_each_mutant_that_is_not_detected_on_the_line_of_its_cell(dossier: Dossier) -> None:
+def test_a_reader_of_sarif_finds_each_mutant_that_is_not_detected_on_the_line_of_its_cell(dossier: Dossier):
     plain = sarif(dossier)
     (run,) = Sarif.model_validate_json(json.dumps(plain, allow_nan=False)).runs
     rules = run.tool.driver.rules or []
@@ -422,7 +422,7 @@ SCHEMA = json.loads((Path(__file__).parents[1] / "support" / "mutation-testing-r
 
 
 @given(dossiers())
-def test_the_report_of_mutation_testing_fits_its_schema_and_its_readers_compute_our_score(dossier: Dossier) -> None:
+def test_the_report_of_mutation_testing_fits_its_schema_and_its_readers_compute_our_score(dossier: Dossier):
     report = mutation_testing(dossier)
     jsonschema.Draft7Validator(SCHEMA).validate(json.loads(json.dumps(report, allow_nan=False)))
     found = {m["id"]: (name, m) for name, file in report["files"].items() for m in file["mutants"]}
@@ -463,7 +463,7 @@ def kind(name: str) -> str:
 
 
 @given(dossiers())
-def test_every_node_has_a_kind_and_a_text_and_hangs_on_one_root_or_challenges_it(dossier: Dossier) -> None:
+def test_every_node_has_a_kind_and_a_text_and_hangs_on_one_root_or_challenges_it(dossier: Dossier):
     nodes = read_gsn(gsn(dossier))
     referred = set[str]()
     for name, node in nodes.items():
@@ -484,7 +484,7 @@ def test_every_node_has_a_kind_and_a_text_and_hangs_on_one_root_or_challenges_it
 
 
 @given(dossiers())
-def test_the_log_has_the_same_headings_as_a_page_and_as_json(dossier: Dossier) -> None:
+def test_the_log_has_the_same_headings_as_a_page_and_as_json(dossier: Dossier):
     page = to_markdown(dossier)
     headings = [line.removeprefix("### ") for line in page.splitlines() if line.startswith("### ")]
     assert list(json.loads(json.dumps(sace_json(dossier), allow_nan=False))) == headings

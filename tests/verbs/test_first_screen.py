@@ -79,12 +79,12 @@ SCREENS = {
 }
 
 
-def test_a_screen_is_as_recorded() -> None:
+def test_a_screen_is_as_recorded():
     as_recorded(__file__, {name: screen_text(tables) for name, tables in SCREENS.items()})
     assert "%" not in "".join(str(answer) for _, answer in SCREENS["without a pool"][0].rows).replace(NO, "")
 
 
-def test_a_campaign_of_another_name_is_named_in_the_command() -> None:
+def test_a_campaign_of_another_name_is_named_in_the_command():
     told = answers(score(CAMPAIGN, ROSTER, GRID), ROSTER, "mine")
     assert "scaloft-fi run --campaign mine " in told[-1].text
 
@@ -94,7 +94,7 @@ def many(count: int) -> list[Outcome]:
     return [*pool(*HUMAN), *(outcome(id_, key) for id_ in ids for key in HUMAN)]
 
 
-def test_a_command_names_every_mutant_that_it_flies_unless_they_are_all_that_a_run_flies_anyway() -> None:
+def test_a_command_names_every_mutant_that_it_flies_unless_they_are_all_that_a_run_flies_anyway():
     open_ = [*pool(*HUMAN, seeds=9), *many(MOST_NAMED + 2)[10 * len(HUMAN) :]]
     scored = score(open_, ROSTER, GRID)
     ids = [mutant.subject.id for mutant in scored.mutants]
@@ -104,7 +104,7 @@ def test_a_command_names_every_mutant_that_it_flies_unless_they_are_all_that_a_r
     assert command("default", scored.mutants, 3, ids) == "scaloft-fi run --seeds 3"
 
 
-def test_of_many_mutants_a_group_shows_its_first_and_says_where_the_rest_is() -> None:
+def test_of_many_mutants_a_group_shows_its_first_and_says_where_the_rest_is():
     _, group, _ = screen(many(MANY_SHOWN + 2))
     assert len(group.rows) == SHOWN
     assert group.notes[0] == f"... and {MANY_SHOWN + 2 - SHOWN} more: `scaloft-fi score --all`"
@@ -115,7 +115,7 @@ def test_of_many_mutants_a_group_shows_its_first_and_says_where_the_rest_is() ->
 @pytest.mark.parametrize("whole", [False, True])
 @settings(deadline=None, max_examples=25)
 @given(outcomes=st.one_of(campaigns(), seeded()))
-def test_the_screen_of_every_campaign_fits_its_width_and_is_plain(whole: bool, outcomes: list[Outcome]) -> None:
+def test_the_screen_of_every_campaign_fits_its_width_and_is_plain(whole: bool, outcomes: list[Outcome]):
     shown = screen(outcomes, whole=whole)
     assert "\x1b" not in screen_text(shown)
     for columns in (60, 80, 100, 160):
@@ -123,7 +123,7 @@ def test_the_screen_of_every_campaign_fits_its_width_and_is_plain(whole: bool, o
         assert max(len(line) for line in lines if not line.strip().startswith("`")) <= columns
 
 
-def test_a_terminal_has_names_titles_verdicts_and_commands_marked_and_the_same_words() -> None:
+def test_a_terminal_has_names_titles_verdicts_and_commands_marked_and_the_same_words():
     text = screen_text(screen(CAMPAIGN), width=80, marked=True)
     assert "\x1b[1mShown\x1b[0m  " in text
     assert "\x1b[32m\x1b[1mDetected: 1\x1b[0m\x1b[0m\n" in text

@@ -22,7 +22,7 @@ from scaloft_fi.reference import output_of
 
 
 @pytest.mark.parametrize("words", READERS, ids=" ".join)
-def test_json_has_the_form_that_the_verb_declares_and_csv_is_one_table(told: Call, words: tuple[str, ...]) -> None:
+def test_json_has_the_form_that_the_verb_declares_and_csv_is_one_table(told: Call, words: tuple[str, ...]):
     done = told(*words, "--format", "json")
     assert done.exit_code == 0, done.output
     assert of_form(words[0], done.stdout)["version"] == output_of(words[0]).version
@@ -32,14 +32,14 @@ def test_json_has_the_form_that_the_verb_declares_and_csv_is_one_table(told: Cal
     assert no_terms(told(*words, "--format", "markdown").stdout) == [] or words[0] in ("matrix", "diff")
 
 
-def test_a_run_answers_in_the_form_of_the_score(folder: Path, told: Call) -> None:
+def test_a_run_answers_in_the_form_of_the_score(folder: Path, told: Call):
     run = of_form("run", (folder / "run.json").read_text(encoding="utf-8"))
     assert run == json.loads(told("score", "--format", "json").stdout)
     assert [mutant["verdict"] for mutant in run["mutants"]] == ["detected", "not_detected"]
     assert [control["id"] for control in run["controls"]] == ["REVERSE-velcmd"]
 
 
-def test_an_export_has_the_columns_of_its_form(told: Call) -> None:
+def test_an_export_has_the_columns_of_its_form(told: Call):
     rows = json.loads(told("export").stdout)
     Draft202012Validator(output_of("export").schema).validate(rows)
     names = [*(name for name in rows[0] if not name.startswith("rho_"))]
@@ -48,7 +48,7 @@ def test_an_export_has_the_columns_of_its_form(told: Call) -> None:
         Draft202012Validator(output_of("export").schema).validate([{**rows[0], "rows": 1}])
 
 
-def test_what_is_merged_and_written_is_told(told: Call, folder: Path, tmp_path: Path) -> None:
+def test_what_is_merged_and_written_is_told(told: Call, folder: Path, tmp_path: Path):
     words = ["merge", str(folder), "--study", str(STUDY), "--campaign", str(tmp_path / "whole"), "--format", "json"]
     merged = of_form("merge", CliRunner().invoke(main, words, catch_exceptions=False).stdout)
     assert merged["added"] == of_form("status", told("status", "--format", "json").stdout)["counted"]
@@ -58,7 +58,7 @@ def test_what_is_merged_and_written_is_told(told: Call, folder: Path, tmp_path: 
     assert report == {"version": "1.1", "report": str(page), "bytes": page.stat().st_size, "stale": nothing}
 
 
-def test_groups_of_every_kind_have_one_shape(told: Call) -> None:
+def test_groups_of_every_kind_have_one_shape(told: Call):
     for by in map(str, By):
         groups = of_form("score", told("score", "--by", by, "--format", "json").stdout)["groups"]
         assert groups
@@ -85,7 +85,7 @@ def test_groups_of_every_kind_have_one_shape(told: Call) -> None:
 )
 def test_a_script_gets_what_the_verb_prints(
     told: Call, folder: Path, words: tuple[str, ...], ask: Callable[[scaloft_fi.OpenCampaign], scaloft_fi.Answer]
-) -> None:
+):
     answer = ask(scaloft_fi.open(STUDY).campaign(str(folder)))
     assert answer.record() == json.loads(told(*words, "--format", "json").stdout)
     for style in ("table", "markdown", "latex", "csv"):
@@ -96,7 +96,7 @@ def test_a_script_gets_what_the_verb_prints(
     }
 
 
-def test_a_script_saves_the_worksheet_that_the_verb_writes(told: Call, folder: Path, tmp_path: Path) -> None:
+def test_a_script_saves_the_worksheet_that_the_verb_writes(told: Call, folder: Path, tmp_path: Path):
     sheet = scaloft_fi.open(STUDY).campaign(str(folder)).worksheet()
     for end, style in ((".txt", "table"), (".xlsx", "xlsx")):
         told("worksheet", "--format", style, "--output", f"{tmp_path}/verb{end}")
@@ -105,7 +105,7 @@ def test_a_script_saves_the_worksheet_that_the_verb_writes(told: Call, folder: P
         sheet.save("sheet.ods")
 
 
-def test_a_script_merges(folder: Path, tmp_path: Path) -> None:
+def test_a_script_merges(folder: Path, tmp_path: Path):
     whole = scaloft_fi.open(STUDY).campaign(str(tmp_path / "whole"))
     merged = whole.merge(str(folder))
     assert (merged.summary["added"], merged.summary["known"]) == (whole.status().summary["counted"], 0)
@@ -132,12 +132,12 @@ def test_a_script_merges(folder: Path, tmp_path: Path) -> None:
 )
 def test_a_script_that_asks_wrongly_gets_one_sentence(
     folder: Path, ask: Callable[[scaloft_fi.OpenCampaign], object], said: str
-) -> None:
+):
     with pytest.raises(scaloft_fi.InputError, match=said):
         ask(scaloft_fi.open(STUDY).campaign(str(folder)))
 
 
-def test_every_table_of_the_score_is_a_file_with_the_numbers_of_the_json(told: Call, tmp_path: Path) -> None:
+def test_every_table_of_the_score_is_a_file_with_the_numbers_of_the_json(told: Call, tmp_path: Path):
     whole = json.loads(told("score", "--by", "axis", "--format", "json").stdout)
     done = told("score", "--by", "axis", "--format", "csv", "--tables", str(tmp_path / "new" / "tables"))
     assert done.exit_code == 0, done.output
@@ -183,7 +183,7 @@ def _too_wide(text: str, width: int) -> list[str]:
 @pytest.mark.parametrize("words", SCREENS, ids=" ".join)
 def test_a_screen_fits_the_terminal_and_says_the_same_without_colours(
     told: Call, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
-) -> None:
+):
     def shown(width: int, colours: str) -> str:
         with monkeypatch.context() as patch:
             patch.setenv("COLUMNS", str(width))
@@ -224,7 +224,7 @@ def said_of(line: str, places: dict[str, str]) -> str:
 
 def test_bad_words_are_one_sentence_and_nothing_is_written(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: pytest.fail("it flew"))
     Path("file").write_text("mine")

@@ -55,7 +55,7 @@ def content(folder: Path) -> Mapping[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
-def test_an_import_says_row_by_row_what_it_would_do_and_writes_nothing(folder: Path) -> None:
+def test_an_import_says_row_by_row_what_it_would_do_and_writes_nothing(folder: Path):
     before = content(folder)
     rows = told(folder, "import", folder.parent / "sheet.csv")["rows"]
     assert [(row["place"], row["state"], row["cell"]) for row in rows] == [
@@ -71,7 +71,7 @@ def test_an_import_says_row_by_row_what_it_would_do_and_writes_nothing(folder: P
     assert content(folder) == before
 
 
-def test_drafts_load_are_counted_and_never_fly(folder: Path) -> None:
+def test_drafts_load_are_counted_and_never_fly(folder: Path):
     before, mutants = content(folder), [mutant.id for mutant in Study.open(folder).catalogue]
     answer = told(folder, "import", folder.parent / "sheet.csv", "--write")
     assert answer["to_do"] == 24
@@ -101,7 +101,7 @@ def test_drafts_load_are_counted_and_never_fly(folder: Path) -> None:
     assert "cells to do" in CliRunner().invoke(main, ["check", "--study", str(folder)]).output
 
 
-def test_guidewords_that_a_small_study_lacks_come_with_the_sheet(tmp_path: Path) -> None:
+def test_guidewords_that_a_small_study_lacks_come_with_the_sheet(tmp_path: Path):
     CliRunner().invoke(main, ["new", str(tmp_path / "small")], catch_exceptions=False)
     (tmp_path / "sheet.csv").write_text(SHEET)
     told(tmp_path / "small", "import", tmp_path / "sheet.csv", "--write")
@@ -110,7 +110,7 @@ def test_guidewords_that_a_small_study_lacks_come_with_the_sheet(tmp_path: Path)
     assert matrix.cell("MORE-human").status is CellStatus.TO_DO
 
 
-def test_a_second_import_finds_every_cell_there(folder: Path) -> None:
+def test_a_second_import_finds_every_cell_there(folder: Path):
     told(folder, "import", folder.parent / "sheet.csv", "--write")
     again = told(folder, "import", folder.parent / "sheet.csv", "--write")
     assert again["files"] == []
@@ -139,9 +139,7 @@ def matrices(draw: st.DrawFn) -> Matrix:
 
 @settings(max_examples=usually(10, release=100))
 @given(matrix=matrices())
-def test_the_worksheet_that_a_study_writes_changes_nothing(
-    matrix: Matrix, tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def test_the_worksheet_that_a_study_writes_changes_nothing(matrix: Matrix, tmp_path_factory: pytest.TempPathFactory):
     folder, by_id = tmp_path_factory.mktemp("sheets"), {one.id: one for one in matrix.parameters}
     rows = tuple(SheetRow(cell, by_id[cell.parameter], matrix.severities.get(cell.name)) for cell in matrix)
     (folder / "a.xlsx").write_bytes(to_xlsx(rows))
@@ -153,7 +151,7 @@ def test_the_worksheet_that_a_study_writes_changes_nothing(
 
 
 @pytest.mark.parametrize("text", ["'=1", "''=1", "'-a", "''x", "=1+1", "_x0041_", "'", "a [cut]", "a; b", "x" * 40_000])
-def test_a_text_with_marks_of_a_spreadsheet_comes_back_as_it_was(tmp_path: Path, text: str) -> None:
+def test_a_text_with_marks_of_a_spreadsheet_comes_back_as_it_was(tmp_path: Path, text: str):
     part = MATRIX.only(["LATE"], ["human"])
     (cell,) = (replace(one, deviation=text, causes=(text, "b"), effect=text) for one in part)
     matrix = replace(part, cells={("LATE", "human"): cell})
@@ -184,7 +182,7 @@ def edit(path: Path, cell: str, **texts: str) -> None:
     book.save(path)
 
 
-def test_what_people_edited_is_shown_and_changes_single_values_in_place(folder: Path, worksheet: Path) -> None:
+def test_what_people_edited_is_shown_and_changes_single_values_in_place(folder: Path, worksheet: Path):
     assert told(folder, "diff", worksheet)["edits"] == []
     edit(
         worksheet, "LATE-human", Consequence="The drone: passes at speed.", Recommendation="measure", Severity="damage"
@@ -211,7 +209,7 @@ def test_what_people_edited_is_shown_and_changes_single_values_in_place(folder: 
     assert told(folder, "diff", worksheet)["edits"] == []
 
 
-def test_an_edit_that_no_study_can_have_leaves_every_file_alone(folder: Path, worksheet: Path) -> None:
+def test_an_edit_that_no_study_can_have_leaves_every_file_alone(folder: Path, worksheet: Path):
     edit(worksheet, "LATE-human", Consequence="other", Severity="dreadful")
     before = content(folder)
     refused = CliRunner().invoke(main, ["hazop", "diff", str(worksheet), "--study", str(folder), "--write"])
@@ -220,21 +218,21 @@ def test_an_edit_that_no_study_can_have_leaves_every_file_alone(folder: Path, wo
     assert content(folder) == before
 
 
-def test_what_is_taken_out_of_a_list_is_left_to_a_person(folder: Path, worksheet: Path) -> None:
+def test_what_is_taken_out_of_a_list_is_left_to_a_person(folder: Path, worksheet: Path):
     edit(worksheet, "NO-human", Possible_causes="Only this.")
     (one,) = told(folder, "diff", worksheet, "--write")["edits"]
     assert (one["key"], one["written"]) == ("causes", False)
     assert "by hand" in one["why"]
 
 
-def test_a_row_of_a_cell_that_the_study_lacks_is_told(folder: Path, worksheet: Path) -> None:
+def test_a_row_of_a_cell_that_the_study_lacks_is_told(folder: Path, worksheet: Path):
     edit(worksheet, "NO-human", Deviation_id="NO-humann")
     (one,) = told(folder, "diff", worksheet, "--write")["edits"]
     assert (one["cell"], one["written"]) == ("NO-humann", False)
     assert "the study has no such cell; did you mean 'NO-human'?" in one["why"]
 
 
-def test_a_sheet_of_others_has_nothing_to_compare(folder: Path) -> None:
+def test_a_sheet_of_others_has_nothing_to_compare(folder: Path):
     refused = CliRunner().invoke(main, ["hazop", "diff", str(folder.parent / "sheet.csv"), "--study", str(folder)])
     assert "hazop import" in sentence(refused)
 
@@ -248,6 +246,6 @@ def test_a_sheet_of_others_has_nothing_to_compare(folder: Path) -> None:
         (("--column", "node"), "must have the form KEY=HEAD"),
     ],
 )
-def test_options_that_do_not_fit_are_refused(folder: Path, words: tuple[str, ...], said: str) -> None:
+def test_options_that_do_not_fit_are_refused(folder: Path, words: tuple[str, ...], said: str):
     call = ["hazop", "import", str(folder.parent / "sheet.csv"), "--study", str(folder), *words]
     assert said in sentence(CliRunner().invoke(main, call))

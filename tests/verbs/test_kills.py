@@ -76,7 +76,7 @@ CAMPAIGN = [
 ]
 
 
-def test_a_situation_tells_what_it_alone_kills() -> None:
+def test_a_situation_tells_what_it_alone_kills():
     rows = {entry.situation: entry for entry in situation_kills(matrix_of(CAMPAIGN))}
     assert rows[HUMAN].killed == (NO, LATE)
     assert rows[HUMAN].alone == (LATE,)
@@ -86,7 +86,7 @@ def test_a_situation_tells_what_it_alone_kills() -> None:
     assert [str(rows[key].minimal) for key in (HUMAN, DARK)] == ["1/2 = 50 %", "0/2 = 0 %"]
 
 
-def test_some_situations_are_scored_with_and_without_redundant_mutants() -> None:
+def test_some_situations_are_scored_with_and_without_redundant_mutants():
     found = chosen_kills(matrix_of(CAMPAIGN), [HUMAN, DARK])
     assert (str(found.killed), str(found.dominator_score)) == ("2/3 = 67 %", "1/2 = 50 %")
     assert found.lost == (GOAL,)
@@ -94,7 +94,7 @@ def test_some_situations_are_scored_with_and_without_redundant_mutants() -> None
     assert (whole.killed.value, whole.dominator_score.value, whole.lost) == (1.0, 1.0, ())
 
 
-def test_the_first_table_names_what_is_detected_without_a_kill() -> None:
+def test_the_first_table_names_what_is_detected_without_a_kill():
     keys = [key for key, _ in GRID.points[:8]]
     spread = [outcome(LATE, key, 1, violated={"SR2": 9.0}) for key in keys]
     calm = [outcome(LATE, key, seed) for key in keys for seed in (0, 2)]
@@ -109,7 +109,7 @@ def test_the_first_table_names_what_is_detected_without_a_kill() -> None:
     assert not any("without a kill" in note for note in with_detected(shown[1:], matrix_of(CAMPAIGN))[0].notes)
 
 
-def test_a_greedy_suite_says_at_most() -> None:
+def test_a_greedy_suite_says_at_most():
     matrix = matrix_of(CAMPAIGN)
     suite = minimal_suite(matrix.kills, matrix.flown, most_entries=0)
     assert "at most 2;" in render([suite_table(suite, matrix)], Format.TABLE)
@@ -117,7 +117,7 @@ def test_a_greedy_suite_says_at_most() -> None:
 
 @settings(deadline=None, max_examples=12)
 @given(seeded())
-def test_every_table_of_every_campaign_fits_a_terminal_and_every_node_is_listed_once(outcomes: list[Outcome]) -> None:
+def test_every_table_of_every_campaign_fits_a_terminal_and_every_node_is_listed_once(outcomes: list[Outcome]):
     text = render(all_tables(outcomes), Format.TABLE)
     assert max(len(line) for line in text.splitlines()) <= PIPED
     graph = subsumption(matrix_of(outcomes).kills)
@@ -140,7 +140,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Call:
     return telling
 
 
-def test_every_part_is_a_csv_file_of_its_own(flown: Call, tmp_path: Path) -> None:
+def test_every_part_is_a_csv_file_of_its_own(flown: Call, tmp_path: Path):
     done = flown("kills", "--show", "survivors", "--format", "csv", "--tables", str(tmp_path / "tables"))
     rows = one_table((tmp_path / "tables" / "survivors.csv").read_text())
     assert [(row["mutant"], row["stage"], row["next"]) for row in rows] == [("EARLY-human@3s", "infect", "situation")]
@@ -150,7 +150,7 @@ def test_every_part_is_a_csv_file_of_its_own(flown: Call, tmp_path: Path) -> Non
     assert {row["id"] for row in one_table(flown("kills", "--format", "csv").stdout)} >= {LATE, "EARLY-human@3s"}
 
 
-def test_json_has_the_matrix_and_every_part(flown: Call) -> None:
+def test_json_has_the_matrix_and_every_part(flown: Call):
     plain = json.loads(flown("kills", "--format", "json").stdout)
     parts = {"conditions", "orders", "situations", "suite", "subsumption", "redundancies", "survivors"}
     assert {name for name, value in plain.items() if value is None} == {"chosen"}
@@ -163,7 +163,7 @@ def test_json_has_the_matrix_and_every_part(flown: Call) -> None:
     assert [row["id"] for row in some["mutants"]] == [LATE]
 
 
-def test_what_one_seed_shows_is_undecided_and_says_how_many_seeds_decide(call: Call) -> None:
+def test_what_one_seed_shows_is_undecided_and_says_how_many_seeds_decide(call: Call):
     words = ("--mutant", "LATE-human", "--situation", "T0O?W0D0H?", "--quiet")
     assert call("run", *words).exit_code == 0
     text = " ".join(call("kills", "--show", "survivors").stdout.split())
@@ -172,20 +172,20 @@ def test_what_one_seed_shows_is_undecided_and_says_how_many_seeds_decide(call: C
     assert json.loads(call("kills", "--format", "json").stdout)["conditions"] == []
 
 
-def test_what_some_situations_kill_is_told(flown: Call) -> None:
+def test_what_some_situations_kill_is_told(flown: Call):
     lone = json.loads(flown("kills", "--situation", "T0O0W0D0H0", "--show", "suite", "--format", "json").stdout)
     assert lone["chosen"]["lost"] == [LATE]
     assert "dominator score 1/1 = 100 %" in " ".join(flown("kills", "--situation", "T0O?W0D0H1").stdout.split())
     assert "situation" in sentence(flown("kills", "--situation", "T0O0W0D0H7"))
 
 
-def test_kills_by_requirement_are_told_apart(flown: Call) -> None:
+def test_kills_by_requirement_are_told_apart(flown: Call):
     plain = json.loads(flown("kills", "--by-requirement", "--show", "subsumption", "--format", "json").stdout)
     assert all(key.endswith(" SR2") for key in plain["subsumption"]["nodes"][0]["kills"])
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".dot"])
-def test_all_are_drawn_as_the_subsumption_graph(flown: Call, tmp_path: Path, suffix: str) -> None:
+def test_all_are_drawn_as_the_subsumption_graph(flown: Call, tmp_path: Path, suffix: str):
     path = tmp_path / f"graph{suffix}"
     assert flown("kills", "--output", str(path)).exit_code == 0
     assert path.stat().st_size > 100

@@ -44,7 +44,7 @@ def lists(study: Study) -> dict[str, Listing[Any]]:
     }
 
 
-def test_every_signal_that_a_formula_may_use_is_listed_and_no_other(wide: Study) -> None:
+def test_every_signal_that_a_formula_may_use_is_listed_and_no_other(wide: Study):
     by_use: dict[str, list[str]] = {BOTH: [], REALISED: [], TO_ASK: []}
     for record in signal_list(wide).entries:
         by_use[record.used_in].append(record.name)
@@ -53,7 +53,7 @@ def test_every_signal_that_a_formula_may_use_is_listed_and_no_other(wide: Study)
     assert by_use[TO_ASK] == [name for name in SIGNALS if name not in wide.grid.world().signals]
 
 
-def test_every_example_of_a_signal_is_a_formula_within_the_caps(wide: Study) -> None:
+def test_every_example_of_a_signal_is_a_formula_within_the_caps(wide: Study):
     names = {*wide.signals, *wide.grid.passing_signals, *SIGNALS}
     for record in signal_list(wide).entries:
         check_caps(record.example, wide.caps)
@@ -62,11 +62,11 @@ def test_every_example_of_a_signal_is_a_formula_within_the_caps(wide: Study) -> 
         assert verdict(bounds_of(formula, ranges_of(wide.grid.world(), wide.stack.beliefs, names))) is None, record
 
 
-def test_every_signal_of_the_ground_truth_has_facts_and_a_unit_or_none() -> None:
+def test_every_signal_of_the_ground_truth_has_facts_and_a_unit_or_none():
     assert EXAMPLES.keys() >= set(TRUTH_NAMES) - {"clearance_wall_m"}
 
 
-def test_what_a_consumer_acts_on_follows_from_the_declared_effect(study: Study) -> None:
+def test_what_a_consumer_acts_on_follows_from_the_declared_effect(study: Study):
     seams = study.stack.by_name
     assert acted_on(seams["goal"]) == ("reached",)
     assert acted_on(seams["clearing"]) == ("forget",)
@@ -75,7 +75,7 @@ def test_what_a_consumer_acts_on_follows_from_the_declared_effect(study: Study) 
     assert acted_on(seams["proximity"]) == ("sectors", "watched", "bearings", "trigger_m", "touched")
 
 
-def test_the_example_of_an_operator_is_what_its_tap_does(lists: dict[str, Listing[Any]]) -> None:
+def test_the_example_of_an_operator_is_what_its_tap_does(lists: dict[str, Listing[Any]]):
     told = {record.name: record.polls for record in lists["operators"].entries}
     assert told.keys() == OPERATORS.keys()
     for name, operator in OPERATORS.items():
@@ -84,7 +84,7 @@ def test_the_example_of_an_operator_is_what_its_tap_does(lists: dict[str, Listin
             assert [poll.arrives for poll in told[name]] == list(map(sample_text, operator.example.after)), name
 
 
-def test_a_free_axis_tells_its_range_distribution_and_with_what_it_goes() -> None:
+def test_a_free_axis_tells_its_range_distribution_and_with_what_it_goes():
     records = {record.name: record for record in axis_list(Study.open(STUDY, "search").grid).entries}
     light = records["Li"]
     assert (light.low, light.high, light.distribution) == (0.05, 1.0, "log-uniform")
@@ -92,7 +92,7 @@ def test_a_free_axis_tells_its_range_distribution_and_with_what_it_goes() -> Non
     assert records["Du"].also == (Change("world.happenings.dust.active", True),)
 
 
-def test_a_pattern_shows_what_it_fits_and_a_miss_names_the_nearest(lists: dict[str, Listing[Any]]) -> None:
+def test_a_pattern_shows_what_it_fits_and_a_miss_names_the_nearest(lists: dict[str, Listing[Any]]):
     chosen = lists["signals"].chosen(["clearance_b*", "mode", "mode"])
     assert tuple(chosen.by_name) == ("clearance_bar_m", "mode")
     with pytest.raises(InputError, match="no seam 'presson'; did you mean 'person'"):
@@ -121,7 +121,7 @@ def script(path: Path) -> Any:
     return module
 
 
-def test_a_study_whose_stack_sensor_and_operator_come_from_a_package(tmp_path: Path) -> None:
+def test_a_study_whose_stack_sensor_and_operator_come_from_a_package(tmp_path: Path):
     install_project(tmp_path / "site", ROOT / "examples" / "own_stack")
     where = ("--study", str(ROOT / "examples" / "own_stack" / "study"))
     done = called(tmp_path / "site", *((verb, "--format", "json", *where) for verb in VERBS), cwd=tmp_path)
@@ -136,7 +136,7 @@ def test_a_study_whose_stack_sensor_and_operator_come_from_a_package(tmp_path: P
     assert "belief of the stack hopper" in {record["origin"] for record in told["signals"].values()}
 
 
-def test_a_study_whose_stages_run_outside(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_study_whose_stages_run_outside(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     folder = tmp_path / "study"
     script(ROOT / "examples" / "outside_planner" / "make_study.py").make_study(folder, source=ROOT)
     seams = listed(capsys, "seams", "--study", folder)
@@ -150,7 +150,7 @@ def test_a_study_whose_stages_run_outside(tmp_path: Path, capsys: pytest.Capture
 
 def test_a_study_that_a_command_flies_tells_where_the_record_has_each_signal(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+):
     folder = tmp_path / "study"
     script(ROOT / "examples" / "own_simulator" / "copy_study.py").copy_study(folder, ROOT)
     record = folder / "sim" / "record.yaml"
@@ -166,7 +166,7 @@ def test_a_study_that_a_command_flies_tells_where_the_record_has_each_signal(
 
 def test_an_optional_signal_that_the_world_lists_is_a_signal_like_any_other(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+):
     copied(tmp_path)
     assert listed(capsys, "signals", "--study", tmp_path)["takeoff_charge"]["used_in"] == "neither yet"
     world = tmp_path / "sim" / "world.yaml"

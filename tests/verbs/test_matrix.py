@@ -35,14 +35,14 @@ def printed(*arguments: str) -> str:
 
 
 @pytest.mark.parametrize("columns", [60, 80, 100, 160])
-def test_the_matrix_fits_the_terminal_in_plain_ascii(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_matrix_fits_the_terminal_in_plain_ascii(columns: int, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("COLUMNS", str(columns))
     text = printed()
     assert max(map(len, text.splitlines())) <= columns
     assert text.isascii()
 
 
-def test_the_matrix_shows_the_grid_the_legend_and_the_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_matrix_shows_the_grid_the_legend_and_the_counts(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("COLUMNS", "120")
     lines = printed("--grid").splitlines()
     assert lines[0].split() == [word.id for word in MATRIX.guidewords]
@@ -51,18 +51,18 @@ def test_the_matrix_shows_the_grid_the_legend_and_the_counts(monkeypatch: pytest
     assert lines[-1] == "13 parameters x 12 guidewords = 156 cells: 114 credible, 11 control, 31 not meaningful"
 
 
-def test_the_matrix_tells_every_cell_with_its_deviation_or_reason() -> None:
+def test_the_matrix_tells_every_cell_with_its_deviation_or_reason():
     text = " ".join(printed().split())
     assert all(" ".join(cell.told.split()) in text for cell in MATRIX)
 
 
-def test_filters_keep_only_what_they_name_in_any_case() -> None:
+def test_filters_keep_only_what_they_name_in_any_case():
     words = ("--guideword", "late", "--guideword", "MORE", "--parameter", "Human")
     cells = json.loads(printed(*words, "--format", "json"))["cells"]
     assert [cell["cell"] for cell in cells] == ["MORE-human", "LATE-human"]
 
 
-def test_one_cell_is_told_whole() -> None:
+def test_one_cell_is_told_whole():
     text = printed("--cell", "LATE-human")
     for fragment in (
         "Detection delivered late.",
@@ -75,7 +75,7 @@ def test_one_cell_is_told_whole() -> None:
         assert fragment in text
 
 
-def test_every_cell_fits_the_terminal() -> None:
+def test_every_cell_fits_the_terminal():
     for cell in MATRIX:
         assert max(map(len, sheet(MATRIX, cell, {}, PIPED).splitlines())) <= PIPED, cell.name
 
@@ -86,7 +86,7 @@ def process(*arguments: str, **extra: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, cwd=STUDY, env=environment, check=False)
 
 
-def test_the_matrix_is_printed_without_what_takes_long_to_import() -> None:
+def test_the_matrix_is_printed_without_what_takes_long_to_import():
     source = (
         "import sys\n"
         "from scaloft_fi.cli import main\n"
@@ -99,7 +99,7 @@ def test_the_matrix_is_printed_without_what_takes_long_to_import() -> None:
 
 
 @given(st.integers(0, 30), st.integers(0, 6), st.integers(1, 20))
-def test_a_study_with_many_guidewords_still_fits(words: int, parameters: int, length: int) -> None:
+def test_a_study_with_many_guidewords_still_fits(words: int, parameters: int, length: int):
     guidewords = tuple(Guideword(f"{'W' * length}{i}", "", "") for i in range(words))
     rows = tuple(Parameter(f"p{i}", "", "", "", "") for i in range(parameters))
     cells = {(w.id, p.id): Cell(w.id, p.id, CellStatus.CONTROL) for w in guidewords for p in rows}
@@ -115,14 +115,14 @@ def study(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_table_fits_a_terminal_and_marks_the_defaults(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_table_fits_a_terminal_and_marks_the_defaults(capsys: pytest.CaptureFixture[str]):
     assert run("mutants", "--study", STUDY) == 0
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 120
     assert [line.split()[1] for line in lines if line.startswith("LATE-human@3s")] == ["*"]
 
 
-def test_patterns_cells_and_defaults_choose(capsys: pytest.CaptureFixture[str]) -> None:
+def test_patterns_cells_and_defaults_choose(capsys: pytest.CaptureFixture[str]):
     assert run("mutants", "LATE-human", "LATE-human@2.5s", "--study", STUDY, "--format", "json") == 0
     rows = json.loads(capsys.readouterr().out)["mutants"]
     assert [(row["id"], row["default"]) for row in rows] == [("LATE-human@3s", True), ("LATE-human@2.5s", False)]
@@ -134,9 +134,7 @@ def test_patterns_cells_and_defaults_choose(capsys: pytest.CaptureFixture[str]) 
     assert "LATE-human@5s" not in shown
 
 
-def test_check_proves_the_catalogue_current_and_write_makes_it_so(
-    study: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_check_proves_the_catalogue_current_and_write_makes_it_so(study: Path, capsys: pytest.CaptureFixture[str]):
     assert run("mutants", "--check", "--study", study) == 0
     sheet = study / "hazop" / "matrix" / "human.yaml"
     sheet.write_text(sheet.read_text().replace("ladder: [0.5, 1, 3, 5], default: 3", "ladder: [0.5, 1, 3], default: 3"))
@@ -163,7 +161,7 @@ def test_check_proves_the_catalogue_current_and_write_makes_it_so(
 )
 def test_a_fault_that_cannot_be_made_is_one_sentence_with_file_and_line(
     study: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, sentence: str
-) -> None:
+):
     sheet = study / "hazop" / "matrix" / "human.yaml"
     assert old in sheet.read_text()
     sheet.write_text(sheet.read_text().replace(old, new, 1))
@@ -180,7 +178,7 @@ HUMAN = ("--situation", "T0O0W0D0H1", "--jobs", "1", "--quiet")
 THRICE = ("--seeds", "3", *HUMAN)
 
 
-def test_a_fault_that_is_killed_at_every_magnitude_is_told_as_such_in_every_format(call: Call) -> None:
+def test_a_fault_that_is_killed_at_every_magnitude_is_told_as_such_in_every_format(call: Call):
     told = of_form("margin", call("margin", "LATE-human", *THRICE, "--format", "json").stdout)
     (fault,), (situation,) = told["faults"], told["situations"]
     assert (fault["cell"], fault["unit"], fault["phase_s"]) == ("LATE-human", "s", 0.0)
@@ -204,7 +202,7 @@ def test_a_fault_that_is_killed_at_every_magnitude_is_told_as_such_in_every_form
     assert (late["unit"], late["survives"], late["kills"]) == ("s", None, 0.0625)
 
 
-def test_one_seed_in_one_situation_is_seen_and_says_how_many_seeds_decide(call: Call) -> None:
+def test_one_seed_in_one_situation_is_seen_and_says_how_many_seeds_decide(call: Call):
     done = call("margin", "LATE-human", *HUMAN)
     assert "seen <= 0.0625 s" in done.stdout
     told = " ".join(done.stdout.split())
@@ -212,13 +210,13 @@ def test_one_seed_in_one_situation_is_seen_and_says_how_many_seeds_decide(call: 
 
 
 @pytest.mark.parametrize(("words", "told"), [((), 0), (("--warnings",), 7)])
-def test_violations_are_counted_and_told_only_when_asked(call: Call, words: tuple[str, ...], told: int) -> None:
+def test_violations_are_counted_and_told_only_when_asked(call: Call, words: tuple[str, ...], told: int):
     said = call("margin", "LATE-human", *HUMAN[:-1], *words).stderr.splitlines()
     assert sum(line.startswith("warning: SR2 violated at ") for line in said) == told
     assert any(line.startswith("violations: ") for line in said)
 
 
-def test_operability_has_margins_of_its_own(call: Call) -> None:
+def test_operability_has_margins_of_its_own(call: Call):
     done = call("margin", "LATE-human", *THRICE, "--operability", "--format", "json")
     (fault,) = of_form("margin", done.stdout)["faults"]
     assert (fault["survives"], fault["kills"]) == (40.0, None)
@@ -227,7 +225,7 @@ def test_operability_has_margins_of_its_own(call: Call) -> None:
     assert (late["survives"], late["kills"]) == (40.0, None)
 
 
-def test_when_a_fault_is_killed_is_shown_of_the_flights_of_a_campaign(call: Call) -> None:
+def test_when_a_fault_is_killed_is_shown_of_the_flights_of_a_campaign(call: Call):
     only = ("--mutant", "NO-velcmd@1s", "--situation", "T0O0W0D0H1", "--quiet", "--jobs", "1")
     assert call("run", *only).exit_code == 0
     command = "scaloft-fi run --mutant 'NO-velcmd@1s' --mutant 'NO-velcmd@1s#*'"
@@ -242,5 +240,5 @@ def test_when_a_fault_is_killed_is_shown_of_the_flights_of_a_campaign(call: Call
     assert "Detected at 0 of 4 times" in call("margin", "NO-velcmd@1s#5s", "--when").stdout
 
 
-def test_margins_of_a_campaign_that_does_not_exist_are_refused(call: Call) -> None:
+def test_margins_of_a_campaign_that_does_not_exist_are_refused(call: Call):
     assert call("matrix", "--margins").exit_code == 2

@@ -70,7 +70,7 @@ def _told(path: Path) -> tuple[set[str], set[str]]:
     return told, keys - told - NAMES
 
 
-def test_the_study_is_whole_and_its_catalogue_is_current(study: Path) -> None:
+def test_the_study_is_whole_and_its_catalogue_is_current(study: Path):
     assert run("mutants", "--check", "--study", study) == 0
     opened = Study.open(study)
     opened.check()
@@ -81,7 +81,7 @@ def test_the_study_is_whole_and_its_catalogue_is_current(study: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", [(), ("--plugin", "--name", "rock_fall")])
-def test_each_key_of_a_study_is_told_of_in_a_comment(kind: tuple[str, ...], tmp_path: Path) -> None:
+def test_each_key_of_a_study_is_told_of_in_a_comment(kind: tuple[str, ...], tmp_path: Path):
     assert run("new", tmp_path, *kind) == 0
     read: dict[str, set[str]] = {}
     for path in sorted(tmp_path.rglob("*.yaml")):
@@ -102,7 +102,7 @@ def _schema_errors(path: Path, document: Any) -> list[str]:
     return [one.message for one in Draft202012Validator(json.loads(_schema_of(path).read_text())).iter_errors(document)]
 
 
-def test_an_editor_finds_beside_the_study_a_schema_that_each_document_satisfies(study: Path) -> None:
+def test_an_editor_finds_beside_the_study_a_schema_that_each_document_satisfies(study: Path):
     paths = sorted(study.rglob("*.yaml"))
     assert len(paths) == 10
     for path in paths:
@@ -114,7 +114,7 @@ def test_an_editor_finds_beside_the_study_a_schema_that_each_document_satisfies(
 
 def test_the_documents_of_a_package_name_the_schemas_that_a_next_command_writes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+):
     assert run("new", tmp_path / "fine", "--plugin") == 0
     *_, folder = next(line for line in capsys.readouterr().out.splitlines() if " --write " in line).split()
     named = {_schema_of(path) for path in (tmp_path / "fine").rglob("*.yaml")}
@@ -124,7 +124,7 @@ def test_the_documents_of_a_package_name_the_schemas_that_a_next_command_writes(
 @pytest.mark.parametrize("kind", [(), ("--plugin", "--name", "fine")])
 def test_a_program_reads_what_was_written_and_what_to_do_next(
     kind: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+):
     assert run("new", tmp_path / "made", *kind, "--format", "json") == 0
     told = of_form("new", capsys.readouterr().out)
     there = sorted(path for path in (tmp_path / "made").rglob("*") if path.is_file())
@@ -135,7 +135,7 @@ def test_a_program_reads_what_was_written_and_what_to_do_next(
 
 def test_it_prints_the_next_commands_without_a_way_where_one_stands_already(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     def commands(folder: Path | str) -> list[list[str]]:
         assert run("new", folder) == 0
         return [shlex.split(line) for line in capsys.readouterr().out.splitlines() if line.startswith("  ")]
@@ -150,7 +150,7 @@ def test_it_prints_the_next_commands_without_a_way_where_one_stands_already(
 
 def test_after_a_failure_nothing_is_left(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+):
     whole = new.write_whole
 
     def fails_late(path: Path, content: bytes) -> None:
@@ -164,7 +164,7 @@ def test_after_a_failure_nothing_is_left(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_package_has_the_name_of_its_folder_and_all_its_declarations_begin_with_it(plugin: Path) -> None:
+def test_the_package_has_the_name_of_its_folder_and_all_its_declarations_begin_with_it(plugin: Path):
     assert (plugin / "rock_fall" / "stack.py").is_file()
     texts = "".join(path.read_text() for path in plugin.rglob("*") if path.is_file())
     assert "your_plugin" not in texts
@@ -175,7 +175,7 @@ def test_the_package_has_the_name_of_its_folder_and_all_its_declarations_begin_w
     }
 
 
-def test_two_packages_can_be_installed_together(plugin: Path, tmp_path: Path) -> None:
+def test_two_packages_can_be_installed_together(plugin: Path, tmp_path: Path):
     assert run("new", tmp_path / "other", "--plugin") == 0
     install_project(tmp_path / "site", plugin)
     install_project(tmp_path / "site", tmp_path / "other")
@@ -185,14 +185,14 @@ def test_two_packages_can_be_installed_together(plugin: Path, tmp_path: Path) ->
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_the_tests_of_the_package_pass(site: Path, plugin: Path) -> None:
+def test_the_tests_of_the_package_pass(site: Path, plugin: Path):
     done = call(site, "-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=plugin)
     assert done.returncode == 0, done.stdout
 
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_a_run_of_its_study_is_green(site: Path, plugin: Path) -> None:
+def test_a_run_of_its_study_is_green(site: Path, plugin: Path):
     words = ("run", "--study", "study", "--situation", "O0H0", "--quiet", "--jobs", "1")
     done = call(site, "-m", "scaloft_fi", *words, cwd=plugin)
     assert done.returncode == 0, done.stderr

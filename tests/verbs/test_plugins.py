@@ -66,14 +66,14 @@ ODD = "error: plugin 'odd' of package 'odd-ware'"
         ("import sys; sys.exit('no')", "SystemExit: no"),
     ],
 )
-def test_a_plugin_that_cannot_be_imported_is_named(source: str, why: str, tmp_path: Path, copy: Path) -> None:
+def test_a_plugin_that_cannot_be_imported_is_named(source: str, why: str, tmp_path: Path, copy: Path):
     sentence = f"{ODD} cannot be loaded: {why}; mend or uninstall it"
     assert _told(tmp_path, copy, source, ("mutants", "--check")) == [(2, sentence)]
 
 
 @pytest.mark.flight
 @pytest.mark.parametrize(("source", "why"), [(STACK, "no licence"), (SENSOR, "no light")])
-def test_a_stack_or_a_sensor_that_raises_is_named(source: str, why: str, tmp_path: Path, copy: Path) -> None:
+def test_a_stack_or_a_sensor_that_raises_is_named(source: str, why: str, tmp_path: Path, copy: Path):
     if source == STACK:
         settings = copy / "sim" / "stack.yaml"
         settings.write_text(settings.read_text().replace("name: reference", "name: dear"))
@@ -81,7 +81,7 @@ def test_a_stack_or_a_sensor_that_raises_is_named(source: str, why: str, tmp_pat
     assert told == [(70, f"{ODD}: LookupError: {why} (SCALOFT_DEBUG=1 shows where)")]
 
 
-def test_the_operators_of_a_stack_that_cannot_be_imported_are_named(tmp_path: Path, copy: Path) -> None:
+def test_the_operators_of_a_stack_that_cannot_be_imported_are_named(tmp_path: Path, copy: Path):
     settings = copy / "sim" / "stack.yaml"
     settings.write_text(settings.read_text().replace("name: reference", "name: dear"))
     ((code, line),) = _told(tmp_path, copy, STACK_OF_BAD_OPERATORS, ("mutants", "--check"))
@@ -91,7 +91,7 @@ def test_the_operators_of_a_stack_that_cannot_be_imported_are_named(tmp_path: Pa
 
 @pytest.mark.flight
 @pytest.mark.release
-def test_an_operator_that_raises_is_named(tmp_path: Path, copy: Path) -> None:
+def test_an_operator_that_raises_is_named(tmp_path: Path, copy: Path):
     cells = copy / "hazop" / "matrix" / "clock.yaml"
     cells.write_text(
         cells.read_text().replace("operator: scale\n      arguments: {field: all, factor: 0}", "operator: break")
@@ -106,7 +106,7 @@ def test_an_operator_that_raises_is_named(tmp_path: Path, copy: Path) -> None:
     assert f"plugin 'odd' of package 'odd-ware': TapError: {tapped}" in run[1]
 
 
-def test_an_export_format_that_raises_is_named(folder: Path, tmp_path: Path) -> None:
+def test_an_export_format_that_raises_is_named(folder: Path, tmp_path: Path):
     words = ("export", "--format", "broken", "--campaign", str(folder))
     ((code, line),) = _told(tmp_path, ROOT, FORMAT, words)
     assert code == 70

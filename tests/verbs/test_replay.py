@@ -33,7 +33,7 @@ from scaloft_fi.views.table import Format, render
 LOG = FlightLog({"elapsed_s": np.array([0.0, 40.0])}, Ending.LANDED, "", NEVER_S, "", {}, 60.0)
 
 
-def test_a_window_needs_a_display(call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_window_needs_a_display(call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     result = call("replay", "baseline/T0O0W0D0H1/0", "--gui")
@@ -41,7 +41,7 @@ def test_a_window_needs_a_display(call: Call, monkeypatch: pytest.MonkeyPatch, t
     assert "--gui needs a display" in result.stderr
 
 
-def test_a_requirement_that_the_flight_did_not_put_to_the_test_has_no_robustness() -> None:
+def test_a_requirement_that_the_flight_did_not_put_to_the_test_has_no_robustness():
     study = Study.open(STUDY)
     flight = flight_named(study, "baseline", "T0O0W0D0H0", 0)
     readings = (
@@ -57,7 +57,7 @@ def test_a_requirement_that_the_flight_did_not_put_to_the_test_has_no_robustness
     assert "SR2 vacuous" in said
 
 
-def test_json_has_the_facts_and_how_the_flight_compares() -> None:
+def test_json_has_the_facts_and_how_the_flight_compares():
     study = Study.open(STUDY)
     flight = flight_named(study, "baseline", "T0O0W0D0H0", 0)
     readings = (Reading("SR2", Kind.SAFETY, 24.0, None, 0, open=False),)
@@ -97,17 +97,17 @@ def replayed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> _Replayed:
     return _Replayed(tmp_path, monkeypatch)
 
 
-def test_equal_digests_are_the_same_flight_on_every_platform(replayed: _Replayed) -> None:
+def test_equal_digests_are_the_same_flight_on_every_platform(replayed: _Replayed):
     for numpy in ("1", "2"):
         assert replayed.compared(numpy, replayed.outcome, same_platform=True).startswith("bit for bit the flight in")
 
 
-def test_other_bits_on_the_same_platform_fail_the_gate(replayed: _Replayed) -> None:
+def test_other_bits_on_the_same_platform_fail_the_gate(replayed: _Replayed):
     with pytest.raises(GateError, match="flown on the same platform: digest fault there"):
         replayed.compared("1", replace(replayed.outcome, digest="other"))
 
 
-def test_other_bits_on_another_platform_are_told_and_fail_the_strict_rule_only(replayed: _Replayed) -> None:
+def test_other_bits_on_another_platform_are_told_and_fail_the_strict_rule_only(replayed: _Replayed):
     other = replace(replayed.outcome, digest="other")
     said = replayed.compared("2", other)
     assert "flown on another platform (numpy 2 here, 1 there), and the same status, ending and violations" in said
@@ -115,7 +115,7 @@ def test_other_bits_on_another_platform_are_told_and_fail_the_strict_rule_only(r
         replayed.compared("2", other, same_platform=True)
 
 
-def test_another_status_beside_the_baseline_of_the_own_platform_is_named(replayed: _Replayed) -> None:
+def test_another_status_beside_the_baseline_of_the_own_platform_is_named(replayed: _Replayed):
     """The flight is masked here, because it equals the baseline of this platform."""
     with pytest.raises(GateError, match=r"differs in more than bits .*\(masked, landed here, survived, landed there\)"):
         replayed.compared("2", replace(replayed.outcome, digest="clean 2"))
@@ -123,7 +123,7 @@ def test_another_status_beside_the_baseline_of_the_own_platform_is_named(replaye
 
 def test_replay_of_a_stack_that_is_not_deterministic_says_what_it_cannot_do_and_shows_the_record(
     replayed: _Replayed, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     declared = replace(replayed.study.stack, deterministic=False)
     monkeypatch.setitem(replayed.study.__dict__, "stack", declared)
     said = replayed.compared("1", replace(replayed.outcome, digest="other"))
@@ -141,7 +141,7 @@ def log() -> FlightLog:
     return FlightLog(signals, Ending.STRUCK, "wall", 0.72, "", {}, 60.0, events)
 
 
-def test_a_reader_of_mcap_gets_back_pose_signals_and_events_in_the_order_of_time() -> None:
+def test_a_reader_of_mcap_gets_back_pose_signals_and_events_in_the_order_of_time():
     reader = make_reader(io.BytesIO(mcap(log(), "LATE-human@3s/T0/0")))
     times, by_topic = [], dict[str, list[dict[str, object]]]()
     for schema, channel, message in reader.iter_messages():
@@ -162,7 +162,7 @@ def test_a_reader_of_mcap_gets_back_pose_signals_and_events_in_the_order_of_time
     assert [event["level"] for event in by_topic["/events"]] == [2, 3]
 
 
-def test_the_file_says_which_flight_it_is() -> None:
+def test_the_file_says_which_flight_it_is():
     reader = make_reader(io.BytesIO(mcap(log(), "LATE-human@3s/T0/0")))
     (about,) = reader.iter_metadata()
     assert about.metadata == {"name": "LATE-human@3s/T0/0", "digest": log().digest, "ending": "struck"}
@@ -190,7 +190,7 @@ def a_record(folder: Path, **last: float) -> Path:
     return path
 
 
-def test_a_violation_is_a_finding_with_time_and_place_and_the_exit_code_is_0(tmp_path: Path) -> None:
+def test_a_violation_is_a_finding_with_time_and_place_and_the_exit_code_is_0(tmp_path: Path):
     done = judge(a_record(tmp_path, clearance_m=-0.001, x_m=3.5), "--format", "json")
     assert done.exit_code == 0
     rows = {row["requirement"]: row for row in of_form("judge", done.stdout)["readings"]}
@@ -199,7 +199,7 @@ def test_a_violation_is_a_finding_with_time_and_place_and_the_exit_code_is_0(tmp
 
 
 @pytest.mark.parametrize("order", ["good bad none", "bad good none", "none bad good", "bad none", "bad good folder"])
-def test_of_many_records_every_verdict_is_told_before_the_errors(order: str, tmp_path: Path) -> None:
+def test_of_many_records_every_verdict_is_told_before_the_errors(order: str, tmp_path: Path):
     good = a_record(tmp_path)
     places = {"good": good, "bad": tmp_path / "bad.csv", "none": tmp_path / "none.csv", "folder": tmp_path / "folder"}
     places["bad"].write_text("elapsed_s\n")
@@ -225,7 +225,7 @@ def test_of_many_records_every_verdict_is_told_before_the_errors(order: str, tmp
 )
 def test_a_record_without_a_time_limit_ends_and_is_not_at_its_limit(
     heights_m: tuple[int, ...], more: str, ending: str | None, tmp_path: Path
-) -> None:
+):
     study, mapping = copied(tmp_path / "study"), tmp_path / "own.yaml"
     columns = ", ".join(f"{name}: {{column: t}}" for name in ("x_m", "y_m", "far"))
     landed, more = (f", {more}", "") if "landed" in more else ("", more)
@@ -255,7 +255,7 @@ def test_a_record_without_a_time_limit_ends_and_is_not_at_its_limit(
 )
 def test_a_requirement_takes_any_signal_of_a_record_as_far_as_it_was_measured(
     formula: str, verdict: str, robustness: float, tmp_path: Path
-) -> None:
+):
     study, mapping = copied(tmp_path / "study"), tmp_path / "own.yaml"
     columns = {"x_m": "x", "wind": "wind", "roll_rad": "roll", "clearance_m": "near", "person_sight_m": "sight"}
     more = "y_m: {constant: 0}, z_m: {constant: 2}, pitch_rad: {constant: 0}, clearance_person_m: {column: near}"
@@ -269,9 +269,7 @@ def test_a_requirement_takes_any_signal_of_a_record_as_far_as_it_was_measured(
 
 
 @pytest.mark.parametrize("formula", ["always(tilt_rad < 1)", "always(speed_mps < 1)", "always(yaw_rad < 1)"])
-def test_a_signal_that_does_not_follow_from_the_record_is_named_with_what_it_follows_from(
-    formula: str, tmp_path: Path
-) -> None:
+def test_a_signal_that_does_not_follow_from_the_record_is_named_with_what_it_follows_from(formula: str, tmp_path: Path):
     study, mapping = copied(tmp_path / "study"), tmp_path / "own.yaml"
     mapping.write_text("time: {column: t}\nsignals: {x_m: {column: t}, y_m: {column: t}, z_m: {column: t}}")
     (study / "sim" / "requirements.yaml").write_text(f"requirements: {{A: {{kind: safety, formula: {formula}}}}}")
@@ -281,7 +279,7 @@ def test_a_signal_that_does_not_follow_from_the_record_is_named_with_what_it_fol
     assert f"requirement A needs the signal '{name}', and {mapping} maps neither signal '{name}' nor " in done.stderr
 
 
-def test_what_breaks_a_requirement_between_samples_is_told(tmp_path: Path) -> None:
+def test_what_breaks_a_requirement_between_samples_is_told(tmp_path: Path):
     study, mapping = copied(tmp_path / "study"), tmp_path / "own.yaml"
     mapping.write_text("time: {column: t}\nsignals: {x_m: {column: x}, y_m: {column: x}, z_m: {column: x}}")
     (study / "sim" / "requirements.yaml").write_text("requirements: {A: {kind: safety, formula: always(x_m < 2)}}")
@@ -292,7 +290,7 @@ def test_what_breaks_a_requirement_between_samples_is_told(tmp_path: Path) -> No
         assert (reading["verdict"], reading["between_s"]) == ("held", between_s)
 
 
-def test_what_a_record_lost_is_told_at_the_times_of_its_flight(tmp_path: Path) -> None:
+def test_what_a_record_lost_is_told_at_the_times_of_its_flight(tmp_path: Path):
     study, mapping = (
         copied(tmp_path / "study"),
         records.mapping(tmp_path, "", "{topic: place, field: 'at[0]'}", "{constant: 1}"),
@@ -312,19 +310,19 @@ def test_what_a_record_lost_is_told_at_the_times_of_its_flight(tmp_path: Path) -
     assert "its last message is at 4.80 s of the record" in held
 
 
-def test_a_ready_mapping_is_named_with_the_nearest(tmp_path: Path) -> None:
+def test_a_ready_mapping_is_named_with_the_nearest(tmp_path: Path):
     done = judge(a_record(tmp_path), "--record", "px5")
     assert done.exit_code == 2
     assert "--record='px5' must be a file or a ready mapping; did you mean 'px4'" in done.stderr
 
 
-def test_a_requirement_whose_condition_never_comes_true_is_vacuous(tmp_path: Path) -> None:
+def test_a_requirement_whose_condition_never_comes_true_is_vacuous(tmp_path: Path):
     readings = of_form("judge", judge(a_record(tmp_path), "--format", "json").stdout)["readings"]
     verdicts = {one["requirement"]: one["verdict"] for one in readings}
     assert (verdicts["SR1"], verdicts["SR2"]) == ("held", "vacuous")
 
 
-def test_a_situation_gives_route_and_time_limit_to_a_record_without_them(tmp_path: Path) -> None:
+def test_a_situation_gives_route_and_time_limit_to_a_record_without_them(tmp_path: Path):
     record = a_record(tmp_path)
     mapping = tmp_path / "own.yaml"
     names = [name for name in COLUMNS if name not in ("elapsed_s", "remaining_s", "waypoints_left")]
@@ -338,7 +336,7 @@ def test_a_situation_gives_route_and_time_limit_to_a_record_without_them(tmp_pat
     assert (done.exit_code, no_terms(done.stdout)) == (0, [])
 
 
-def test_the_study_names_the_mapping_of_its_records(tmp_path: Path, copy: Path, call: Call) -> None:
+def test_the_study_names_the_mapping_of_its_records(tmp_path: Path, copy: Path, call: Call):
     (copy / "sim" / "record.yaml").write_text("signals: {x_mm: {column: x}}")
     done = CliRunner().invoke(main, ["judge", str(a_record(tmp_path)), "--study", str(copy)], catch_exceptions=False)
     assert done.exit_code == 2
@@ -347,7 +345,7 @@ def test_the_study_names_the_mapping_of_its_records(tmp_path: Path, copy: Path, 
 
 @pytest.mark.flight
 @pytest.mark.parametrize("name", FLIGHTS)
-def test_a_flight_of_ours_is_judged_from_its_records_as_it_is_judged_directly(name: str, tmp_path: Path) -> None:
+def test_a_flight_of_ours_is_judged_from_its_records_as_it_is_judged_directly(name: str, tmp_path: Path):
     study = Study.open(STUDY)
     mutant, situation, seed = name.split("/")
     flight = flight_named(study, mutant, situation, int(seed))

@@ -19,7 +19,7 @@ from scaloft_fi.sim.load import Scenario, SimConfig
 from scaloft_fi.study import Study
 
 
-def test_a_run_prints_four_answers_the_mutants_by_verdict_and_two_lines(call: Call) -> None:
+def test_a_run_prints_four_answers_the_mutants_by_verdict_and_two_lines(call: Call):
     result = call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?")
     assert result.exit_code == 0, result.output
     for name in ("Shown", "Not shown", "How sure", "What next", "Situations", "Unmutated drone"):
@@ -31,7 +31,7 @@ def test_a_run_prints_four_answers_the_mutants_by_verdict_and_two_lines(call: Ca
     assert "warning" not in result.stderr
 
 
-def test_warnings_tell_each_violation_of_however_many_mutants(call: Call) -> None:
+def test_warnings_tell_each_violation_of_however_many_mutants(call: Call):
     for words in (("--mutant", "LATE-human"), ("--seeds", "1-1")):
         said = call("run", "--situation", "T0O0W0D0H1", "--warnings", *words).stderr.splitlines()
         (counted,) = (line for line in said if line.startswith("violations: "))
@@ -40,18 +40,18 @@ def test_warnings_tell_each_violation_of_however_many_mutants(call: Call) -> Non
         assert counted.startswith(f"violations: {len(warnings)} (mutants {len(warnings)}); ")
 
 
-def test_quiet_says_nothing_but_the_tables(call: Call) -> None:
+def test_quiet_says_nothing_but_the_tables(call: Call):
     assert call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet").stderr == ""
 
 
-def test_without_mutant_every_cells_default_and_every_control_flies(call: Call) -> None:
+def test_without_mutant_every_cells_default_and_every_control_flies(call: Call):
     assert call("run", "--situation", "T0O0W0D0H1", "--quiet").exit_code == 0
     flown = {row["mutant"] for row in json.loads(call("export").stdout)}
     matrix = Study.open(STUDY).matrix
     assert len(flown) == 2 + sum(cell.status is not CellStatus.NOT_MEANINGFUL for cell in matrix)
 
 
-def test_the_same_command_in_any_number_of_jobs_exports_the_same_bytes(call: Call, tmp_path: Path) -> None:
+def test_the_same_command_in_any_number_of_jobs_exports_the_same_bytes(call: Call, tmp_path: Path):
     exports = []
     for name, jobs in (("one", "1"), ("two", "2"), ("two", "1")):
         words = ("--campaign", str(tmp_path / name / "c"))
@@ -61,20 +61,20 @@ def test_the_same_command_in_any_number_of_jobs_exports_the_same_bytes(call: Cal
     assert exports[0] == exports[1] == exports[2]
 
 
-def test_a_control_that_shows_nothing_is_a_gate_and_prints_no_score(call: Call, paper: Paper) -> None:
+def test_a_control_that_shows_nothing_is_a_gate_and_prints_no_score(call: Call, paper: Paper):
     paper.tame = True
     result = call("run", "--mutant", "LATE-human", "--quiet")
     assert (result.exit_code, result.stdout) == (4, "")
     assert "a control shows nothing" in result.stderr
 
 
-def test_a_bare_campaign_name_is_a_folder_of_the_study(call: Call, copy: Path) -> None:
+def test_a_bare_campaign_name_is_a_folder_of_the_study(call: Call, copy: Path):
     words = ("--mutant", "PLACEBO", "--situation", "T0O0W0D0H0", "--quiet", "--campaign", "mine")
     assert call("run", *words, study=copy, campaign=False).exit_code == 0
     assert (copy / "results" / "campaigns" / "mine" / "outcomes.sqlite").is_file()
 
 
-def test_an_edited_number_flies_again_and_an_edited_comment_does_not(call: Call, copy: Path) -> None:
+def test_an_edited_number_flies_again_and_an_edited_comment_does_not(call: Call, copy: Path):
     words = ("run", "--mutant", "PLACEBO", "--situation", "T0O0W0D0H0")
     assert "3 of 3 flights flown" in call(*words, study=copy).stderr
     edit_in(copy / "sim" / "world.yaml", "light: 0.9", "light: 0.9 # bright")
@@ -87,7 +87,7 @@ def test_an_edited_number_flies_again_and_an_edited_comment_does_not(call: Call,
     assert told["reasons"] == [{"why": "sim/ changed", "flights": 3}]
 
 
-def test_chosen_situations_are_flown_and_the_choice_is_kept(call: Call, tmp_path: Path) -> None:
+def test_chosen_situations_are_flown_and_the_choice_is_kept(call: Call, tmp_path: Path):
     done = call(
         "run", "--mutant", "LATE-human", "--choose", "2-way", "--choose-seed", "1", "--quiet", "--format", "json"
     )
@@ -99,7 +99,7 @@ def test_chosen_situations_are_flown_and_the_choice_is_kept(call: Call, tmp_path
         assert [(one.text, one.seed) for one in remembered(store)] == [("2-way", 1)]
 
 
-def test_a_run_whose_time_is_up_names_what_it_left(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_whose_time_is_up_names_what_it_left(call: Call, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("scaloft_fi.campaign.runs.run.Budget.left_s", 0.0)
     words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--budget", "1h", "--quiet")
     result = call(*words, "--format", "json")
@@ -110,13 +110,13 @@ def test_a_run_whose_time_is_up_names_what_it_left(call: Call, monkeypatch: pyte
     assert "planned, not flown" in call("status").stdout
 
 
-def test_the_declared_share_of_invalid_flights_is_an_option(call: Call, paper: Paper) -> None:
+def test_the_declared_share_of_invalid_flights_is_an_option(call: Call, paper: Paper):
     words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     assert call(*words, "--max-invalid", "0").exit_code == 0
     assert call(*words, "--max-invalid", "2").exit_code == 2
 
 
-def test_sequential_looks_fly_on_what_is_undecided_and_print_how_it_went(call: Call) -> None:
+def test_sequential_looks_fly_on_what_is_undecided_and_print_how_it_went(call: Call):
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     result = call("run", *words, "--sequential", "--format", "json")
     assert result.exit_code == 0, result.output
@@ -125,7 +125,7 @@ def test_sequential_looks_fly_on_what_is_undecided_and_print_how_it_went(call: C
     assert "Looks" in call("run", *words, "--sequential").stdout
 
 
-def test_a_pool_of_ten_is_flown_by_default_where_the_mutant_infects(call: Call) -> None:
+def test_a_pool_of_ten_is_flown_by_default_where_the_mutant_infects(call: Call):
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     found = json.loads(call("run", *words, "--format", "json").stdout)
     seeds = {key: set() for key in ("T0O0W0D0H0", "T0O0W0D0H1")}
@@ -137,7 +137,7 @@ def test_a_pool_of_ten_is_flown_by_default_where_the_mutant_infects(call: Call) 
     assert found["coverage"]["pool"] == 9
 
 
-def test_without_a_pool_the_score_has_counts_and_the_command_that_decides(call: Call) -> None:
+def test_without_a_pool_the_score_has_counts_and_the_command_that_decides(call: Call):
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     text = call("run", *words, "--baseline-seeds", "1").stdout
     assert "not known: there is no baseline pool. 1 of 1 fault violated a safety requirement" in " ".join(text.split())
@@ -145,7 +145,7 @@ def test_without_a_pool_the_score_has_counts_and_the_command_that_decides(call: 
     assert json.loads(call("score", "--format", "json").stdout)["ratios"]["mutation_score"] == {"part": 0, "whole": 0}
 
 
-def test_fail_under_without_a_pool_is_refused(call: Call, tmp_path: Path) -> None:
+def test_fail_under_without_a_pool_is_refused(call: Call, tmp_path: Path):
     words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet", "--baseline-seeds", "5")
     assert "--fail-under=0.5 needs a baseline pool of at least 10 seeds" in sentence(
         call(*words, "--fail-under", "0.5")
@@ -155,7 +155,7 @@ def test_fail_under_without_a_pool_is_refused(call: Call, tmp_path: Path) -> Non
     assert "--fail-under=0.5 needs a baseline pool: campaign" in sentence(call("score", "--fail-under", "0.5"))
 
 
-def test_a_campaign_that_grows_spends_its_alpha_by_looks(call: Call) -> None:
+def test_a_campaign_that_grows_spends_its_alpha_by_looks(call: Call):
     words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet", "--format", "json")
     (late,) = json.loads(call(*words, "--seeds", "3").stdout)["mutants"]
     assert (late["verdict"], late["decided_at"]["alpha"]) == ("detected", 0.01)
@@ -165,7 +165,7 @@ def test_a_campaign_that_grows_spends_its_alpha_by_looks(call: Call) -> None:
     assert (late["verdict"], late["decided_at"]["seeds"]) == ("detected", 5)
 
 
-def test_another_campaigns_baselines_decide_and_are_only_read(call: Call, tmp_path: Path) -> None:
+def test_another_campaigns_baselines_decide_and_are_only_read(call: Call, tmp_path: Path):
     where = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
     lender = str(tmp_path / "lender" / "c")
     call("run", *where, "--baseline-seeds", "50", "--campaign", lender, campaign=False)
@@ -178,7 +178,7 @@ def test_another_campaigns_baselines_decide_and_are_only_read(call: Call, tmp_pa
     assert call("export", "--campaign", lender, campaign=False).stdout == before
 
 
-def test_a_lender_that_does_not_fit_is_onesentence(call: Call, tmp_path: Path, copy: Path) -> None:
+def test_a_lender_that_does_not_fit_is_onesentence(call: Call, tmp_path: Path, copy: Path):
     lender = str(tmp_path / "lender" / "c")
     words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H0", "--quiet", "--baseline-from", lender)
     assert "no campaign was flown here" in sentence(call(*words))
@@ -191,9 +191,7 @@ def test_a_lender_that_does_not_fit_is_onesentence(call: Call, tmp_path: Path, c
     assert not (tmp_path / "campaign").exists()
 
 
-def test_a_lender_from_another_platform_is_onesentence(
-    call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_lender_from_another_platform_is_onesentence(call: Call, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     lender = str(tmp_path / "lender" / "c")
     where = ("--mutant", "PLACEBO", "--situation", "T0O0W0D0H0", "--quiet")
     call("run", *where, "--campaign", lender, campaign=False)
@@ -230,7 +228,7 @@ def flown(call: Call, study: Path, *words: str) -> set[str]:
     return {row["situation"] for row in rows}
 
 
-def test_a_run_flies_what_the_grid_chooses_and_the_verbs_that_read_know_the_grid(call: Call, study: Path) -> None:
+def test_a_run_flies_what_the_grid_chooses_and_the_verbs_that_read_know_the_grid(call: Call, study: Path):
     done = call("run", "--grid", "light", *WORDS, study=study)
     assert done.exit_code == 0, done.stderr
     assert flown(call, study) == {"L0", "L1"}
@@ -248,18 +246,18 @@ def test_a_run_flies_what_the_grid_chooses_and_the_verbs_that_read_know_the_grid
     assert list(told["testFiles"]) == ["sim/grids/light.yaml"]
 
 
-def test_the_same_command_without_the_grid_goes_on_over_the_grid_of_the_campaign(call: Call, study: Path) -> None:
+def test_the_same_command_without_the_grid_goes_on_over_the_grid_of_the_campaign(call: Call, study: Path):
     call("run", "--grid", "light", *WORDS, study=study)
     assert call("run", *WORDS, "--situation", "L2", study=study).exit_code == 0
     assert flown(call, study) == {"L0", "L1", "L2"}
 
 
-def test_a_choice_or_a_situation_of_the_user_goes_before_that_of_the_grid(call: Call, study: Path) -> None:
+def test_a_choice_or_a_situation_of_the_user_goes_before_that_of_the_grid(call: Call, study: Path):
     call("run", "--grid", "light", *WORDS, "--choose", "all", study=study)
     assert flown(call, study) == {"L0", "L1", "L2"}
 
 
-def test_a_further_grid_has_a_campaign_of_its_own_name(call: Call, study: Path) -> None:
+def test_a_further_grid_has_a_campaign_of_its_own_name(call: Call, study: Path):
     done = call("run", "--grid", "light", *WORDS, study=study, campaign=False)
     assert done.exit_code == 0, done.stderr
     assert (study / "results" / "campaigns" / "light" / "outcomes.sqlite").is_file()
@@ -277,14 +275,12 @@ def test_a_further_grid_has_a_campaign_of_its_own_name(call: Call, study: Path) 
         (("--situation", "L9"), "no situation 'L9' in keys like 'L0'"),
     ],
 )
-def test_a_grid_or_situation_that_is_none_is_one_sentence(
-    call: Call, study: Path, words: tuple[str, ...], told: str
-) -> None:
+def test_a_grid_or_situation_that_is_none_is_one_sentence(call: Call, study: Path, words: tuple[str, ...], told: str):
     call("run", "--grid", "light", *WORDS, study=study)
     assert told in sentence(call("run", *WORDS, *words, study=study))
 
 
-def test_a_campaign_whose_grid_the_study_lacks_is_one_sentence(call: Call, study: Path) -> None:
+def test_a_campaign_whose_grid_the_study_lacks_is_one_sentence(call: Call, study: Path):
     call("run", "--grid", "light", *WORDS, study=study)
     (study / "sim" / "grids" / "light.yaml").rename(study / "sim" / "grids" / "lights.yaml")
     for verb in ("score", "coverage", "run"):
@@ -292,7 +288,7 @@ def test_a_campaign_whose_grid_the_study_lacks_is_one_sentence(call: Call, study
         assert "was flown over grid 'light', which the study lacks; did you mean 'lights'?" in told
 
 
-def test_a_margin_flies_what_the_grid_chooses(call: Call, study: Path) -> None:
+def test_a_margin_flies_what_the_grid_chooses(call: Call, study: Path):
     done = call("margin", "LATE-human", "--grid", "light", "--quiet", study=study)
     assert done.exit_code == 0, done.stderr
     assert flown(call, study) == {"L0", "L1"}
@@ -300,7 +296,7 @@ def test_a_margin_flies_what_the_grid_chooses(call: Call, study: Path) -> None:
     assert "--grid='nope' must be the name of a grid of the study" in told
 
 
-def test_baselines_of_another_grid_are_refused(call: Call, study: Path) -> None:
+def test_baselines_of_another_grid_are_refused(call: Call, study: Path):
     call("run", "--grid", "light", *WORDS, study=study)
     words = ("--mutant", "LATE-human", "--quiet", "--situation", "T0O0W0D0H1")
     other = ["--baseline-from", str(study.parent / "campaign")]
@@ -308,7 +304,7 @@ def test_baselines_of_another_grid_are_refused(call: Call, study: Path) -> None:
     assert "was flown over grid 'light', not over grid 'paper'" in told
 
 
-def test_a_disposition_may_name_situations_of_any_grid(call: Call, study: Path) -> None:
+def test_a_disposition_may_name_situations_of_any_grid(call: Call, study: Path):
     path = study / "hazop" / "dispositions.yaml"
     accepted = "NO-human:\n  status: accepted\n  owner: me\n  reason: because\n  expires: 2099-01-31\n"
     path.write_text(f"{accepted}  situations: [T0O0W0D0H0, L1]\n")
@@ -331,7 +327,7 @@ def rows_of(call: Call, study: Path) -> list[dict[str, object]]:
     return rows
 
 
-def test_drawn_situations_come_back_from_the_store_by_their_keys(call: Call, ranged: Path, tmp_path: Path) -> None:
+def test_drawn_situations_come_back_from_the_store_by_their_keys(call: Call, ranged: Path, tmp_path: Path):
     chosen = (*LATE, "--situation", "C?T0O0*D0H1", "--choose", "sobol:6", "--format", "json")
     done = call("run", *chosen, study=ranged)
     assert done.exit_code == 0
@@ -366,7 +362,7 @@ def test_drawn_situations_come_back_from_the_store_by_their_keys(call: Call, ran
     assert log["coverage"]["distinct_situations"]["part"] == len(bins)
 
 
-def test_the_command_that_decides_names_the_drawn_situations(call: Call, ranged: Path) -> None:
+def test_the_command_that_decides_names_the_drawn_situations(call: Call, ranged: Path):
     key = "C2=0.871T0O0W0D0H1"
     done = call("run", *LATE, "--situation", key, "--baseline-seeds", "2", study=ranged)
     assert f"--situation {key}" in " ".join(done.stdout.split())
@@ -374,7 +370,7 @@ def test_the_command_that_decides_names_the_drawn_situations(call: Call, ranged:
     assert json.loads(whole.stdout)["pooled"] is True
 
 
-def test_a_flight_is_stale_when_the_range_no_longer_holds_its_number(call: Call, ranged: Path) -> None:
+def test_a_flight_is_stale_when_the_range_no_longer_holds_its_number(call: Call, ranged: Path):
     call("run", *LATE, "--situation", "C0=0.45T0O0W0D0H1", "--baseline-seeds", "1", study=ranged)
     path = ranged / "sim" / "situations.yaml"
     path.write_text(path.read_text(encoding="utf-8").replace("from: 0.4", "from: 0.48"), encoding="utf-8")
@@ -382,13 +378,13 @@ def test_a_flight_is_stale_when_the_range_no_longer_holds_its_number(call: Call,
     assert "the situation is not in the grid any more" in " ".join(told.stdout.split())
 
 
-def test_a_number_of_another_bin_writes_nothing(call: Call, ranged: Path, tmp_path: Path) -> None:
+def test_a_number_of_another_bin_writes_nothing(call: Call, ranged: Path, tmp_path: Path):
     refused = call("run", *LATE, "--situation", "C1=0.871T0O0W0D0H1", study=ranged)
     assert "must have 'C2=0.871', the bin of that number" in sentence(refused)
     assert not (tmp_path / "campaign").exists()
 
 
-def test_shards_of_a_drawn_choice_merge_into_the_whole(call: Call, ranged: Path, tmp_path: Path) -> None:
+def test_shards_of_a_drawn_choice_merge_into_the_whole(call: Call, ranged: Path, tmp_path: Path):
     words = (*LATE, "--situation", "C?T0O0*D0H1", "--choose", "random:3", "--baseline-seeds", "1")
     parts = [str(tmp_path / part) for part in ("one", "two")]
     for number, part in enumerate(parts, start=1):
@@ -405,7 +401,7 @@ def test_shards_of_a_drawn_choice_merge_into_the_whole(call: Call, ranged: Path,
     assert len({row["situation"] for row in merged}) == 3
 
 
-def test_margins_and_dispositions_take_drawn_situations(call: Call, ranged: Path) -> None:
+def test_margins_and_dispositions_take_drawn_situations(call: Call, ranged: Path):
     key = "C2=0.871T0O0W0D0H1"
     done = call("margin", "LATE-human", "--situation", key, "--quiet", study=ranged)
     assert done.exit_code == 0
@@ -422,7 +418,7 @@ def chosen(call: Call, *words: str) -> None:
     assert call("run", "--mutant", "LATE-human", "--quiet", *words).exit_code == 0
 
 
-def test_json_counts_what_was_chosen_and_flown(call: Call) -> None:
+def test_json_counts_what_was_chosen_and_flown(call: Call):
     chosen(call, "--choose", "draws:40")
     chosen(call, "--choose", "first:1", "--seeds", "9-9")
     said = json.loads(call("coverage", "--format", "json").stdout)
@@ -434,7 +430,7 @@ def test_json_counts_what_was_chosen_and_flown(call: Call) -> None:
     assert said["coverage"]["situations"] == {"part": len({key for key, _ in cases}), "whole": 32}
 
 
-def test_coverage_and_score_say_the_same(call: Call) -> None:
+def test_coverage_and_score_say_the_same(call: Call):
     chosen(call, "--choose", "random:7")
     scored = json.loads(call("score", "--format", "json").stdout)["coverage"]
     said = json.loads(call("coverage", "--format", "json").stdout)["coverage"]
@@ -458,7 +454,7 @@ def large(copy: Path) -> Path:
 @pytest.mark.parametrize("how", ["2-way", "random:50"])
 def test_a_large_grid_is_sampled_and_scored_without_making_every_world(
     call: Call, large: Path, monkeypatch: pytest.MonkeyPatch, how: str
-) -> None:
+):
     made: list[str] = []
     begin = SimConfig.scenario
 
@@ -480,7 +476,7 @@ def test_a_large_grid_is_sampled_and_scored_without_making_every_world(
         assert covered["t_way"]["5"]["whole"] == 61_236 - 56 * 27
 
 
-def test_a_situation_that_a_large_grid_lacks_is_refused_fast(call: Call, large: Path) -> None:
+def test_a_situation_that_a_large_grid_lacks_is_refused_fast(call: Call, large: Path):
     refused = call("run", "--situation", "Aa0Ab2Ac0Ad0Ae0Af0Ag0Ah0Ai0Aj0", study=large)
     assert "is excluded by" in refused.stderr
     assert "they do not go together" in refused.stderr

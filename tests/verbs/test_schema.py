@@ -55,14 +55,14 @@ def _faults(schema: Schema, path: Path) -> list[str]:
 
 def test_every_document_of_the_repository_and_the_study_with_every_key_are_valid(
     schemas: dict[str, Schema], tmp_path: Path
-) -> None:
+):
     paths = [ROOT / file for file in FILES if not file.startswith(PLUGINS)]
     paths += [path for path in every_key_study(tmp_path).rglob("*.yaml") if document_of(str(path))]
     assert len(paths) > 50
     assert [fault for path in paths for fault in _faults(schemas[document_of(str(path))], path)] == []
 
 
-def test_every_key_says_what_it_is(schemas: dict[str, Schema]) -> None:
+def test_every_key_says_what_it_is(schemas: dict[str, Schema]):
     for name, schema in schemas.items():
         Draft202012Validator.check_schema(schema)
         for pointer in keys_of(schema):
@@ -92,13 +92,13 @@ assert sigma_m["type"] == "number" and sigma_m["minimum"] == 0.0, sigma_m
 """
 
 
-def test_a_plugin_s_stack_sensor_and_operator_are_in_the_schemas_that_its_process_makes(tmp_path: Path) -> None:
+def test_a_plugin_s_stack_sensor_and_operator_are_in_the_schemas_that_its_process_makes(tmp_path: Path):
     install_project(tmp_path / "site", ROOT / PLUGINS[0])
     done = call(tmp_path / "site", "-c", VALIDATING, ROOT / PLUGINS[0] / "study", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
 
 
-def test_the_published_schemas_are_those_of_the_code() -> None:
+def test_the_published_schemas_are_those_of_the_code():
     published = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / PUBLISHED).iterdir()}
     # in a process of its own, because other tests declare stacks in this one
     program = (
@@ -109,24 +109,24 @@ def test_the_published_schemas_are_those_of_the_code() -> None:
     assert published == json.loads(done.stdout), "run python docs/schemas/write.py"
 
 
-def test_without_a_name_the_documents_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_a_name_the_documents_are_listed(capsys: pytest.CaptureFixture[str]):
     assert run("schema") == 0
     told = capsys.readouterr().out
     assert all(one.name in told and one.files in told for one in DOCUMENTS.values())
 
 
-def test_a_name_prints_its_schema(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_name_prints_its_schema(capsys: pytest.CaptureFixture[str]):
     assert run("schema", "world") == 0
     assert json.loads(capsys.readouterr().out)["title"] == "sim/world.yaml"
 
 
-def test_the_schema_of_the_matrix_knows_the_seams_of_the_study(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_schema_of_the_matrix_knows_the_seams_of_the_study(capsys: pytest.CaptureFixture[str]):
     assert run("schema", "matrix", "--study", ROOT) == 0
     cell = next(iter(json.loads(capsys.readouterr().out)["patternProperties"].values()))
     assert "velcmd" in cell["oneOf"][1]["properties"]["faults"]["items"]["properties"]["seam"]["enum"]
 
 
-def test_a_study_whose_stack_cannot_be_read_has_schemas_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_study_whose_stack_cannot_be_read_has_schemas_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     for name in ("hazop", "mutants", "sim"):
         (tmp_path / name).mkdir()
     assert run("schema", "stack", "--study", tmp_path) == 0
@@ -135,7 +135,7 @@ def test_a_study_whose_stack_cannot_be_read_has_schemas_too(tmp_path: Path, caps
     assert json.loads(told.out)["oneOf"]
 
 
-def test_all_are_written_into_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_all_are_written_into_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     assert run("schema", "--write", tmp_path / "new" / "schemas") == 0
     assert {path.stem for path in (tmp_path / "new" / "schemas").iterdir()} == set(DOCUMENTS)
     assert capsys.readouterr().out == f"{tmp_path / 'new' / 'schemas'}: {len(DOCUMENTS)} schemas\n"

@@ -48,7 +48,7 @@ def tables(outcomes: list[Outcome], by: By | None = None) -> dict[str, Table]:
     return {table.title: table for table in found}
 
 
-def test_the_pairs_that_put_no_fault_to_the_test_say_why() -> None:
+def test_the_pairs_that_put_no_fault_to_the_test_say_why():
     table = tables(CAMPAIGN)["Pairs that put no fault to the test"]
     assert [row[:4] for row in table.rows] == [
         (NOBODY, "SR2", "vacuous", "0/10"),
@@ -58,7 +58,7 @@ def test_the_pairs_that_put_no_fault_to_the_test_say_why() -> None:
     ]
 
 
-def test_of_many_mutants_the_stages_are_summed_by_parameter() -> None:
+def test_of_many_mutants_the_stages_are_summed_by_parameter():
     ids = [f"LATE-{parameter}@{n}s" for parameter in ("human", "depth") for n in range(MANY_ROWS)]
     flown = [outcome(), outcome(PLACEBO_ID, altered=0), *(outcome(id_) for id_ in ids)]
     table = tables(flown)["Where the faults stopped (flights)"]
@@ -73,12 +73,12 @@ def test_of_many_mutants_the_stages_are_summed_by_parameter() -> None:
 @pytest.mark.parametrize("by", [None, *By])
 @settings(deadline=None, max_examples=15)
 @given(outcomes=st.one_of(campaigns(), seeded()))
-def test_every_table_of_every_campaign_fits_a_terminal(by: By | None, outcomes: list[Outcome]) -> None:
+def test_every_table_of_every_campaign_fits_a_terminal(by: By | None, outcomes: list[Outcome]):
     text = render(list(tables(outcomes, by).values()), Format.TABLE)
     assert max(len(line) for line in text.splitlines()) <= PIPED
 
 
-def test_a_table_too_wide_narrows_the_column_that_costs_the_fewest_lines() -> None:
+def test_a_table_too_wide_narrows_the_column_that_costs_the_fewest_lines():
     """Each row has four words of text; only the last has a long list, which is what wraps."""
     rows = tuple((f"row {n}", "w" * 40, "four words of text", "a, " * (20 if n == 9 else 3)) for n in range(10))
     lines = render([Table("T", ("name", "word", "text", "list"), rows)], Format.TABLE).splitlines()
@@ -92,7 +92,7 @@ def parts(by: By) -> dict[str, tuple[Ratio, Ratio]]:
     return {group.name: (group.tested, group.flown) for group in groups(found, by, GRID)}
 
 
-def test_the_score_by_guideword_and_by_parameter_is_of_detected_mutants() -> None:
+def test_the_score_by_guideword_and_by_parameter_is_of_detected_mutants():
     assert parts(By.GUIDEWORD) == {
         "NO": (Ratio(1, 1), Ratio(1, 1)),
         "LATE": (Ratio(1, 1), Ratio(1, 1)),
@@ -101,12 +101,12 @@ def test_the_score_by_guideword_and_by_parameter_is_of_detected_mutants() -> Non
     assert parts(By.PARAMETER) == {"human": (Ratio(2, 2), Ratio(2, 2)), "goal": (Ratio(0, 1), Ratio(0, 1))}
 
 
-def test_the_score_by_requirement_counts_a_mutant_for_each_that_detects_it() -> None:
+def test_the_score_by_requirement_counts_a_mutant_for_each_that_detects_it():
     found = {name: ratio for name, (ratio, _) in parts(By.REQUIREMENT).items()}
     assert found == {"SR1": Ratio(1, 3), "SR2": Ratio(1, 3), "OP1": Ratio(0, 3)}
 
 
-def test_the_score_by_situation_and_by_axis_is_of_kills() -> None:
+def test_the_score_by_situation_and_by_axis_is_of_kills():
     found = parts(By.SITUATION)
     assert found[HUMAN[0]] == (Ratio(2, 3), Ratio(2, 3))
     assert found[DARK] == (Ratio(0, 0), Ratio(0, 1))
@@ -116,7 +116,7 @@ def test_the_score_by_situation_and_by_axis_is_of_kills() -> None:
     assert axis["H = nobody"] == (Ratio(0, 0), Ratio(0, 2))
 
 
-def test_the_score_by_severity_has_the_worst_class_first_and_what_has_no_class_last() -> None:
+def test_the_score_by_severity_has_the_worst_class_first_and_what_has_no_class_last():
     found = groups(score(CAMPAIGN, CLASSED, GRID), By.SEVERITY, GRID)
     assert [(group.name, group.tested) for group in found] == [
         ("injury", Ratio(0, 1)),
@@ -127,7 +127,7 @@ def test_the_score_by_severity_has_the_worst_class_first_and_what_has_no_class_l
 
 @given(st.one_of(campaigns(), seeded()))
 @settings(deadline=None, max_examples=20)
-def test_severity_enters_no_ratio_and_no_verdict(outcomes: list[Outcome]) -> None:
+def test_severity_enters_no_ratio_and_no_verdict(outcomes: list[Outcome]):
     plain, classed = score(outcomes, ROSTER, GRID), score(outcomes, CLASSED, GRID)
     assert [replace(mutant, severity=None) for mutant in classed.mutants] == list(plain.mutants)
     bare = {"mutants": (), "counted": (), "controls": (), "placebo": None}
@@ -136,7 +136,7 @@ def test_severity_enters_no_ratio_and_no_verdict(outcomes: list[Outcome]) -> Non
 
 @given(st.one_of(campaigns(), seeded()), st.sampled_from([By.GUIDEWORD, By.PARAMETER, By.SEVERITY]))
 @settings(deadline=None)
-def test_the_parts_of_the_score_sum_to_the_score(outcomes: list[Outcome], by: By) -> None:
+def test_the_parts_of_the_score_sum_to_the_score(outcomes: list[Outcome], by: By):
     found = score(outcomes, CLASSED, GRID)
     listed = groups(found, by, GRID)
     assert sum(group.tested.part for group in listed) == found.mutation_score.part
@@ -144,7 +144,7 @@ def test_the_parts_of_the_score_sum_to_the_score(outcomes: list[Outcome], by: By
     assert sum(group.flown.whole for group in listed) == found.tested.whole
 
 
-def test_the_baselines_findings_name_the_first_violation_and_what_stayed_open() -> None:
+def test_the_baselines_findings_name_the_first_violation_and_what_stayed_open():
     flown = [
         outcome(BASELINE, DARK, 0, violated={"SR1": 30.0}, struck="bar"),
         outcome(BASELINE, DARK, 1, violated={"SR1": 28.0}, struck="bar"),
@@ -157,7 +157,7 @@ def test_the_baselines_findings_name_the_first_violation_and_what_stayed_open() 
     assert (dark.first[0].t_s, dark.first[1]) == (28.0, 1)
 
 
-def test_each_requirement_is_tallied_over_the_baseline_flights() -> None:
+def test_each_requirement_is_tallied_over_the_baseline_flights():
     clean = [outcome(), outcome(BASELINE, DARK, violated={"SR1": 30.0}, struck="bar")]
     first, *_, last = tallies(clean)
     assert (first.requirement, dict(first.compliances), first.least_rho) == (
@@ -169,17 +169,17 @@ def test_each_requirement_is_tallied_over_the_baseline_flights() -> None:
 
 
 @given(campaigns())
-def test_the_verdicts_on_a_requirement_sum_to_the_baseline_flights(outcomes: list[Outcome]) -> None:
+def test_the_verdicts_on_a_requirement_sum_to_the_baseline_flights(outcomes: list[Outcome]):
     baselines = sum(o.mutant == BASELINE and not o.invalid for o in outcomes)
     assert all(sum(count for _, count in tally.compliances) == baselines for tally in tallies(outcomes))
 
 
-def test_score_prints_what_the_run_printed_again(call: Call) -> None:
+def test_score_prints_what_the_run_printed_again(call: Call):
     flown = call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     assert call("score").stdout == flown.stdout
 
 
-def test_below_the_asked_score_the_exit_code_is_3(call: Call) -> None:
+def test_below_the_asked_score_the_exit_code_is_3(call: Call):
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
     assert call("run", *words, "--seeds", "3", "--fail-under", "1").exit_code == 0
     call("run", "--mutant", "MORE-goal", "--situation", "T0O0W0D0H0", "--quiet")
@@ -191,7 +191,7 @@ def test_below_the_asked_score_the_exit_code_is_3(call: Call) -> None:
 
 def test_a_mutant_with_too_few_seeds_counts_for_the_bar_of_detected_mutants_and_not_for_that_of_firm_ones(
     call: Call,
-) -> None:
+):
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--seeds", "3", "--quiet")
     assert call("score", "--fail-under", "1").exit_code == 0
     below = call("score", "--fail-under", "1", "--fail-under-firm", "0.1")
@@ -199,7 +199,7 @@ def test_a_mutant_with_too_few_seeds_counts_for_the_bar_of_detected_mutants_and_
     assert "mutation score 1/1 = 100 %, firm 0/1 = 0 %: below --fail-under-firm 0.1" in below.stderr
 
 
-def test_a_campaign_without_a_flight_that_counts_has_no_score(call: Call, tmp_path: Path, copy: Path) -> None:
+def test_a_campaign_without_a_flight_that_counts_has_no_score(call: Call, tmp_path: Path, copy: Path):
     assert "no campaign was flown here; `scaloft-fi run` flies one" in sentence(call("score"))
     assert list(tmp_path.iterdir()) == [copy]
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
@@ -209,7 +209,7 @@ def test_a_campaign_without_a_flight_that_counts_has_no_score(call: Call, tmp_pa
     assert "flights are stale" in sentence(call("score", study=copy))
 
 
-def test_the_score_is_told_with_and_without_accepted_survivors(call: Call, copy: Path) -> None:
+def test_the_score_is_told_with_and_without_accepted_survivors(call: Call, copy: Path):
     call("run", "--mutant", "LATE-human", "--mutant", "MORE-human", "--situation", "T0O0W0D0H?", "--quiet", study=copy)
     before = json.loads(call("score", "--format", "json", study=copy).stdout)
     survivors = [one["id"] for one in before["mutants"] if one["verdict"] in ("not_detected", "undecided")]
@@ -240,7 +240,7 @@ def outcomes(study: Study) -> list[Outcome]:
     return pool + [flight(study, id_, key, 0) for id_ in ("LATE-human@3s", "MORE-goal@0.6m") for key in HUMAN]
 
 
-def test_it_counts_by_guideword_what_the_score_detects_of_what_is_stored(study: Study, outcomes: list[Outcome]) -> None:
+def test_it_counts_by_guideword_what_the_score_detects_of_what_is_stored(study: Study, outcomes: list[Outcome]):
     scored = score_of(rulings_of(outcomes), study.roster, study.space, Spending())
     assert [mutant.subject.id for mutant in scored.counted if mutant.detected] == ["LATE-human@3s"]
     lines = detected_so_far(study, outcomes, Spending())
@@ -249,7 +249,7 @@ def test_it_counts_by_guideword_what_the_score_detects_of_what_is_stored(study: 
 
 def test_a_narrow_terminal_gets_more_lines_and_a_campaign_without_mutants_none(
     study: Study, outcomes: list[Outcome], monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.setenv("COLUMNS", "40")
     assert detected_so_far(study, outcomes, Spending()) == ["detected so far: 1 of 2 flown:", "  MORE 0/1  LATE 1/1"]
     assert detected_so_far(study, outcomes[:30], Spending()) == []

@@ -40,9 +40,7 @@ def sought(ruled: Ruled, call: Call, copy: Path) -> Result:
     return call("seek", "LATE-human", "--jobs", "1", "--format", "json", study=copy)
 
 
-def test_a_find_is_printed_written_and_flown_beside_the_papers_situations(
-    sought: Result, call: Call, copy: Path
-) -> None:
+def test_a_find_is_printed_written_and_flown_beside_the_papers_situations(sought: Result, call: Call, copy: Path):
     assert sought.exit_code == 0, sought.output
     told = of_form("seek", sought.stdout)
     (find,) = told["finds"]
@@ -71,7 +69,7 @@ def test_a_find_is_printed_written_and_flown_beside_the_papers_situations(
 
 def test_by_default_the_mutants_are_sought_that_neither_the_campaign_nor_a_find_shows(
     ruled: Ruled, call: Call, copy: Path
-) -> None:
+):
     words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--situation", "T0O0W0D0H*", "--seeds", "3")
     ruled.rules = {LATE: lambda _situation: -0.2}
     assert call("run", *words, "--jobs", "1", "--quiet", study=copy).exit_code == 0
@@ -90,9 +88,7 @@ def test_by_default_the_mutants_are_sought_that_neither_the_campaign_nor_a_find_
     assert [one["mutant"] for one in json.loads(again.stdout)["sought"]] == [MORE]
 
 
-def test_an_interrupted_search_goes_on_with_its_own_mutants_whatever_it_has_found(
-    ruled: Ruled, call: Call, copy: Path
-) -> None:
+def test_an_interrupted_search_goes_on_with_its_own_mutants_whatever_it_has_found(ruled: Ruled, call: Call, copy: Path):
     saver(copy / "sim", "search")([found(LATE)])
     folder, campaign = copy / "results" / "campaigns" / "search", str(copy.parent / "campaign")
     folder.mkdir(parents=True)
@@ -104,7 +100,7 @@ def test_an_interrupted_search_goes_on_with_its_own_mutants_whatever_it_has_foun
     assert "no campaign was flown here" in sentence(call("seek", study=copy)), "it asks for what is not detected"
 
 
-def test_verbs_that_read_tell_of_the_find_and_its_flights_take_its_place(ruled: Ruled, call: Call, copy: Path) -> None:
+def test_verbs_that_read_tell_of_the_find_and_its_flights_take_its_place(ruled: Ruled, call: Call, copy: Path):
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H0", "--seeds", "3")
     assert call("run", *words, "--jobs", "1", "--quiet", study=copy).exit_code == 0
     saver(copy / "sim", "search")([found(LATE, "T0O0W0D0H1Cs=0.9")])
@@ -133,7 +129,7 @@ def test_verbs_that_read_tell_of_the_find_and_its_flights_take_its_place(ruled: 
 
 def test_what_breaks_the_unmutated_drone_is_printed_and_written(
     ruled: Ruled, call: Call, copy: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     def recalled(_study: Study, _flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
         names = tuple(one.requirement for one in violations)
         way = Signature(names[0], violations[0].struck, "home to corner", "corner", "person detection")
@@ -166,7 +162,7 @@ def test_what_breaks_the_unmutated_drone_is_printed_and_written(
 
 def test_without_optuna_a_sentence_names_what_to_install(
     ruled: Ruled, call: Call, copy: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.setitem(sys.modules, "optuna", None)
     refused = sentence(call("seek", "LATE-human", study=copy))
     assert refused == "error: seek needs optuna: pip install 'scaloft-fi[seek]'"
@@ -174,7 +170,7 @@ def test_without_optuna_a_sentence_names_what_to_install(
 
 def test_a_study_without_the_grid_that_is_searched_by_default_is_told_to_write_one_or_to_name_another(
     call: Call, copy: Path, tmp_path: Path
-) -> None:
+):
     (copy / "sim" / "grids" / "search.yaml").unlink()
     said = sentence(call("seek", "baseline", study=copy))
     assert said.endswith(
@@ -184,7 +180,7 @@ def test_a_study_without_the_grid_that_is_searched_by_default_is_told_to_write_o
         scaloft_fi.open(copy).campaign(f"{tmp_path}/c").seek("baseline")
 
 
-def test_finds_are_replicated_and_what_does_not_hold_leaves(ruled: Ruled, call: Call, copy: Path) -> None:
+def test_finds_are_replicated_and_what_does_not_hold_leaves(ruled: Ruled, call: Call, copy: Path):
     saver(copy / "sim", "search")([found(LATE, "T0O0W0D0H1Cs=0.9"), found(MORE, "T0O0W0D0H0Cs=0.9")])
     done = call("seek", "--replicate", "--jobs", "1", "--format", "json", study=copy)
     assert done.exit_code == 0, done.output
@@ -200,7 +196,7 @@ def test_finds_are_replicated_and_what_does_not_hold_leaves(ruled: Ruled, call: 
     assert "Flown on the seeds 100100, 100101" in screen
 
 
-def test_without_a_find_nothing_is_replicated(ruled: Ruled, call: Call, copy: Path) -> None:
+def test_without_a_find_nothing_is_replicated(ruled: Ruled, call: Call, copy: Path):
     assert "there is no find to replicate; `scaloft-fi seek` finds some" in sentence(
         call("seek", "--replicate", study=copy)
     )

@@ -22,9 +22,7 @@ READ = (
 )
 
 
-def test_a_verb_opens_the_store_once_and_reads_one_moment(
-    told: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_verb_opens_the_store_once_and_reads_one_moment(told: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     opened: list[Path] = []
     begin = Store.__init__
@@ -52,7 +50,7 @@ for words in json.loads(sys.argv[1]):
 """
 
 
-def test_who_reads_results_waits_for_no_compiler(call: Call, tmp_path: Path) -> None:
+def test_who_reads_results_waits_for_no_compiler(call: Call, tmp_path: Path):
     """Of flights without tracks: those are held to the time limit of their situation, which is of the simulator."""
     call(*LATE)
     where = ("--study", str(STUDY), "--campaign", f"{tmp_path}/campaign")
@@ -71,7 +69,7 @@ def test_who_reads_results_waits_for_no_compiler(call: Call, tmp_path: Path) -> 
 )
 def test_a_study_that_asks_a_signal_for_more_than_is_measured_of_it_is_neither_flown_nor_read(
     call: Call, copy: Path, tmp_path: Path, name: str, old: str, new: str
-) -> None:
+):
     assert call(*LATE, study=copy).exit_code == 0
     edit_in(copy / "sim" / name, old, new)
     for verb in ("score", "status", "export", "kills", "worksheet", "coverage"):
@@ -95,9 +93,7 @@ def _stale(call: Call, study: Path, *verbs: str) -> list[dict[str, Any]]:
     return [json.loads(call(verb, "--format", "json", study=study).stdout)["stale"] for verb in verbs]
 
 
-def test_what_no_longer_counts_is_told_by_every_verb_until_the_command_has_flown_it_again(
-    call: Call, copy: Path
-) -> None:
+def test_what_no_longer_counts_is_told_by_every_verb_until_the_command_has_flown_it_again(call: Call, copy: Path):
     call(*LATE, "--mutant", "NO-human", study=copy)
     assert _stale(call, copy, *VERBS) == [NOTHING] * len(VERBS)
     assert "no longer count" not in call("score", study=copy).output
@@ -121,7 +117,7 @@ def test_what_no_longer_counts_is_told_by_every_verb_until_the_command_has_flown
 
 
 @pytest.mark.parametrize("seeds", [(), ("--seeds", "4-5", "--baseline-seeds", "12")])
-def test_the_command_flies_stale_baselines_with_all_their_seeds(call: Call, copy: Path, seeds: tuple[str, ...]) -> None:
+def test_the_command_flies_stale_baselines_with_all_their_seeds(call: Call, copy: Path, seeds: tuple[str, ...]):
     def status() -> dict[str, Any]:
         told: dict[str, Any] = json.loads(call("status", "--format", "json", study=copy).stdout)
         return told
@@ -136,7 +132,7 @@ def test_the_command_flies_stale_baselines_with_all_their_seeds(call: Call, copy
     assert (status()["counted"], status()["command"]) == (flights, None)
 
 
-def test_what_the_study_has_no_more_is_told_without_a_command(call: Call, copy: Path) -> None:
+def test_what_the_study_has_no_more_is_told_without_a_command(call: Call, copy: Path):
     call(*LATE, study=copy)
     cells = copy / "hazop" / "matrix" / "human.yaml"
     before, _, after = cells.read_text().partition("\nLATE:\n")

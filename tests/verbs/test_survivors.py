@@ -151,18 +151,18 @@ CASES: dict[str, tuple[list[Outcome], dict[str, object]]] = {
 }
 
 
-def test_what_is_said_of_a_survivor_is_as_recorded() -> None:
+def test_what_is_said_of_a_survivor_is_as_recorded():
     as_recorded(__file__, {name: said(late(flights, **how)) for name, (flights, how) in CASES.items()})  # type: ignore[arg-type]
 
 
-def test_a_detected_mutant_is_no_survivor_even_without_a_kill() -> None:
+def test_a_detected_mutant_is_no_survivor_even_without_a_kill():
     assert survivors_of([*POOL, *thrice(LATE, HUMAN, violated={"SR2": 9.0})], {LATE: WEAK}) == ()
     keys = [key for key, _ in GRID.points[:8]]
     spread = [outcome(LATE, key, seed, violated={"SR2": 9.0} if seed == 1 else {}) for key in keys for seed in range(3)]
     assert survivors_of([*pool(*keys), *spread], {LATE: WEAK}) == ()
 
 
-def test_survivors_of_the_worst_class_stand_first_whatever_stage_they_reached() -> None:
+def test_survivors_of_the_worst_class_stand_first_whatever_stage_they_reached():
     known_ = dict.fromkeys((LATE, NO, GOAL), Background("other"))
     flights = [*POOL, outcome(NO, HUMAN, altered=0), SAME, *thrice(GOAL, HUMAN)]
     assert [one.mutant for one in survivors_of(flights, known_)] == [NO, LATE, GOAL]
@@ -172,7 +172,7 @@ def test_survivors_of_the_worst_class_stand_first_whatever_stage_they_reached() 
 
 
 @given(st.one_of(campaigns(), seeded()))
-def test_every_mutant_is_detected_or_told_once_in_the_order_of_the_stages(outcomes: list[Outcome]) -> None:
+def test_every_mutant_is_detected_or_told_once_in_the_order_of_the_stages(outcomes: list[Outcome]):
     matrix = kill_matrix(score(outcomes, ROSTER, GRID), ROSTER, GRID)
     listed = survivors_of(outcomes, {row.id: WEAK for row in matrix.mutants})
     others = {row.id for row in matrix.mutants if row.verdict is not Verdict.DETECTED}
@@ -195,7 +195,7 @@ def test_every_mutant_is_detected_or_told_once_in_the_order_of_the_stages(outcom
         ("NO-speedlimit", ()),
     ],
 )
-def test_the_background_is_what_the_matrix_says(mutant: str, background: object) -> None:
+def test_the_background_is_what_the_matrix_says(mutant: str, background: object):
     told = backgrounds(Study.open().matrix, [mutant, "AFTER-speedlimit"])
     assert background in (told[mutant], told[mutant].stronger)
     assert "never releases" in told["AFTER-speedlimit"].expected

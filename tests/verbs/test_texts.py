@@ -120,7 +120,7 @@ def _is_formula(cell: str) -> bool:
 
 
 @pytest.mark.parametrize("style", usually(["table"], release=FORMATS))
-def test_no_table_of_any_verb_is_obeyed(told: Call, style: str) -> None:
+def test_no_table_of_any_verb_is_obeyed(told: Call, style: str):
     for verb in VERBS:
         done = told(*verb, "--format", style)
         assert done.exit_code == 0, (verb, done.output)
@@ -137,7 +137,7 @@ def test_no_table_of_any_verb_is_obeyed(told: Call, style: str) -> None:
             assert "\\input" not in done.stdout, verb
 
 
-def test_what_is_hostile_is_shown(told: Call) -> None:
+def test_what_is_hostile_is_shown(told: Call):
     assert "=1+1|<b>x</b>\\x1b[31m\\x9b\\x7f\\u202e\\u200b\\x07" in told("worksheet", "--format", "csv").stdout
     assert json.loads(told("worksheet", "--format", "json").stdout)["rows"][0]["deviation"].startswith(EVIL)
     assert "Campaign " in told("status").stdout
@@ -145,7 +145,7 @@ def test_what_is_hostile_is_shown(told: Call) -> None:
 
 
 @pytest.mark.parametrize("style", EXPORTS)
-def test_no_export_is_obeyed(told: Call, tmp_path: Path, style: str) -> None:
+def test_no_export_is_obeyed(told: Call, tmp_path: Path, style: str):
     path = tmp_path / "out"
     assert told("export", "--format", style, "--output", str(path)).exit_code == 0
     text = path.read_text(encoding="utf-8")
@@ -159,7 +159,7 @@ def test_no_export_is_obeyed(told: Call, tmp_path: Path, style: str) -> None:
         yaml.safe_load(text)
 
 
-def test_rows_of_csv_are_read_back(told: Call) -> None:
+def test_rows_of_csv_are_read_back(told: Call):
     text = told("export", "--format", "csv").stdout
     assert [cell for cell in _cells(text) if _is_formula(cell)] == []
     rows = list(csv.DictReader(io.StringIO(text, newline="")))
@@ -169,7 +169,7 @@ def test_rows_of_csv_are_read_back(told: Call) -> None:
     assert back == [printable(row["struck"]) for row in whole]
 
 
-def test_pages_and_pictures_are_not_obeyed(told: Call, tmp_path: Path) -> None:
+def test_pages_and_pictures_are_not_obeyed(told: Call, tmp_path: Path):
     for verb, name in (("report", "page.html"), ("kills", "graph.svg"), ("kills", "graph.dot")):
         done = told(verb, "--output", str(tmp_path / name))
         assert done.exit_code == 0, done.output
@@ -178,7 +178,7 @@ def test_pages_and_pictures_are_not_obeyed(told: Call, tmp_path: Path) -> None:
         assert "<b>" not in text, name
 
 
-def test_no_error_sentence_is_obeyed(told: Call) -> None:
+def test_no_error_sentence_is_obeyed(told: Call):
     wrong = (("kills", "\x1b[2J\u202e"), ("matrix", "--cell", "\x1b"), ("export", "--format", "\x9b\n"), ("\x1b[2J",))
     for words in wrong:
         done = told(*words)

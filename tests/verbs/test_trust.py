@@ -85,7 +85,7 @@ def call(study: Path, verb: str, *words: str) -> Result:
 
 
 @pytest.mark.parametrize("verb", FLIES)
-def test_untrusted_refuses_a_study_with_programs_and_names_them(outside: Path, started: Path, verb: str) -> None:
+def test_untrusted_refuses_a_study_with_programs_and_names_them(outside: Path, started: Path, verb: str):
     told = call(outside, verb, *FLIES[verb], "--untrusted")
     assert told.exit_code == ExitCode.BAD_INPUT
     sentence = told.stderr.splitlines()[-1]
@@ -97,7 +97,7 @@ def test_untrusted_refuses_a_study_with_programs_and_names_them(outside: Path, s
 @pytest.mark.parametrize("verb", [verb for verb in VERBS if verb not in FLIES or verb in (*READS, "check")])
 def test_a_verb_that_reads_starts_no_program_and_asks_nothing(
     outside: Path, started: Path, verb: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+):
     shutil.copytree(outside, tmp_path / "study")
     monkeypatch.chdir(tmp_path / "study")
     told = call(tmp_path / "study", verb, *READS.get(verb, ()))
@@ -130,7 +130,7 @@ def asked(started: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], lis
 
 def test_a_terminal_asks_once_for_a_folder_and_its_commands(
     outside: Path, asked: Callable[..., list[str]], tmp_path: Path
-) -> None:
+):
     with pytest.raises(InputError, match="its programs were not allowed, so nothing was flown"):
         asked(outside, says=False)
     assert asked(outside, says=True) == ["Start them, now and whenever this study flies?"]
@@ -147,7 +147,7 @@ def test_a_terminal_asks_once_for_a_folder_and_its_commands(
 
 def test_without_a_terminal_the_programs_are_named_in_a_line(
     outside: Path, started: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+):
     options.allow(Study.open(outside), untrusted=False)
     (told,) = capsys.readouterr().err.splitlines()
     assert told.startswith(f"study: {outside} starts programs of its own: {{python}} {{study}}/sim/over_lines.py ")
@@ -155,7 +155,7 @@ def test_without_a_terminal_the_programs_are_named_in_a_line(
     assert capsys.readouterr().err == ""
 
 
-def test_a_command_that_flies_is_named_with_its_environment(tmp_path: Path, started: Path) -> None:
+def test_a_command_that_flies_is_named_with_its_environment(tmp_path: Path, started: Path):
     copied(tmp_path / "study")
     flyer = """\
 flyer: command
@@ -180,7 +180,7 @@ KILLS = [("replay", signal.SIGKILL), ("run", signal.SIGTERM), ("replay", signal.
 )
 def test_no_folder_and_no_process_stays_after_a_signal(
     outside: Path, tmp_path: Path, verb: str, number: signal.Signals
-) -> None:
+):
     shutil.copytree(outside, tmp_path / "study")
     (tmp_path / "study" / "sim" / "over_lines.py").write_text("import time; time.sleep(60)")
     settings = tmp_path / "study" / "sim" / "stack.yaml"

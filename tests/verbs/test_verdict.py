@@ -80,7 +80,7 @@ CASES = {
 }
 
 
-def test_a_verdict_and_its_next_command_are_as_recorded() -> None:
+def test_a_verdict_and_its_next_command_are_as_recorded():
     told = {}
     for name, flights in CASES.items():
         found_ = scored(*flights)
@@ -98,7 +98,7 @@ def test_a_verdict_and_its_next_command_are_as_recorded() -> None:
 )
 def test_every_line_begins_with_the_verdict_and_every_screen_asks_for_the_same_next_step(
     outcomes: list[Outcome], background: Background
-) -> None:
+):
     found_ = scored(*outcomes)
     for mutant in (*found_.mutants, *found_.controls):
         said = verdict(mutant, found_.lacking)
@@ -118,7 +118,7 @@ def test_every_line_begins_with_the_verdict_and_every_screen_asks_for_the_same_n
         assert runs == (survivor.next in (Next.POOL, Next.SEEDS))
 
 
-def test_more_seeds_are_not_asked_of_a_fault_that_flies_the_same_to_the_bit() -> None:
+def test_more_seeds_are_not_asked_of_a_fault_that_flies_the_same_to_the_bit():
     same = scored(*pool(THERE), outcome(LATE, THERE, digest="clean"))
     assert same.mutants[0].safety.needed
     for background, step in ((WEAK, Next.MAGNITUDE), (LAST, Next.SITUATION)):
@@ -129,7 +129,7 @@ def late(*flights: Outcome) -> MutantScore:
     return next(mutant for mutant in scored(*pool(THERE), *flights).mutants if mutant.subject.id == LATE)
 
 
-def test_the_find_of_a_mutant_that_is_not_detected_is_to_be_flown_before_any_seeds() -> None:
+def test_the_find_of_a_mutant_that_is_not_detected_is_to_be_flown_before_any_seeds():
     for flights in ([outcome(LATE, THERE)], thrice(LATE, THERE), [outcome(LATE, THERE, altered=0)]):
         assert next_find(late(*flights), known(found(NO), FIND)) == FIND
         assert next_command(late(*flights), (), "mine", "", known(FIND)) == command(LATE)
@@ -138,7 +138,7 @@ def test_the_find_of_a_mutant_that_is_not_detected_is_to_be_flown_before_any_see
     assert next_find(late(*thrice(LATE, THERE)), known(found(NO))) is None
 
 
-def test_a_find_that_was_flown_here_with_as_many_seeds_is_not_flown_again() -> None:
+def test_a_find_that_was_flown_here_with_as_many_seeds_is_not_flown_again():
     here, few = found(LATE, THERE), [outcome(LATE, THERE, seed) for seed in range(5)]
     enough = [*few, outcome(LATE, THERE, 5)]
     assert (next_find(late(*few), known(here)), flown_in_vain(late(*few), known(here))) == (here, ())
@@ -147,7 +147,7 @@ def test_a_find_that_was_flown_here_with_as_many_seeds_is_not_flown_again() -> N
     assert next_find(late(*enough), known(here, other)) == other
 
 
-def test_the_command_names_grid_mutant_situation_and_seeds_and_the_campaign_over_that_grid() -> None:
+def test_the_command_names_grid_mutant_situation_and_seeds_and_the_campaign_over_that_grid():
     finds = known(FIND)
     assert flies(FIND, LATE, finds, "default") == flies(FIND, LATE, finds, "mine", "wide") == command(LATE)
     assert flies(FIND, LATE, finds, "paper+found", "paper+found") == command(LATE)

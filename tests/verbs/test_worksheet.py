@@ -122,7 +122,7 @@ CASES = {
 }
 
 
-def test_what_the_columns_say_is_as_recorded_and_the_teams_are_empty() -> None:
+def test_what_the_columns_say_is_as_recorded_and_the_teams_are_empty():
     told = {}
     for name, (cell, found_) in CASES.items():
         values = named(found_, cell).values
@@ -131,13 +131,13 @@ def test_what_the_columns_say_is_as_recorded_and_the_teams_are_empty() -> None:
     as_recorded(__file__, told)
 
 
-def test_without_a_pool_the_sheet_says_so() -> None:
+def test_without_a_pool_the_sheet_says_so():
     alone = population(CASES["without a pool"][1])
     assert "No verdict: no situation in which a mutant changes a sample has 10 baseline flights" in alone
     assert "No verdict" not in population(rows(FLOWN))
 
 
-def test_a_find_and_the_command_that_flies_it_stand_in_every_format() -> None:
+def test_a_find_and_the_command_that_flies_it_stand_in_every_format():
     survivor, told = "NO-human@100%", CASES["a survivor with a find"][1]
     said = str(named(told, "NO-human").values["find"])
     assert named(told, "LATE-human").values["find"] is None, "it is detected"
@@ -151,7 +151,7 @@ def test_a_find_and_the_command_that_flies_it_stand_in_every_format() -> None:
     assert all(word in terminal for word in flies(survivor).split())
 
 
-def test_a_page_has_no_columns_without_a_value_and_no_list_of_survivors_without_classes() -> None:
+def test_a_page_has_no_columns_without_a_value_and_no_list_of_survivors_without_classes():
     plain = rows(FLOWN, with_text("plain"))
     for write in (to_text, to_markdown, to_latex):
         assert "Flies it" not in write(rows(FLOWN))
@@ -160,7 +160,7 @@ def test_a_page_has_no_columns_without_a_value_and_no_list_of_survivors_without_
     assert {row["severity"] for row in read_csv(plain)} == {""}
 
 
-def test_deviations_that_are_not_credible_are_in_a_log_and_survivors_stand_by_class() -> None:
+def test_deviations_that_are_not_credible_are_in_a_log_and_survivors_stand_by_class():
     early = [outcome(MATRIX.cell("EARLY-human").default_id, HUMAN, seed) for seed in SEEDS]
     told = rows([*FLOWN, *SILENT, *early])
     classed = {row.cell.name: row.values["severity"] for row in survivors(told)}
@@ -177,7 +177,7 @@ def test_deviations_that_are_not_credible_are_in_a_log_and_survivors_stand_by_cl
 
 @given(st.one_of(campaigns(), seeded()))
 @settings(max_examples=25, deadline=None)
-def test_every_figure_is_the_scores(outcomes: list[Outcome]) -> None:
+def test_every_figure_is_the_scores(outcomes: list[Outcome]):
     scored = score(outcomes, ROSTER, GRID)
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
     records = {record["cell"]: record for record in plain(rows(outcomes))}
@@ -200,7 +200,7 @@ def read_csv(found: tuple[SheetRow, ...]) -> list[dict[str, str]]:
 
 @given(hostile)
 @settings(max_examples=usually(25, release=40), deadline=None)
-def test_what_a_study_says_appears_literally_in_every_format(text: str) -> None:
+def test_what_a_study_says_appears_literally_in_every_format(text: str):
     found = rows(FLOWN, with_text(text))
     row = named(found, "LATE-human")
     (from_csv,) = [entry for entry in read_csv(found) if entry["cell"] == "LATE-human"]
@@ -219,7 +219,7 @@ def test_what_a_study_says_appears_literally_in_every_format(text: str) -> None:
 
 @given(hostile)
 @settings(max_examples=15, deadline=None)
-def test_the_workbook_read_back_is_the_sheet(text: str) -> None:
+def test_the_workbook_read_back_is_the_sheet(text: str):
     found = rows(FLOWN, with_text(text))
     raw = to_xlsx(found)
     page = load_workbook(io.BytesIO(raw))["HAZOP worksheet"]
@@ -248,7 +248,7 @@ def cut(value: object) -> object:
     return shown if len(shown) <= LONGEST else shown[: LONGEST - 6] + " [cut]"
 
 
-def test_the_workbook_is_made_to_be_worked_with_and_carries_no_clock_and_no_formula() -> None:
+def test_the_workbook_is_made_to_be_worked_with_and_carries_no_clock_and_no_formula():
     told = rows(FLOWN, with_text("=1+1"))
     raw = to_xlsx(told)
     assert raw == to_xlsx(told)
@@ -261,7 +261,7 @@ def test_the_workbook_is_made_to_be_worked_with_and_carries_no_clock_and_no_form
     assert all(cell.quotePrefix and cell.data_type == "s" for cell in formulas)
 
 
-def test_every_row_of_the_markdown_has_as_many_cells_as_its_header() -> None:
+def test_every_row_of_the_markdown_has_as_many_cells_as_its_header():
     for block in to_markdown(rows(FLOWN, with_text("a|b\\|c\nd"))).split("\n\n"):
         lines = [line for line in block.splitlines() if line.startswith("|")]
         assert len({len(re.findall(r"(?<!\\)(?:\\\\)*\|", line)) for line in lines}) <= 1
@@ -314,19 +314,19 @@ def compiled(fragments: list[str], engine: str, folder: Path) -> str:
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_the_reference_studys_worksheet_compiles_and_no_column_runs_into_the_next(engine: str, tmp_path: Path) -> None:
+def test_the_reference_studys_worksheet_compiles_and_no_column_runs_into_the_next(engine: str, tmp_path: Path):
     said = compiled([latex_sheet(WHOLE)], engine, tmp_path)
     too_wide = [float(found) for found in re.findall(r"Overfull \\hbox \(([\d.]+)pt too wide\)", said)]
     assert [width for width in too_wide if width > 1.0] == []
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_hostile_texts_compile_as_texts(engine: str, tmp_path: Path) -> None:
+def test_hostile_texts_compile_as_texts(engine: str, tmp_path: Path):
     others = OTHERS if engine in ("xelatex", "lualatex") else ()
     compiled([latex_sheet(with_text(text)) for text in (*LATIN, *others)], engine, tmp_path)
 
 
-def test_a_file_has_what_would_be_printed(told: Call, tmp_path: Path) -> None:
+def test_a_file_has_what_would_be_printed(told: Call, tmp_path: Path):
     path = tmp_path / "sheet"
     assert told("worksheet", "--format", "xlsx", "--output", str(path)).exit_code == 0
     assert load_workbook(io.BytesIO(path.read_bytes())).sheetnames[0] == "HAZOP worksheet"

@@ -86,7 +86,7 @@ def answer() -> Answer:
     return Answer(FORM, lambda: mine, lambda: (Table("Doors", ("name",), (("<north>",),)),))
 
 
-def test_each_list_of_records_is_a_table_with_typed_columns(answer: Answer) -> None:
+def test_each_list_of_records_is_a_table_with_typed_columns(answer: Answer):
     assert list(answer) == ["doors", "doors_bolts"]
     doors = answer["doors"]
     assert {name: kind.value for name, kind in doors.types.items()} == {
@@ -106,7 +106,7 @@ def test_each_list_of_records_is_a_table_with_typed_columns(answer: Answer) -> N
     assert answer["doors_bolts"]["of_name"].tolist() == ["north", "north"]
 
 
-def test_what_stands_in_no_table_is_the_summary_and_nothing_can_be_changed(answer: Answer) -> None:
+def test_what_stands_in_no_table_is_the_summary_and_nothing_can_be_changed(answer: Answer):
     assert dict(answer.summary) == {"shut_part": 1, "shut_whole": 2, "names": ("Ada",), "wind_mps": None}
     with pytest.raises(TypeError):
         answer.summary["shut_part"] = 2  # type: ignore[index]
@@ -114,14 +114,14 @@ def test_what_stands_in_no_table_is_the_summary_and_nothing_can_be_changed(answe
         answer["doors"]["open"][0] = False
 
 
-def test_a_wrong_name_is_a_sentence_with_the_nearest_one(answer: Answer) -> None:
+def test_a_wrong_name_is_a_sentence_with_the_nearest_one(answer: Answer):
     with pytest.raises(KeyError, match="doors has no table 'door'; did you mean 'doors'"):
         _ = answer["door"]
     with pytest.raises(InputError, match=r"style='cvs' must be one of table, .*; did you mean 'csv'"):
         answer.text("cvs")
 
 
-def test_it_is_what_the_verb_prints(answer: Answer) -> None:
+def test_it_is_what_the_verb_prints(answer: Answer):
     first = {"name": "north", "open": True, "width_m": "inf", "lock": None, "passed": {"Ada": 2}}
     assert answer.record()["doors"][0] == first | {"bolts": [{"turns": 1}, {"turns": 2}]}
     assert answer.text("csv") == answer.csv()["doors"]
@@ -157,7 +157,7 @@ def columns() -> Columns:
     return Columns("Flights", TYPES, ROWS)
 
 
-def test_each_column_is_an_array_of_its_type_that_cannot_be_written(columns: Columns) -> None:
+def test_each_column_is_an_array_of_its_type_that_cannot_be_written(columns: Columns):
     arrays = {name: values for name, values in columns.items() if not isinstance(values, list)}
     assert {name: values.dtype.kind for name, values in arrays.items()} == {
         "mutant": "O",
@@ -174,7 +174,7 @@ def test_each_column_is_an_array_of_its_type_that_cannot_be_written(columns: Col
     assert columns["seed"][columns["mutant"] == ""].tolist() == [0]
 
 
-def test_without_rows_the_columns_keep_their_types() -> None:
+def test_without_rows_the_columns_keep_their_types():
     empty = Columns("Flights", TYPES, [])
     assert empty.rows == 0
     full = Columns("Flights", TYPES, ROWS)
@@ -182,12 +182,12 @@ def test_without_rows_the_columns_keep_their_types() -> None:
     assert kinds[0] == kinds[1]
 
 
-def test_a_column_that_is_not_there_names_the_nearest(columns: Columns) -> None:
+def test_a_column_that_is_not_there_names_the_nearest(columns: Columns):
     with pytest.raises(KeyError, match="no column 'mutants'; did you mean 'mutant'"):
         columns["mutants"]
 
 
-def test_pandas_takes_the_columns_as_they_are(columns: Columns) -> None:
+def test_pandas_takes_the_columns_as_they_are(columns: Columns):
     pandas = pytest.importorskip("pandas", reason="pandas is not installed (statsmodels brings it)")
     frame = pandas.DataFrame(columns)
     assert list(frame.columns) == list(TYPES)
@@ -198,7 +198,7 @@ def test_pandas_takes_the_columns_as_they_are(columns: Columns) -> None:
     assert frame[frame.seed > 0].counted.tolist() == [True]
 
 
-def test_polars_takes_the_columns_as_they_are(columns: Columns) -> None:
+def test_polars_takes_the_columns_as_they_are(columns: Columns):
     polars = pytest.importorskip("polars", reason="polars is not installed (180 MB): pip install polars")
     frame = polars.DataFrame(columns)
     assert frame.columns == list(TYPES)
@@ -214,7 +214,7 @@ def test_polars_takes_the_columns_as_they_are(columns: Columns) -> None:
     assert exact["rho_SR1"].to_list() == [None, -0.5]
 
 
-def test_arrow_has_the_exact_types_and_nulls(columns: Columns) -> None:
+def test_arrow_has_the_exact_types_and_nulls(columns: Columns):
     pyarrow = pytest.importorskip("pyarrow", reason="pyarrow is not installed")
     table = pyarrow.RecordBatchReader.from_stream(columns).read_all()  # by the PyCapsule protocol
     assert [str(one.type) for one in table.schema] == [
@@ -229,20 +229,20 @@ def test_arrow_has_the_exact_types_and_nulls(columns: Columns) -> None:
     assert Columns("Flights", TYPES, []).arrow().schema == table.schema
 
 
-def test_arrow_data_is_that_of_the_parquet_export() -> None:
+def test_arrow_data_is_that_of_the_parquet_export():
     reading = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
     names = [name for name in TYPES if name != "counted"]
     columns = Columns("Flights", {name: column_type(name) for name in names}, ROWS)
     assert reading.read_table(io.BytesIO(parquet(ROWS, names))).equals(columns.arrow())
 
 
-def test_without_pyarrow_arrow_data_is_refused_in_a_sentence(columns: Columns, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_pyarrow_arrow_data_is_refused_in_a_sentence(columns: Columns, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
     with pytest.raises(InputError, match=r"needs pyarrow: pip install 'scaloft-fi\[parquet\]'"):
         columns.arrow()
 
 
-def test_a_notebook_shows_the_first_rows_and_runs_no_text_of_a_study(columns: Columns) -> None:
+def test_a_notebook_shows_the_first_rows_and_runs_no_text_of_a_study(columns: Columns):
     page = columns._repr_html_()
     assert "&lt;b&gt;\\ud800" in page
     assert "<b>" not in page
@@ -257,17 +257,17 @@ SCORE = Path(__file__).parents[2] / "results" / "published" / "reference" / "sco
 PUBLISHED = Path(__file__).parents[2] / "docs" / "schemas" / "output"
 
 
-def test_the_published_schemas_are_those_of_the_code() -> None:
+def test_the_published_schemas_are_those_of_the_code():
     published = {path.name: path.read_text(encoding="utf-8") for path in PUBLISHED.iterdir()}
     assert published == schema_texts(), "run python docs/schemas/write.py"
 
 
-def test_the_published_score_has_the_form_of_today() -> None:
+def test_the_published_score_has_the_form_of_today():
     of_form("score", SCORE.read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("verb", OUTPUTS)
-def test_a_schema_is_one_and_every_key_says_what_it_is(verb: str) -> None:
+def test_a_schema_is_one_and_every_key_says_what_it_is(verb: str):
     output = output_of(verb)
     assert verb in VERBS
     assert output.verb == verb
@@ -291,7 +291,7 @@ def _shapes(name: str, shape: Shape) -> list[tuple[str, Shape]]:
     return found
 
 
-def test_the_page_has_every_key_and_every_exit_code() -> None:
+def test_the_page_has_every_key_and_every_exit_code():
     page = outputs_page()
     for verb in OUTPUTS:
         assert f"## `{verb} --format json`" in page

@@ -59,20 +59,20 @@ def _texts(svg: str) -> list[str]:
     return [element.text or "" for element in ET.fromstring(svg).iter(f"{SVG}text")]
 
 
-def test_a_map_names_flight_note_axes_and_events() -> None:
+def test_a_map_names_flight_note_axes_and_events():
     texts = _texts(draw(SCENE, [TRACK], title="LATE-human@3s in T0, seed 0", subtitle="light"))
     title = "LATE-human@3s in T0, seed 0"
     assert {title, "light", "baseline", "touched down", "x [m]", "y [m]", "SR2 violated", "1.00 s"} <= set(texts)
 
 
-def test_text_is_escaped() -> None:
+def test_text_is_escaped():
     nasty = replace(TRACK, title='<script>"&', marks=(Mark(0.5, (0, 0), "a < b & c", "#57534e"),))
     svg = draw(SCENE, [nasty], title="<b>&</b>")
     assert "<script" not in svg
     assert {'<script>"&', "<b>&</b>", "a < b & c"} <= set(_texts(svg))
 
 
-def test_two_flights_stand_side_by_side_at_one_scale() -> None:
+def test_two_flights_stand_side_by_side_at_one_scale():
     far = replace(TRACK, points=tuple((x, y - 3) for x, y in TRACK.points))
     drawn = ET.fromstring(draw(SCENE, [TRACK, far], title="t"))
     panels = [clip[0].attrib for clip in drawn.iter(f"{SVG}clipPath")]
@@ -80,12 +80,12 @@ def test_two_flights_stand_side_by_side_at_one_scale() -> None:
     assert float(panels[1]["x"]) > float(panels[0]["x"]) + float(panels[0]["width"])
 
 
-def test_a_steady_speed_keeps_one_colour() -> None:
+def test_a_steady_speed_keeps_one_colour():
     assert {shade(0.2 + noise) for noise in (-0.03, 0.0, 0.03)} == {2}
     assert shade(9.0) == len(RAMP) - 1
 
 
-def test_more_events_than_fit_are_counted_one_sample_is_enough_and_nothing_is_refused() -> None:
+def test_more_events_than_fit_are_counted_one_sample_is_enough_and_nothing_is_refused():
     many = replace(TRACK, marks=tuple(Mark(i, (0, i / 5), "flag", "#b45309") for i in range(14)))
     assert "and 4 more" in _texts(draw(SCENE, [many], title="t"))
     ET.fromstring(draw(SCENE, [replace(TRACK, points=((0.0, 0.0),), speeds_mps=(0.0,))], title="t"))
@@ -93,14 +93,14 @@ def test_more_events_than_fit_are_counted_one_sample_is_enough_and_nothing_is_re
         draw(SCENE, [], title="t")
 
 
-def test_a_png_has_text_without_any_font_of_the_machine() -> None:
+def test_a_png_has_text_without_any_font_of_the_machine():
     box = '<svg xmlns="http://www.w3.org/2000/svg" width="60" height="20" font-family="sans-serif">'
     assert png(f"{box}</svg>").startswith(b"\x89PNG")
     assert png(f'{box}<text y="15">Map</text></svg>') != png(f"{box}</svg>")
 
 
 @given(st.floats(-50, 50), st.floats(-50, 50))
-def test_north_is_up_and_east_is_right(x: float, y: float) -> None:
+def test_north_is_up_and_east_is_right(x: float, y: float):
     frame = Frame(-60, 60, -60, 60, 10, 20, 8.0)
     left, top = frame.pixel((x, y))
     assert frame.pixel((x + 1, y)) == pytest.approx((left + 8, top))
@@ -108,7 +108,7 @@ def test_north_is_up_and_east_is_right(x: float, y: float) -> None:
 
 
 @given(st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), min_size=3, max_size=30))
-def test_a_hull_has_every_point_on_its_left(points: list[tuple[int, int]]) -> None:
+def test_a_hull_has_every_point_on_its_left(points: list[tuple[int, int]]):
     corners = hull(points)
     assert set(corners) <= set(points)
     for a, b in zip(corners, (*corners[1:], corners[0]), strict=True):
@@ -116,7 +116,7 @@ def test_a_hull_has_every_point_on_its_left(points: list[tuple[int, int]]) -> No
 
 
 @given(st.permutations(range(8)), st.lists(st.booleans(), min_size=8, max_size=8))
-def test_an_outline_is_found_in_whatever_order_its_segments_come(order: list[int], turned: list[bool]) -> None:
+def test_an_outline_is_found_in_whatever_order_its_segments_come(order: list[int], turned: list[bool]):
     corners = [(math.cos(i), math.sin(i)) for i in (k * math.tau / 8 for k in range(8))]
     segments = [(corners[i], corners[(i + 1) % 8]) for i in order]
     found = rings([(b, a) if turn else (a, b) for (a, b), turn in zip(segments, turned, strict=True)])
@@ -131,7 +131,7 @@ SAMPLE = {"NO-x": "a", "LATE-x@1s": "a", "MORE-y": "abc", "LESS-y": "ab", '<b>"o
 
 @settings(deadline=None, max_examples=usually(25, release=60))
 @given(matrices)
-def test_every_kill_set_is_a_box_and_no_two_boxes_overlap(kills: dict[str, frozenset[str]]) -> None:
+def test_every_kill_set_is_a_box_and_no_two_boxes_overlap(kills: dict[str, frozenset[str]]):
     graph = subsumption(kills)
     drawn = ET.fromstring(draw_subsumption(graph))
     width, height = float(drawn.get("width", 0)), float(drawn.get("height", 0))
@@ -145,14 +145,14 @@ def test_every_kill_set_is_a_box_and_no_two_boxes_overlap(kills: dict[str, froze
             assert x + w <= x2 or x2 + w2 <= x or y + h <= y2 or y2 + h2 <= y
 
 
-def test_lines_lead_from_the_subsuming_to_the_right() -> None:
+def test_lines_lead_from_the_subsuming_to_the_right():
     svg = draw_subsumption(subsumption(SAMPLE))
     starts_and_ends = re.findall(r'd="M([\d.]+),[\d.]+C.*?([\d.]+),[\d.]+" fill="none"', svg)
     assert len(starts_and_ends) == 2
     assert all(float(start) < float(end) for start, end in starts_and_ends)
 
 
-def test_minimal_mutants_have_thick_frames_hostile_names_are_text_and_many_names_are_counted() -> None:
+def test_minimal_mutants_have_thick_frames_hostile_names_are_text_and_many_names_are_counted():
     svg = draw_subsumption(subsumption(SAMPLE))
     assert svg.count('stroke-width="3"') == 2
     assert "<b>" not in svg
@@ -160,7 +160,7 @@ def test_minimal_mutants_have_thick_frames_hostile_names_are_text_and_many_names
     assert ">and 13 more<" in draw_subsumption(subsumption({f"m{n}": "a" for n in range(20)}))
 
 
-def test_dot_has_every_node_and_edge() -> None:
+def test_dot_has_every_node_and_edge():
     text = dot(subsumption(SAMPLE))
     assert text.count(" -> ") == 2
     assert r"NO-x\nLATE-x@1s\nkilled in 1" in text
@@ -177,18 +177,18 @@ def study() -> Study:
     return Study.open(STUDY)
 
 
-def test_bodies_waypoints_and_facts_stand_by_name(study: Study) -> None:
+def test_bodies_waypoints_and_facts_stand_by_name(study: Study):
     texts = _texts(_drawn(study, "T1O1W0D0H1"))
     assert {"bar", "obstacle", "person", "corner (1, 3)", "end (2)", "home (4)", "x [m]", "1 m"} <= set(texts)
     assert "nominal flight 117 s, time limit 195 s" in texts
 
 
-def test_a_body_that_is_not_there_is_not_drawn(study: Study) -> None:
+def test_a_body_that_is_not_there_is_not_drawn(study: Study):
     texts = _texts(_drawn(study, "T0O0W0D0H0"))
     assert texts.count("person") == 1  # in the legend
 
 
-def test_a_happening_stands_where_it_starts_and_in_the_list() -> None:
+def test_a_happening_stands_where_it_starts_and_in_the_list():
     svg = _drawn(Study.open(STUDY, "wide"), "T1O0W0D2H2C0V0P0B0G0")
     texts = _texts(svg)
     assert "1 lamp: near (0, 3.5) within 0.7 m, for 6 s" in texts
@@ -196,7 +196,7 @@ def test_a_happening_stands_where_it_starts_and_in_the_list() -> None:
     assert svg.count('stroke="#7c3aed"') == 2
 
 
-def test_a_large_mine_fits_the_picture_and_has_a_longer_scale() -> None:
+def test_a_large_mine_fits_the_picture_and_has_a_longer_scale():
     ring = ((0.0, 0.0), (180.0, 0.0), (180.0, 90.0), (0.0, 90.0))
     walls = tuple(zip(ring, (*ring[1:], ring[0]), strict=True))
     scene = MapScene((ring,), walls, (), ((170.0, 80.0), (10.0, 10.0)), (10.0, 10.0))
@@ -208,12 +208,12 @@ def test_a_large_mine_fits_the_picture_and_has_a_longer_scale() -> None:
     assert {"10 m", "far (1)", "1 gust: at 3 s", "<b>"} <= set(_texts(svg))
 
 
-def test_a_mine_from_a_mesh_is_drawn(tmp_path: Path) -> None:
+def test_a_mine_from_a_mesh_is_drawn(tmp_path: Path):
     svg = _drawn(Study.open(every_key_study(tmp_path)), "H0A0B0C0D0")
     assert {"crate", "bar", "person", "far (1)"} <= set(_texts(svg))
 
 
-def test_the_values_fit_the_declared_form() -> None:
+def test_the_values_fit_the_declared_form():
     study = Study.open(STUDY, "wide")
     values = MAP.record(map_of(study, study.grid.situation("T1O0W0D2H2C0V0P0B0G0")))
     Draft202012Validator(MAP.schema).validate(values)
@@ -224,9 +224,7 @@ def test_the_values_fit_the_declared_form() -> None:
 
 
 @pytest.mark.parametrize("ending", ["svg", "PNG"])
-def test_the_verb_tells_and_draws_without_flying(
-    ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_verb_tells_and_draws_without_flying(ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     file = tmp_path / f"map.{ending}"
     assert run("map", "1", "--study", STUDY, "--output", file) == 0
     told = capsys.readouterr()
@@ -236,9 +234,7 @@ def test_the_verb_tells_and_draws_without_flying(
     assert not (tmp_path / "results").exists()
 
 
-def test_a_situation_whose_values_contradict_each_other_is_told(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_situation_whose_values_contradict_each_other_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     copied(tmp_path)
     world = tmp_path / "sim" / "world.yaml"
     world.write_text(world.read_text().replace("corner: [0.0, 7.0]", "corner: [4.0, 7.0]"))

@@ -50,18 +50,18 @@ texts = st.text(max_size=60) | st.sampled_from(HOSTILE)
 
 
 @given(texts)
-def test_xml_taken_back_is_what_was_said(text: str) -> None:
+def test_xml_taken_back_is_what_was_said(text: str):
     assert (ElementTree.fromstring(f"<a>{xml(text)}</a>").text or "") == line(text)
 
 
 @given(texts)
-def test_markdown_taken_back_is_what_was_said(text: str) -> None:
+def test_markdown_taken_back_is_what_was_said(text: str):
     assert re.sub(r"\\([!-/:-@\[-`{-~])", r"\1", markdown(text)) == line(text)
     assert not re.search(r"(?<!\\)(?:\\\\)*[|<>`*_\[\]]", markdown(text))
 
 
 @given(texts)
-def test_latex_taken_back_is_what_was_said(text: str) -> None:
+def test_latex_taken_back_is_what_was_said(text: str):
     back = {written: letter for letter, written in _LATEX.items()}
     pattern = "|".join(re.escape(written) for written in sorted(back, key=len, reverse=True))
     assert re.sub(pattern, lambda found: back[found[0]], latex(text)) == line(text)
@@ -69,7 +69,7 @@ def test_latex_taken_back_is_what_was_said(text: str) -> None:
 
 
 @given(texts)
-def test_a_text_in_a_spreadsheet_never_begins_a_formula(text: str) -> None:
+def test_a_text_in_a_spreadsheet_never_begins_a_formula(text: str):
     shown = spreadsheet_text(text)
     assert not shown.startswith(FORMULA)
     assert (shown[1:] if re.match(f"'+[{re.escape(''.join(FORMULA))}]", shown) else shown) == printable(text)
@@ -129,7 +129,7 @@ def shown(table: Table, width: int, *, marked: bool = False) -> str:
 
 
 @given(st.lists(st.tuples(IDS, TEXTS.map(" ".join), TEXTS.map(" ".join)), min_size=1, max_size=8), WIDTHS)
-def test_a_table_fits_every_width_with_every_word_whole(rows: list[tuple[str, str, str]], width: int) -> None:
+def test_a_table_fits_every_width_with_every_word_whole(rows: list[tuple[str, str, str]], width: int):
     text = shown(Table("Title", ("mutant", "effect", "next"), tuple(rows), ("A note of `scaloft-fi run`.",)), width)
     assert max(map(len, text.splitlines())) <= width
     words = text.split()
@@ -137,7 +137,7 @@ def test_a_table_fits_every_width_with_every_word_whole(rows: list[tuple[str, st
         assert words.count(word) >= sum(cell.split().count(word) for row in rows for cell in row)
 
 
-def test_columns_that_can_be_spared_go_in_their_order_and_a_note_names_them() -> None:
+def test_columns_that_can_be_spared_go_in_their_order_and_a_note_names_them():
     cells = tuple((f"mutant-{i}", "word " * 3 + "x" * 15, "y" * 15, "z" * 15) for i in range(3))
     table = Table("T", ("mutant", "effect", "where", "next"), cells, spare=("where",))
     assert "Left out" not in shown(table, 100)
@@ -147,21 +147,21 @@ def test_columns_that_can_be_spared_go_in_their_order_and_a_note_names_them() ->
     assert "z" * 15 in narrow
 
 
-def test_without_room_for_columns_each_row_is_a_record_that_lacks_nothing_but_empty_values() -> None:
+def test_without_room_for_columns_each_row_is_a_record_that_lacks_nothing_but_empty_values():
     table = Table("T", ("mutant", "path", "note"), (("LATE-human@3s", "p" * 30, ""), ("NO-depth@3s", "q" * 30, "why")))
     assert shown(table, 40) == (
         f"T\n\nLATE-human@3s\n  path  {'p' * 30}\n\nNO-depth@3s\n  path  {'q' * 30}\n  note  why\n"
     )
 
 
-def test_a_table_that_would_be_taller_than_its_records_becomes_records() -> None:
+def test_a_table_that_would_be_taller_than_its_records_becomes_records():
     prose = "a word or two " * 12
     text = shown(Table("T", ("cell", "deviation", "cause", "effect"), (("NO-human", prose, prose, prose),)), 44)
     assert text.startswith("T\n\nNO-human\n  deviation  a word")
 
 
 @pytest.mark.parametrize("width", [44, 60, 100])
-def test_colours_change_no_letter(width: int) -> None:
+def test_colours_change_no_letter(width: int):
     rows = (("a", "detected"), ("b", "Not detected"), ("c", "violated at 8.10 s"), ("d", "redrawn"))
     table = Table("Not detected: 1", ("mutant", "verdict"), rows, ("See `scaloft-fi kills`.",))
     marked = shown(table, width, marked=True)
@@ -174,17 +174,17 @@ def test_colours_change_no_letter(width: int) -> None:
 
 
 @pytest.mark.parametrize("how", [form for form in Format if form is not Format.TABLE])
-def test_no_other_format_depends_on_the_width_or_has_colours(how: Format) -> None:
+def test_no_other_format_depends_on_the_width_or_has_colours(how: Format):
     assert render([TABLE], how, width=40, marked=True) == render([TABLE], how, width=160, marked=False)
 
 
-def test_what_a_study_says_stays_inert_in_a_coloured_table() -> None:
+def test_what_a_study_says_stays_inert_in_a_coloured_table():
     text = shown(Table("\x1b[2J", ("\x1b[31m", "b"), (("\x1b[5mheld", "held"),), ("\x9b1m",)), 80, marked=True)
     assert all(raw not in text for raw in ("\x1b[2J", "\x1b[5m", "\x9b"))
 
 
 @pytest.mark.parametrize("width", [60, 100])
-def test_sentences_in_a_table_of_one_column_are_wrapped(width: int) -> None:
+def test_sentences_in_a_table_of_one_column_are_wrapped(width: int):
     table = Table("Answer", ("finding",), (("a sentence of many words " * 20,), ("another",)))
     lines = render([table], Format.TABLE, width=width).splitlines()
     assert max(map(len, lines)) <= width

@@ -39,13 +39,13 @@ def check(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Check:
     return checked
 
 
-def test_a_sound_stack_keeps_its_contract(check: Check) -> None:
+def test_a_sound_stack_keeps_its_contract(check: Check):
     result = check(SOUND)
     assert result.failures == ()
     assert "it keeps its contract" in str(result)
 
 
-def test_it_says_what_comes_of_an_error_in_each_method(check: Check) -> None:
+def test_it_says_what_comes_of_an_error_in_each_method(check: Check):
     said = check(SOUND).observations
     assert [line.split("'")[1] for line in said] == ["stamps", "autopilot", "companion", "step"]
     assert "the drone touched down at 5.4 s" in said[1]
@@ -222,22 +222,22 @@ DEFECTS: dict[str, tuple[Declaration, str]] = {
 
 
 @pytest.mark.parametrize("defect", DEFECTS)
-def test_a_defect_is_named(defect: str, check: Check) -> None:
+def test_a_defect_is_named(defect: str, check: Check):
     declared, sentence = DEFECTS[defect]
     result = check(declared)
     assert any(sentence in failure for failure in result.failures), result
 
 
-def test_a_fast_path_with_the_bits_of_the_step_is_sound(check: Check) -> None:
+def test_a_fast_path_with_the_bits_of_the_step_is_sound(check: Check):
     assert check(hop(SameBits)).failures == ()
 
 
-def test_settings_that_do_not_fit_are_named_with_their_place(check: Check) -> None:
+def test_settings_that_do_not_fit_are_named_with_their_place(check: Check):
     (failure,) = check(SOUND, settings="mass_kg: heavy").failures
     assert "stack.yaml:2: mass_kg='heavy' must be a number" in failure
 
 
-def test_a_stack_that_declares_no_determinism_may_draw_random_numbers(check: Check) -> None:
+def test_a_stack_that_declares_no_determinism_may_draw_random_numbers(check: Check):
     assert check(hop(RandomThrust, deterministic=False)).failures == ()
 
 
@@ -255,7 +255,7 @@ def _beyond(now: Instant) -> float:
 )
 def test_a_claim_that_cannot_be_asked_is_told(
     check: Check, monkeypatch: pytest.MonkeyPatch, claim: Claim, sentence: str
-) -> None:
+):
     monkeypatch.setitem(CLAIMS._entries, "hop", (claim,))
     (failure,) = check(SOUND).failures
     assert failure.startswith(sentence)

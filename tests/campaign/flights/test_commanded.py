@@ -83,7 +83,7 @@ def _edit(path: Path, old: str, new: str) -> None:
     path.write_text(path.read_text().replace(old, new))
 
 
-def test_a_flight_is_judged_from_what_the_command_recorded(folder: Path) -> None:
+def test_a_flight_is_judged_from_what_the_command_recorded(folder: Path):
     clean, late = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0", "LATE-human@3s/T0O0W0D0H1/0")
     assert (clean.invalid, clean.ending, clean.duration_s) == ("", "timed_out", 2.95)
     assert not clean.violations
@@ -92,13 +92,13 @@ def test_a_flight_is_judged_from_what_the_command_recorded(folder: Path) -> None
     assert clean.digest != late.digest
 
 
-def test_the_situation_reaches_the_command_and_comes_true_in_its_record(folder: Path) -> None:
+def test_the_situation_reaches_the_command_and_comes_true_in_its_record(folder: Path):
     near, far = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0", "baseline/T0O0W0D0H0/0")
     assert (dict(near.realised)["H"], dict(far.realised)["H"]) == (True, True)
     assert near.digest != far.digest
 
 
-def test_a_shared_batch_flies_each_flight_alone_and_one_failure_is_one_invalid_flight(folder: Path) -> None:
+def test_a_shared_batch_flies_each_flight_alone_and_one_failure_is_one_invalid_flight(folder: Path):
     _edit(folder / "fly.py", "fault = json.loads(fault)", "fault = json.loads(fault)\nif fault: sys.exit('no fault')")
     clean, late = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0", "LATE-human@3s/T0O0W0D0H1/0", shared=True)
     assert not clean.invalid
@@ -115,15 +115,13 @@ def test_a_shared_batch_flies_each_flight_alone_and_one_failure_is_one_invalid_f
         ("import json", "raise SystemExit(7)\nimport json", "ended with code 7"),
     ],
 )
-def test_a_command_that_records_nothing_usable_makes_an_invalid_flight(
-    old: str, new: str, said: str, folder: Path
-) -> None:
+def test_a_command_that_records_nothing_usable_makes_an_invalid_flight(old: str, new: str, said: str, folder: Path):
     _edit(folder / "fly.py", old, new)
     (outcome,) = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0")
     assert said in outcome.invalid
 
 
-def test_a_fault_whose_altered_samples_nobody_counts_is_invalid(folder: Path) -> None:
+def test_a_fault_whose_altered_samples_nobody_counts_is_invalid(folder: Path):
     _edit(folder / "fly.py", 'print(json.dumps({"altered": 4,', 'print(json.dumps({"altred": 4,')
     clean, late = _fly(Study.open(folder), "PLACEBO/T0O0W0D0H1/0", "LATE-human@3s/T0O0W0D0H1/0")
     assert not clean.invalid
@@ -142,7 +140,7 @@ def test_a_fault_whose_altered_samples_nobody_counts_is_invalid(folder: Path) ->
 )
 def test_what_would_fail_in_every_flight_is_refused_before_the_first(
     file: str, old: str, new: str, said: str, folder: Path
-) -> None:
+):
     _edit(folder / "sim" / file, old, new)
     study = Study.open(folder)
     with pytest.raises(InputError) as refused:
@@ -150,13 +148,13 @@ def test_what_would_fail_in_every_flight_is_refused_before_the_first(
     assert said in str(refused.value)
 
 
-def test_the_matrix_may_use_only_the_seams_that_the_command_offers(folder: Path) -> None:
+def test_the_matrix_may_use_only_the_seams_that_the_command_offers(folder: Path):
     _edit(folder / "sim" / "flyer.yaml", "every:", "person:")
     with pytest.raises(InputError, match="seam"):
         _ = Study.open(folder).matrix
 
 
-def test_program_mapping_and_declaration_are_part_of_the_key_of_a_flight(folder: Path) -> None:
+def test_program_mapping_and_declaration_are_part_of_the_key_of_a_flight(folder: Path):
     def key() -> str:
         study = Study.open(folder)
         return Keys(study).key(Flight(None, study.grid.situations[0], 0))
@@ -171,14 +169,14 @@ def test_program_mapping_and_declaration_are_part_of_the_key_of_a_flight(folder:
     assert len(keys) == 4
 
 
-def test_a_command_is_not_deterministic_unless_it_says_so(folder: Path) -> None:
+def test_a_command_is_not_deterministic_unless_it_says_so(folder: Path):
     assert not Study.open(folder).stack.deterministic
     with (folder / "sim" / "flyer.yaml").open("a") as file:
         file.write("deterministic: true\n")
     assert Study.open(folder).stack.deterministic
 
 
-def test_a_requirement_may_use_a_signal_that_only_the_record_has(folder: Path) -> None:
+def test_a_requirement_may_use_a_signal_that_only_the_record_has(folder: Path):
     with (folder / "sim" / "record.yaml").open("a") as file:
         file.write("  dust: {column: x}\n")
     _edit(folder / "sim" / "requirements.yaml", "always(clearance_m > 0)", "always(clearance_m > 0 and dust < 0.5)")
@@ -187,7 +185,7 @@ def test_a_requirement_may_use_a_signal_that_only_the_record_has(folder: Path) -
     assert outcome.first_violation.t_s == 2.55  # at 0.5 exactly its robustness is 0, which is no violation
 
 
-def test_without_a_command_nothing_changes() -> None:
+def test_without_a_command_nothing_changes():
     study = Study.open(ROOT)
     assert study.command is None
     assert study.stack.deterministic
@@ -208,7 +206,7 @@ with open(record, "w") as file:
 """
 
 
-def test_a_relay_carries_the_topic_of_a_seam_through_the_tap_of_the_mutant(folder: Path) -> None:
+def test_a_relay_carries_the_topic_of_a_seam_through_the_tap_of_the_mutant(folder: Path):
     (folder / "fly.py").write_text(RELAYED)
     relay = "{drive: {relay: {from: /cmd_raw, to: /cmd, border: lines}, message: velocity}}"
     _edit(folder / "sim" / "flyer.yaml", "{every: {parameter: true}}", relay)

@@ -31,7 +31,7 @@ def of(**overrides: Any) -> Facts:
     return facts(config.scenario(config.grid.situation("T0O0W0D0H1")), config.stack.parameters)
 
 
-def test_the_facts_are_of_the_study() -> None:
+def test_the_facts_are_of_the_study():
     config = load(SIM)
     scenario = config.scenario(config.grid.situation("T0O0W0D0H1"))
     found = facts(scenario, config.stack.parameters)
@@ -39,7 +39,7 @@ def test_the_facts_are_of_the_study() -> None:
     assert found.settings == config.stack.parameters
 
 
-def test_the_facts_follow_vehicle_sensors_and_mission() -> None:
+def test_the_facts_follow_vehicle_sensors_and_mission():
     found = of(
         sensors__depth__fov_deg=75.0,
         sensors__imu__rate_sigma_radps=0.5,
@@ -51,21 +51,21 @@ def test_the_facts_follow_vehicle_sensors_and_mission() -> None:
     assert (found.cruise_mps, found.slow_mps) == (0.7, 0.1)
 
 
-def test_the_wall_is_on_the_right_of_the_first_leg() -> None:
+def test_the_wall_is_on_the_right_of_the_first_leg():
     there = of()
     assert there.wall_m == pytest.approx((1.5, 3.5), abs=0.01)
     assert there.inward == pytest.approx((-1.0, 0.0), abs=0.01)
     assert there.bearing_rad == pytest.approx(math.pi / 2, abs=0.01)
 
 
-def test_the_half_width_is_half_the_width_of_the_hull() -> None:
+def test_the_half_width_is_half_the_width_of_the_hull():
     config = load(SIM)
     scenario = config.scenario(config.grid.situation("T0O0W0D0H0"))
     wide = replace(scenario, vehicle=replace(config.vehicle, hull_m=(0.5, 0.9, 0.1)))
     assert facts(wide, {}).half_width_m == 0.45
 
 
-def test_without_a_wall_the_first_leg_gives_the_direction(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_wall_the_first_leg_gives_the_direction(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(Mine, "wall_towards", lambda *_: None)
     found = of()
     assert found.wall_m is None
@@ -73,7 +73,7 @@ def test_without_a_wall_the_first_leg_gives_the_direction(monkeypatch: pytest.Mo
     assert found.bearing_rad == pytest.approx(math.pi / 2)
 
 
-def test_what_never_differs_has_its_baselines_outcome_but_for_what_it_carried() -> None:
+def test_what_never_differs_has_its_baselines_outcome_but_for_what_it_carried():
     baseline = Outcome(Subject("baseline"), "D0", 1, ending="landed", digest="d", realised=(("D", True),), track=b"t")
     subject = Subject("LATE-human@3s", "LATE", "human", "3s")
     assert as_baseline(baseline, subject, {"person": SeamCount(7, 0, None)}) == Outcome(
@@ -108,7 +108,7 @@ def _outcome(flight: Flight, **values: Any) -> Outcome:
 
 
 @forks
-def test_the_child_flies_on_with_the_state_and_its_outcome_comes_home(study: Any) -> None:
+def test_the_child_flies_on_with_the_state_and_its_outcome_comes_home(study: Any):
     flight, state = _flight(study), [1.0]
     (outcome,) = _split(flight, lambda: _outcome(flight, duration_s=state[0] + 1.0, track=b"x" * 1_000_000))
     assert outcome.duration_s == 2.0
@@ -116,7 +116,7 @@ def test_the_child_flies_on_with_the_state_and_its_outcome_comes_home(study: Any
 
 
 @forks
-def test_nothing_that_the_child_does_reaches_the_trunk(study: Any) -> None:
+def test_nothing_that_the_child_does_reaches_the_trunk(study: Any):
     flight, state = _flight(study), [1.0]
 
     def spoil() -> Outcome:
@@ -128,7 +128,7 @@ def test_nothing_that_the_child_does_reaches_the_trunk(study: Any) -> None:
 
 
 @forks
-def test_a_child_that_dies_is_tried_again_and_then_invalid_with_the_reason(study: Any, tmp_path: Any) -> None:
+def test_a_child_that_dies_is_tried_again_and_then_invalid_with_the_reason(study: Any, tmp_path: Any):
     tries = tmp_path / "tries"
 
     def die() -> Outcome:
@@ -143,7 +143,7 @@ def test_a_child_that_dies_is_tried_again_and_then_invalid_with_the_reason(study
 
 
 @forks
-def test_a_child_that_dies_once_is_flown_again_from_the_same_state(study: Any, tmp_path: Any) -> None:
+def test_a_child_that_dies_once_is_flown_again_from_the_same_state(study: Any, tmp_path: Any):
     flight, mark = _flight(study), tmp_path / "was here"
 
     def die_once() -> Outcome:
@@ -156,7 +156,7 @@ def test_a_child_that_dies_once_is_flown_again_from_the_same_state(study: Any, t
 
 
 @forks
-def test_a_child_that_hangs_is_ended(study: Any) -> None:
+def test_a_child_that_hangs_is_ended(study: Any):
     def hang() -> Outcome:
         time.sleep(60.0)
         raise AssertionError
@@ -166,7 +166,7 @@ def test_a_child_that_hangs_is_ended(study: Any) -> None:
 
 
 @forks
-def test_no_child_outlives_the_trunk(study: Any, tmp_path: Any) -> None:
+def test_no_child_outlives_the_trunk(study: Any, tmp_path: Any):
     number = tmp_path / "number"
     trunk = os.fork()
     if not trunk:

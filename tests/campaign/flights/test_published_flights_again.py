@@ -35,7 +35,7 @@ def published_kernels(reflown: ModuleType) -> ModuleType:
     return sys.modules["experiments.published_kernels"]
 
 
-def test_the_sample_has_every_mutant_and_control_placebo_and_every_situation(reflown: ModuleType) -> None:
+def test_the_sample_has_every_mutant_and_control_placebo_and_every_situation(reflown: ModuleType):
     rows = reflown.published()
     some = reflown.sample(rows, NUMBER)
     names = [reflown.name_of(row) for row in some]
@@ -45,12 +45,12 @@ def test_the_sample_has_every_mutant_and_control_placebo_and_every_situation(ref
     assert names == [reflown.name_of(row) for row in reflown.sample(rows, len(rows))][:NUMBER]
 
 
-def test_most_flights_of_the_sample_differ_from_their_baseline(reflown: ModuleType) -> None:
+def test_most_flights_of_the_sample_differ_from_their_baseline(reflown: ModuleType):
     digests = {row["digest"] for row in reflown.sample(reflown.published(), NUMBER)}
     assert len(digests) > 0.8 * NUMBER
 
 
-def test_shards_have_every_flight_once_and_mutants_with_their_baseline(reflown: ModuleType) -> None:
+def test_shards_have_every_flight_once_and_mutants_with_their_baseline(reflown: ModuleType):
     rows = reflown.published()
     shards = [reflown.shard(rows, number, 3) for number in (1, 2, 3)]
     assert sorted(reflown.name_of(row) for own in shards for row in own) == sorted(map(reflown.name_of, rows))
@@ -60,7 +60,7 @@ def test_shards_have_every_flight_once_and_mutants_with_their_baseline(reflown: 
         }
 
 
-def test_each_column_that_differs_is_told_by_flight(reflown: ModuleType) -> None:
+def test_each_column_that_differs_is_told_by_flight(reflown: ModuleType):
     row = {"mutant": "NO-human", "situation": "T0", "seed": 1, "status": "masked", "digest": "a"}
     again = {"NO-human/T0/1": row | {"digest": "b"}}
     assert list(reflown.differences([row], {"NO-human/T0/1": row}, ["status", "digest"])) == []
@@ -74,7 +74,7 @@ def test_each_column_that_differs_is_told_by_flight(reflown: ModuleType) -> None
 @pytest.mark.parametrize(("flags", "asked"), [(FLAGS, "SKYLAKEX"), ("flags : fpu avx2 avx512f", ""), ("", "")])
 def test_kernels_are_asked_for_only_where_they_can_run(
     published_kernels: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, flags: str, asked: str
-) -> None:
+):
     monkeypatch.setenv("OPENBLAS_CORETYPE", "")
     cpuinfo = tmp_path / "cpuinfo"
     cpuinfo.write_text(f"processor : 0\n{flags}\n")
@@ -84,7 +84,7 @@ def test_kernels_are_asked_for_only_where_they_can_run(
 
 @pytest.mark.flight
 @pytest.mark.parametrize("grid", ["paper", pytest.param("wide", marks=pytest.mark.release)])
-def test_published_flights_flown_again_are_the_published_ones(grid: str) -> None:
+def test_published_flights_flown_again_are_the_published_ones(grid: str):
     number = FLOWN[grid]
     words = [sys.executable, "-m", "experiments.reflown", "--grid", grid, "--sample", str(number), "--jobs", "1"]
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)

@@ -56,7 +56,7 @@ def _drawn(number: int) -> tuple[Flight, ...]:
 
 @settings(max_examples=usually(1, release=12), suppress_health_check=list(HealthCheck))
 @given(number=st.integers(0, 10_000))
-def test_shared_flights_are_the_whole_flights_digest_for_digest_and_field_for_field(number: int) -> None:
+def test_shared_flights_are_the_whole_flights_digest_for_digest_and_field_for_field(number: int):
     flights = _drawn(number)
     shared, whole = _outcomes([Batch(flights, shared=True)]), _outcomes(alone(flights))
     assert shared.keys() == whole.keys() == {flight.name for flight in flights}
@@ -65,7 +65,7 @@ def test_shared_flights_are_the_whole_flights_digest_for_digest_and_field_for_fi
         assert asdict(shared[name]) == asdict(outcome)
 
 
-def test_faults_that_strike_at_events_strike_alike_in_shared_and_in_whole_flights() -> None:
+def test_faults_that_strike_at_events_strike_alike_in_shared_and_in_whole_flights():
     situation: Situation = _study().grid.situation("T0O0W0D0H1")
     mutants = [realise(_study().matrix, name) for name in ("NO-velcmd#sight", "UNINTENDED-battery#mode")]
     flights = tuple(Flight(mutant, situation, 0) for mutant in (None, *mutants))
@@ -78,7 +78,7 @@ def test_faults_that_strike_at_events_strike_alike_in_shared_and_in_whole_flight
     assert 5.0 < velcmd.infected_at_s < 7.0
 
 
-def test_a_whole_flight_that_takes_its_process_with_it_takes_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_whole_flight_that_takes_its_process_with_it_takes_no_other(monkeypatch: pytest.MonkeyPatch):
     situation: Situation = _study().grid.situation("T0O0W0D0H1")
     names = ("MORE-depth@1.25x", "REVERSE-depth", "LATE-human@3s", "LESS-depth@0.9x")
     from_take_off, deadly, late, last = flights = [
@@ -145,7 +145,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @given(happenings=st.lists(kinds, max_size=2), walk=walks, mutants=st.sets(st.sampled_from(MUTANTS), min_size=2))
 def test_in_a_world_where_things_happen_sharing_replay_and_placebo_are_exact(
     folder: Path, happenings: list[dict[str, Any]], walk: dict[str, Any], mutants: set[str]
-) -> None:
+):
     text = (ROOT / "sim" / "world.yaml").read_text()
     drawn = {f"h{number}": {**one, "active": True} for number, one in enumerate([*happenings, walk])}
     head, tail = text.split("\n  person:", 1)

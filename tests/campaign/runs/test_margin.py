@@ -66,7 +66,7 @@ def search(study: Any, flyer: Any, *texts: str, seeds: tuple[int, ...] = (0,), *
     return {margin.situations[0]: margin for margin in found[targets[0].subject]}
 
 
-def test_each_situation_has_its_own_threshold_between_what_survives_and_what_is_killed(study: Any, late: Any) -> None:
+def test_each_situation_has_its_own_threshold_between_what_survives_and_what_is_killed(study: Any, late: Any):
     found = search(study, late, seeds=THREE)
     for key in ("D0H1", "D1H0"):
         survives, kills = found[key].survives, found[key].kills
@@ -78,34 +78,34 @@ def test_each_situation_has_its_own_threshold_between_what_survives_and_what_is_
     assert margin_text(lowest(found.values())) == margin_text(found["D0H1"])
 
 
-def test_where_the_baseline_is_red_nothing_is_searched_beyond_the_ladder(study: Any, late: Any) -> None:
+def test_where_the_baseline_is_red_nothing_is_searched_beyond_the_ladder(study: Any, late: Any):
     found = search(study, late)
     assert margin_text(found["D1H1"]) == "?"
     ladder = {f"LATE-human@{rung}s/D1H1/0" for rung in ("0.5", "1", "3", "5")}
     assert {name for name in late.flown if name.startswith("LATE") and "D1H1" in name} == ladder
 
 
-def test_a_tolerance_in_seconds_is_kept(study: Any, late: Any) -> None:
+def test_a_tolerance_in_seconds_is_kept(study: Any, late: Any):
     found = search(study, late, tolerance=0.02)["D0H1"]
     assert found.end is not None
     assert found.survives is not None
     assert found.end - found.survives == pytest.approx(0.02)
 
 
-def test_the_same_search_again_flies_nothing_and_finds_the_same(study: Any, late: Any) -> None:
+def test_the_same_search_again_flies_nothing_and_finds_the_same(study: Any, late: Any):
     first = search(study, late)
     flown = len(late.flown)
     assert search(study, late) == first
     assert len(late.flown) == flown
 
 
-def test_what_another_verb_has_flown_is_not_flown_again(study: Any, late: Any) -> None:
+def test_what_another_verb_has_flown_is_not_flown_again(study: Any, late: Any):
     Runs(study, late)(asked(study, canary=""))
     search(study, late)
     assert late.flown.count("LATE-human@3s/D0H1/0") == 1
 
 
-def test_a_search_that_dies_goes_on_where_it_stopped(study: Any, late: Any) -> None:
+def test_a_search_that_dies_goes_on_where_it_stopped(study: Any, late: Any):
     whole = search(study, late)
     flown = sorted(name for name in late.flown if name.startswith("LATE"))
     (study.folder / "c" / STORE_NAME).unlink()
@@ -118,7 +118,7 @@ def test_a_search_that_dies_goes_on_where_it_stopped(study: Any, late: Any) -> N
     assert sorted(name for name in late.flown if name.startswith("LATE")) == flown
 
 
-def test_with_one_seed_a_threshold_is_only_seen_and_found_all_the_same(study: Any, late: Any) -> None:
+def test_with_one_seed_a_threshold_is_only_seen_and_found_all_the_same(study: Any, late: Any):
     found = search(study, late, seeds=(0,))["D0H1"]
     assert (found.kills, margin_text(found)[:5]) == (None, "seen ")
     assert found.survives is not None
@@ -129,7 +129,7 @@ def test_with_one_seed_a_threshold_is_only_seen_and_found_all_the_same(study: An
     assert seen.needed is not None
 
 
-def test_a_kill_takes_most_of_the_flights(study: Any, late: Any) -> None:
+def test_a_kill_takes_most_of_the_flights(study: Any, late: Any):
     def seeded(flight: Flight, flown: Outcome) -> Outcome:
         """Calm with two seeds of three."""
         calm = flight.seed in (1, 2) and flight.mutant is not None and flight.mutant.cell == "LATE-human"
@@ -140,7 +140,7 @@ def test_a_kill_takes_most_of_the_flights(study: Any, late: Any) -> None:
     assert margin_text(search(study, late, seeds=THREE)["D0H1"]) == "> 40 s"
 
 
-def test_the_pool_is_flown_where_a_magnitude_infects_and_nowhere_else(study: Any, log: Any) -> None:
+def test_the_pool_is_flown_where_a_magnitude_infects_and_nowhere_else(study: Any, log: Any):
     def near(flight: Flight, flown: Outcome) -> Outcome:
         """LATE-human infects where a person is."""
         late = flight.mutant is not None and flight.mutant.cell == "LATE-human" and flight.situation.key.endswith("H0")
@@ -152,7 +152,7 @@ def test_the_pool_is_flown_where_a_magnitude_infects_and_nowhere_else(study: Any
     assert flown == {"D0H0": 1, "D0H1": 10, "D1H0": 1, "D1H1": 10}
 
 
-def test_a_campaign_without_a_pool_is_given_one(study: Any, late: Any) -> None:
+def test_a_campaign_without_a_pool_is_given_one(study: Any, late: Any):
     rungs = [f"LATE-human@{rung}s" for rung in ("0.5", "1", "3", "5")]
     Runs(study, late)(asked(study, THREE, rungs, canary=""))
     assert sum(name.startswith("baseline/D0H1") for name in set(late.flown)) == 3
@@ -161,14 +161,14 @@ def test_a_campaign_without_a_pool_is_given_one(study: Any, late: Any) -> None:
     assert found["D0H1"].kills == pytest.approx(1.3, rel=0.1)
 
 
-def test_more_seeds_than_asked_for_count_and_are_not_flown_again(study: Any, late: Any) -> None:
+def test_more_seeds_than_asked_for_count_and_are_not_flown_again(study: Any, late: Any):
     whole = search(study, late, seeds=THREE)
     flown = len(late.flown)
     assert search(study, late, seeds=(0,)) == whole
     assert len(late.flown) == flown
 
 
-def test_magnitudes_off_the_ladder_are_in_no_ratio(study: Any, late: Any) -> None:
+def test_magnitudes_off_the_ladder_are_in_no_ratio(study: Any, late: Any):
     search(study, late)
     outcomes = Runs(study, late).held().current
     scored = score(outcomes, study.roster, study.space)
@@ -179,7 +179,7 @@ def test_magnitudes_off_the_ladder_are_in_no_ratio(study: Any, late: Any) -> Non
         assert getattr(scored, name) == getattr(bare, name)
 
 
-def test_the_matrix_shows_the_margin_from_the_store_alone(study: Any, late: Any) -> None:
+def test_the_matrix_shows_the_margin_from_the_store_alone(study: Any, late: Any):
     found = search(study, late)
     outcomes = Runs(study, late).held().current
     scored = score(outcomes, study.roster, study.space)
@@ -191,7 +191,7 @@ def test_the_matrix_shows_the_margin_from_the_store_alone(study: Any, late: Any)
     assert {margin.situations[0]: margin for margin in margins(outcomes, scored, study.matrix)[LATE]} == found
 
 
-def test_a_phase_has_a_margin_of_its_own(study: Any) -> None:
+def test_a_phase_has_a_margin_of_its_own(study: Any):
     shifted = target(study.matrix, "UNINTENDED-human@20s#5s")
     assert shifted.id_of(30.0) == "UNINTENDED-human@30s#5s"
     assert shifted.subject == PhasedFault("UNINTENDED-human", "s", 5.0)
@@ -200,7 +200,7 @@ def test_a_phase_has_a_margin_of_its_own(study: Any) -> None:
     assert struck.subject == PhasedFault("NO-velcmd", "s", event="sight")
 
 
-def test_the_unit_picks_the_fault(study: Any) -> None:
+def test_the_unit_picks_the_fault(study: Any):
     assert target(study.matrix, "NO-depth").subject.unit == "s"
     assert target(study.matrix, "NO-depth@90%").subject.unit == "%"
     assert target(study.matrix, "NO-depth@90%").search.most == 100.0
@@ -215,7 +215,7 @@ def test_the_unit_picks_the_fault(study: Any) -> None:
         ("LATE-humna", "did you mean 'LATE-human'?"),
     ],
 )
-def test_a_fault_without_an_order_is_refused_in_a_sentence(study: Any, text: str, says: str) -> None:
+def test_a_fault_without_an_order_is_refused_in_a_sentence(study: Any, text: str, says: str):
     with pytest.raises(InputError) as error:
         target(study.matrix, text)
     assert says in str(error.value)
@@ -223,7 +223,7 @@ def test_a_fault_without_an_order_is_refused_in_a_sentence(study: Any, text: str
 
 @pytest.mark.flight
 @pytest.mark.release
-def test_the_margin_of_late_human_in_flight_lies_between_its_rungs(tmp_path: Path) -> None:
+def test_the_margin_of_late_human_in_flight_lies_between_its_rungs(tmp_path: Path):
     """Delays of the detection beyond the time that SR2 allows violate it, delays within the drone's slack do not."""
     study = Study.open(Path(__file__).parents[3])
     goal = target(study.matrix, "LATE-human", tolerance=0.5)
@@ -259,7 +259,7 @@ def kills_from(threshold: float, sign: int = 1) -> Response:
 
 
 @given(st.floats(0.5, 5.0, exclude_min=True))
-def test_a_threshold_within_the_ladder_is_bracketed_to_a_tenth(threshold: float) -> None:
+def test_a_threshold_within_the_ladder_is_bracketed_to_a_tenth(threshold: float):
     found, flown = searched(SEARCH, kills_from(threshold))
     assert found.kills is not None
     assert found.survives is not None
@@ -270,7 +270,7 @@ def test_a_threshold_within_the_ladder_is_bracketed_to_a_tenth(threshold: float)
 
 
 @given(st.floats(0.05, 40.0), st.floats(1.0, 2.0))
-def test_where_a_fault_is_only_seen_the_search_goes_on_as_if_it_were_killed(threshold: float, detected: float) -> None:
+def test_where_a_fault_is_only_seen_the_search_goes_on_as_if_it_were_killed(threshold: float, detected: float):
     def shown(magnitude: float) -> Reaction:
         if magnitude < threshold:
             return Reaction.SURVIVED
@@ -285,7 +285,7 @@ def test_where_a_fault_is_only_seen_the_search_goes_on_as_if_it_were_killed(thre
 
 
 @given(st.floats(0.01, 40.0), st.floats(0.01, 2.0))
-def test_a_tolerance_in_the_faults_own_unit_is_kept_where_the_threshold_is_found(threshold: float, wide: float) -> None:
+def test_a_tolerance_in_the_faults_own_unit_is_kept_where_the_threshold_is_found(threshold: float, wide: float):
     found, _ = searched(Search(SECONDS, LADDER, tolerance=wide), kills_from(threshold))
     if found.kills is not None and found.survives is not None:
         assert found.survives < threshold <= found.kills
@@ -293,7 +293,7 @@ def test_a_tolerance_in_the_faults_own_unit_is_kept_where_the_threshold_is_found
 
 
 @given(st.floats(0.02, 1.0, exclude_max=True))
-def test_what_gets_worse_as_it_shrinks_is_searched_downwards(threshold: float) -> None:
+def test_what_gets_worse_as_it_shrinks_is_searched_downwards(threshold: float):
     factor = Search(Scale("x", -1, 1.0), (0.75, 0.5, 0.25), least=0.0)
     found, _ = searched(factor, kills_from(threshold, -1))
     assert found.kills is None or found.kills <= threshold
@@ -320,7 +320,7 @@ PERIOD = Search(Scale("s", -1), (60.0, 20.0, 10.0))
 )
 def test_a_fault_without_a_threshold_is_tried_a_little_beyond_the_ladder_and_no_further(
     search: Search, response: Response, beyond: list[float], said: str
-) -> None:
+):
     found, flown = searched(search, response)
     assert flown == [*search.ladder, *beyond]
     assert len(beyond) <= WIDENINGS
@@ -328,7 +328,7 @@ def test_a_fault_without_a_threshold_is_tried_a_little_beyond_the_ladder_and_no_
 
 
 @given(st.integers(2, 30))
-def test_an_operator_that_counts_is_asked_whole_numbers_only(threshold: int) -> None:
+def test_an_operator_that_counts_is_asked_whole_numbers_only(threshold: int):
     def whole(magnitude: float) -> bool:
         return magnitude == int(magnitude) and magnitude >= 2
 
@@ -339,14 +339,14 @@ def test_an_operator_that_counts_is_asked_whole_numbers_only(threshold: int) -> 
     assert found.survives == (threshold - 1 if threshold > 2 else None)
 
 
-def test_a_kill_only_at_infinity_is_approached_by_doubling() -> None:
+def test_a_kill_only_at_infinity_is_approached_by_doubling():
     found, flown = searched(Search(SECONDS, (0.5, 3.0, float("inf"))), kills_from(11.0))
     assert flown[:5] == [0.5, 3.0, float("inf"), 6.0, 12.0]
     assert found.kills == pytest.approx(11.0, rel=0.1)
 
 
 @given(st.lists(st.booleans(), min_size=4, max_size=4), st.integers(0, 2**32))
-def test_a_response_that_is_not_monotone_is_said_and_its_interval_is_true(rungs: list[bool], salt: int) -> None:
+def test_a_response_that_is_not_monotone_is_said_and_its_interval_is_true(rungs: list[bool], salt: int):
     """Between the rungs the response is arbitrary: the interval's ends are still what was flown there."""
 
     def response(magnitude: float) -> Reaction:
@@ -361,7 +361,7 @@ def test_a_response_that_is_not_monotone_is_said_and_its_interval_is_true(rungs:
     assert margin_text(found).endswith("!") == bool(found.again)
 
 
-def test_what_changes_no_sample_on_the_ladder_may_do_so_beyond_and_else_tells_nothing() -> None:
+def test_what_changes_no_sample_on_the_ladder_may_do_so_beyond_and_else_tells_nothing():
     def late(magnitude: float) -> Reaction:
         return Reaction.KILLED if magnitude >= 9 else Reaction.HARMLESS
 
@@ -373,7 +373,7 @@ def test_what_changes_no_sample_on_the_ladder_may_do_so_beyond_and_else_tells_no
 
 
 @given(st.floats(0.01, 40.0), st.integers(0, 12))
-def test_a_search_that_is_stopped_goes_on_as_if_it_had_not_been(threshold: float, stop: int) -> None:
+def test_a_search_that_is_stopped_goes_on_as_if_it_had_not_been(threshold: float, stop: int):
     response = kills_from(threshold)
     whole, flown = searched(SEARCH, response)
     tried = {m: Tried(m, response(m)) for m in flown[:stop]}
@@ -384,7 +384,7 @@ def test_a_search_that_is_stopped_goes_on_as_if_it_had_not_been(threshold: float
 
 
 @given(st.floats(1e-3, 1e3), st.floats(1e-6, 1.0))
-def test_magnitudes_are_short_enough_for_an_id(start: float, step: float) -> None:
+def test_magnitudes_are_short_enough_for_an_id(start: float, step: float):
     low = float(f"{start:.6g}")
     high = float(f"{start + step:.6g}")
     for magnitude in Search(Scale("s", 1, 0.0), ())._between(low, high):

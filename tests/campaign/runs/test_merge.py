@@ -35,7 +35,7 @@ def _export(fly: Runs, folder: Path) -> str:
 
 
 @pytest.mark.parametrize("shards", [2, 3, 8])
-def test_shards_merged_in_any_order_are_the_undivided_run(study: Any, fly: Runs, shards: int) -> None:
+def test_shards_merged_in_any_order_are_the_undivided_run(study: Any, fly: Runs, shards: int):
     whole = _run(fly, _plan(study), "whole")
     parts = [_run(fly, _plan(study).shard(k + 1, shards), f"part{k}", shard=True) for k in range(shards)]
     merged = merge(study, study.folder / "merged", parts[::-1])
@@ -44,7 +44,7 @@ def test_shards_merged_in_any_order_are_the_undivided_run(study: Any, fly: Runs,
     assert merged.added == 3 * 8 + 1
 
 
-def test_the_undivided_command_flies_nothing_after_the_merge(study: Any, log: Any, fly: Runs) -> None:
+def test_the_undivided_command_flies_nothing_after_the_merge(study: Any, log: Any, fly: Runs):
     parts = [_run(fly, _plan(study).shard(k, 2), f"part{k}", shard=True) for k in (1, 2)]
     merge(study, study.folder / "merged", parts)
     flown = len(log.flown)
@@ -52,14 +52,14 @@ def test_the_undivided_command_flies_nothing_after_the_merge(study: Any, log: An
     assert len(log.flown) == flown
 
 
-def test_merging_twice_adds_nothing(study: Any, fly: Runs) -> None:
+def test_merging_twice_adds_nothing(study: Any, fly: Runs):
     whole = _run(fly, _plan(study), "whole")
     merge(study, study.folder / "merged", [whole])
     again = merge(study, study.folder / "merged", [whole])
     assert (again.added, again.known, again.warnings) == (0, 25, ())
 
 
-def test_a_flight_that_came_out_in_two_ways_stops_the_merge(study: Any, log: Any, fly: Runs) -> None:
+def test_a_flight_that_came_out_in_two_ways_stops_the_merge(study: Any, log: Any, fly: Runs):
     first = _run(fly, _plan(study), "first")
     log.change = lambda _flight, outcome: replace(outcome, digest=f"other {outcome.digest}")
     second = _run(fly, _plan(study), "second")
@@ -80,7 +80,7 @@ def _other_bits(_flight: Flight, outcome: Outcome) -> Outcome:
     return replace(outcome, digest=f"other {outcome.digest}")
 
 
-def test_on_another_platform_other_bits_are_said_and_the_first_stays(study: Any, log: Any, fly: Runs) -> None:
+def test_on_another_platform_other_bits_are_said_and_the_first_stays(study: Any, log: Any, fly: Runs):
     first = _run(fly, _plan(study), "first")
     log.change = _other_bits
     second = _elsewhere(_run(fly, _plan(study), "second"))
@@ -96,7 +96,7 @@ def test_on_another_platform_other_bits_are_said_and_the_first_stays(study: Any,
 
 
 @pytest.mark.parametrize("strict", [False, True])
-def test_equal_digests_on_another_platform_join(study: Any, fly: Runs, strict: bool) -> None:
+def test_equal_digests_on_another_platform_join(study: Any, fly: Runs, strict: bool):
     planned = _plan(study)
     first = _run(fly, planned.shard(1, 2), "first", shard=True)
     second = _elsewhere(_run(fly, planned, "second"))
@@ -105,9 +105,7 @@ def test_equal_digests_on_another_platform_join(study: Any, fly: Runs, strict: b
     assert merged.added > 0
 
 
-def test_a_flight_with_other_facts_on_another_platform_is_named_and_stops_the_merge(
-    study: Any, log: Any, fly: Runs
-) -> None:
+def test_a_flight_with_other_facts_on_another_platform_is_named_and_stops_the_merge(study: Any, log: Any, fly: Runs):
     first = _run(fly, _plan(study), "first")
     log.change = lambda flight, outcome: replace(
         _other_bits(flight, outcome), ending="struck" if flight.name == f"{LATE}/D0H1/1" else outcome.ending
@@ -121,7 +119,7 @@ def test_a_flight_with_other_facts_on_another_platform_is_named_and_stops_the_me
 
 def test_parts_of_two_platforms_join_and_every_mutant_keeps_a_baseline_of_its_own_platform(
     study: Any, log: Any, fly: Runs
-) -> None:
+):
     whole = _run(fly, _plan(study), "whole")
     first = _run(fly, _plan(study).shard(1, 2), "first", shard=True)
     log.change = _other_bits
@@ -155,7 +153,7 @@ def test_parts_of_two_platforms_join_and_every_mutant_keeps_a_baseline_of_its_ow
 
 def test_mutants_that_only_the_second_platform_flew_beside_a_baseline_of_the_first_are_left_out(
     study: Any, log: Any, fly: Runs
-) -> None:
+):
     first = _run(fly, asked(study, names=()), "first")
     log.change = _other_bits
     second = _elsewhere(_run(fly, asked(study, canary=""), "second"))
@@ -164,7 +162,7 @@ def test_mutants_that_only_the_second_platform_flew_beside_a_baseline_of_the_fir
     assert any("4 flights of " in warning and "are left out, because" in warning for warning in merged.warnings)
 
 
-def test_a_source_without_a_campaign_stops_the_merge_before_anything_is_made(study: Any) -> None:
+def test_a_source_without_a_campaign_stops_the_merge_before_anything_is_made(study: Any):
     with pytest.raises(InputError, match="no campaign was flown here"):
         merge(study, study.folder / "merged", [study.folder / "nothing"])
     assert not (study.folder / "merged").exists()

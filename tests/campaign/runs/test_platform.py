@@ -87,7 +87,7 @@ def _statuses(outcomes: Sequence[Outcome]) -> Counter[str]:
 
 def test_after_a_change_of_platform_a_sample_is_flown_again_and_where_it_agrees_all_flights_count(
     log: Any, fly: Runs, move: Move
-) -> None:
+):
     first, _ = _run(fly)
     before = len(log.flown)
     move("2")
@@ -103,7 +103,7 @@ def test_after_a_change_of_platform_a_sample_is_flown_again_and_where_it_agrees_
     assert _warning(fly) == ""
 
 
-def test_a_platform_that_agreed_is_not_asked_again(log: Any, fly: Runs, move: Move) -> None:
+def test_a_platform_that_agreed_is_not_asked_again(log: Any, fly: Runs, move: Move):
     _run(fly)
     move("2")
     _run(fly)
@@ -114,9 +114,7 @@ def test_a_platform_that_agreed_is_not_asked_again(log: Any, fly: Runs, move: Mo
     assert len(log.flown) == before
 
 
-def test_where_only_bits_differ_the_stored_flights_count_and_nothing_else_is_flown(
-    log: Any, fly: Runs, move: Move
-) -> None:
+def test_where_only_bits_differ_the_stored_flights_count_and_nothing_else_is_flown(log: Any, fly: Runs, move: Move):
     first, _ = _run(fly)
     before = len(log.flown)
     move("2")
@@ -132,7 +130,7 @@ def test_where_only_bits_differ_the_stored_flights_count_and_nothing_else_is_flo
 
 def test_a_flight_that_is_missing_beside_flights_of_another_platform_has_its_pair_flown_again(
     study: Any, log: Any, fly: Runs, move: Move
-) -> None:
+):
     first, _ = _run(fly)
     before = len(log.flown)
     move("2")
@@ -158,9 +156,7 @@ def test_a_flight_that_is_missing_beside_flights_of_another_platform_has_its_pai
     assert report.mixture == ""  # all flights of this request come from one platform
 
 
-def test_a_mutant_is_never_judged_beside_a_baseline_of_another_platform(
-    study: Any, log: Any, fly: Runs, move: Move
-) -> None:
+def test_a_mutant_is_never_judged_beside_a_baseline_of_another_platform(study: Any, log: Any, fly: Runs, move: Move):
     """Two platforms take turns; each adds a mutant or a seed, and the statuses stay those of one platform."""
     mutants = [realise(study.matrix, name) for name in (LATE, MORE, CONTROL)]
     for number, last in enumerate((1, 2, 3, 3)):
@@ -186,7 +182,7 @@ def test_a_mutant_is_never_judged_beside_a_baseline_of_another_platform(
 @pytest.mark.parametrize(("change", "options"), [(_landless, {}), (_otherwise, {"same_platform": True})])
 def test_flights_with_other_facts_or_bits_by_the_strict_rule_are_outgrown_with_the_reason_and_flown_again(
     log: Any, fly: Runs, move: Move, change: Any, options: dict[str, bool]
-) -> None:
+):
     _run(fly)
     before = len(log.flown)
     move("2")
@@ -204,7 +200,7 @@ def test_flights_with_other_facts_or_bits_by_the_strict_rule_are_outgrown_with_t
     assert _warning(fly) == ""
 
 
-def test_the_strict_rule_ends_a_campaign_of_two_platforms(log: Any, fly: Runs, move: Move) -> None:
+def test_the_strict_rule_ends_a_campaign_of_two_platforms(log: Any, fly: Runs, move: Move):
     _run(fly)
     move("2")
     log.change = _otherwise
@@ -214,7 +210,7 @@ def test_the_strict_rule_ends_a_campaign_of_two_platforms(log: Any, fly: Runs, m
     assert f"{FLIGHTS} flights of another platform (numpy 2 here, 1 there) have other digests: they do not" in said
 
 
-def test_what_is_outgrown_and_not_asked_for_is_not_flown_again(study: Any, log: Any, fly: Runs, move: Move) -> None:
+def test_what_is_outgrown_and_not_asked_for_is_not_flown_again(study: Any, log: Any, fly: Runs, move: Move):
     _run(fly)
     move("2")
     log.change = _otherwise
@@ -226,7 +222,7 @@ def test_what_is_outgrown_and_not_asked_for_is_not_flown_again(study: Any, log: 
     assert fly.held().owed == FLIGHTS - len({outcome.name for outcome in report.outcomes} & again)
 
 
-def test_there_and_back_again_loses_no_flight_and_doubles_none(log: Any, fly: Runs, move: Move) -> None:
+def test_there_and_back_again_loses_no_flight_and_doubles_none(log: Any, fly: Runs, move: Move):
     _run(fly)
     for numpy, change in (("2", _otherwise), ("1", same)) * 2:
         move(numpy)
@@ -238,9 +234,7 @@ def test_there_and_back_again_loses_no_flight_and_doubles_none(log: Any, fly: Ru
     assert sorted(now.why.values()) == [FLIGHTS, FLIGHTS]
 
 
-def test_flights_that_do_not_count_anyway_are_set_apart_without_a_sample(
-    study: Any, log: Any, fly: Runs, move: Move
-) -> None:
+def test_flights_that_do_not_count_anyway_are_set_apart_without_a_sample(study: Any, log: Any, fly: Runs, move: Move):
     _run(fly)
     before = len(log.flown)
     move("2")
@@ -251,7 +245,7 @@ def test_flights_that_do_not_count_anyway_are_set_apart_without_a_sample(
     assert fly.held().current == ()
 
 
-def test_a_sample_that_the_harness_cannot_fly_decides_nothing(log: Any, fly: Runs, move: Move) -> None:
+def test_a_sample_that_the_harness_cannot_fly_decides_nothing(log: Any, fly: Runs, move: Move):
     _run(fly)
     move("2")
     log.change = lambda _flight, outcome: replace(outcome, invalid="no memory")
@@ -261,7 +255,7 @@ def test_a_sample_that_the_harness_cannot_fly_decides_nothing(log: Any, fly: Run
     assert _run(fly)[0].flown == 0
 
 
-def test_a_sample_that_is_interrupted_decides_nothing(log: Any, fly: Runs, move: Move) -> None:
+def test_a_sample_that_is_interrupted_decides_nothing(log: Any, fly: Runs, move: Move):
     _run(fly)
     move("2")
     log.change = interrupting(lambda _flight: True, digest="other")
@@ -271,14 +265,14 @@ def test_a_sample_that_is_interrupted_decides_nothing(log: Any, fly: Runs, move:
     assert _run(fly)[0].flown == 0
 
 
-def test_an_empty_store_takes_the_platform_of_its_first_flight(fly: Runs, move: Move) -> None:
+def test_an_empty_store_takes_the_platform_of_its_first_flight(fly: Runs, move: Move):
     fly.store(create=True).close()
     _run(fly)
     with fly.store() as store:
         assert store.meta() == {"numpy": "1"}
 
 
-def test_the_sample_is_drawn_by_hash_and_not_by_order() -> None:
+def test_the_sample_is_drawn_by_hash_and_not_by_order():
     stored = [FlownFlight(f"k{n}", "baseline" if n % 2 else LATE, "D0H0", n, 1) for n in range(40)]
     one, other = sample_of(stored, "numpy 2"), sample_of(stored[::-1], "numpy 2")
     assert one == other
@@ -316,25 +310,25 @@ def fly_noisy(noisy: Any, log: Any) -> Callable[..., Report]:
     return lambda folder="c": Runs(noisy, log)(asked(noisy, range(3)).with_pool(SEEDS), folder)
 
 
-def test_flights_of_other_bits_pass_the_gates_and_placebo_is_held_against_the_pool(fly_noisy: Any, noisy: Any) -> None:
+def test_flights_of_other_bits_pass_the_gates_and_placebo_is_held_against_the_pool(fly_noisy: Any, noisy: Any):
     report = fly_noisy()
     assert len({outcome.digest for outcome in report.outcomes}) == len(report.outcomes)
     assert any(outcome.mutant == PLACEBO_ID for outcome in report.outcomes)
 
 
-def test_the_same_flights_of_a_deterministic_stack_fail_them(study: Any, log: Any, fly: Runs) -> None:
+def test_the_same_flights_of_a_deterministic_stack_fail_them(study: Any, log: Any, fly: Runs):
     log.change = _bits
     with pytest.raises(GateError, match="PLACEBO differs from the baseline"):
         fly(asked(study, range(3)).with_pool(SEEDS))
 
 
-def test_a_placebo_that_the_scores_test_detects_fails_the_gate_with_its_p(log: Any, fly_noisy: Any, noisy: Any) -> None:
+def test_a_placebo_that_the_scores_test_detects_fails_the_gate_with_its_p(log: Any, fly_noisy: Any, noisy: Any):
     log.change = _violating_placebo
     with pytest.raises(GateError, match=r"PLACEBO, which does nothing, is detected by the score's test \(SR2 p = "):
         fly_noisy()
 
 
-def test_no_flight_shares_a_baseline(log: Any, noisy: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_flight_shares_a_baseline(log: Any, noisy: Any, monkeypatch: pytest.MonkeyPatch):
     batches: list[Batch] = []
 
     def noted(flights: Sequence[Flight]) -> list[Batch]:
@@ -349,7 +343,7 @@ def test_no_flight_shares_a_baseline(log: Any, noisy: Any, monkeypatch: pytest.M
     assert not any(batch.shared for batch in batches)
 
 
-def test_a_mutant_is_infected_where_taps_altered_samples_whatever_its_bits(fly_noisy: Any, noisy: Any) -> None:
+def test_a_mutant_is_infected_where_taps_altered_samples_whatever_its_bits(fly_noisy: Any, noisy: Any):
     report = fly_noisy()
     for flight in flights_of(report.outcomes):
         if flight.outcome.mutant == PLACEBO_ID:
@@ -361,7 +355,7 @@ def test_a_mutant_is_infected_where_taps_altered_samples_whatever_its_bits(fly_n
 
 def test_a_flight_that_never_came_up_is_no_kill_and_one_whose_stack_died_is_the_drones(
     log: Any, fly_noisy: Any, noisy: Any
-) -> None:
+):
     def change(flight: Flight, outcome: Outcome) -> Outcome:
         if flight.name.startswith("LATE-human@3s/D0H1/0"):
             raise RuntimeError("the stages outside never came up: planner ended with code 1")
@@ -376,9 +370,7 @@ def test_a_flight_that_never_came_up_is_no_kill_and_one_whose_stack_died_is_the_
     assert by_name["LATE-human@3s/D0H1/1"].status is Status.REVEALED
 
 
-def test_merged_campaigns_may_hold_the_same_flight_with_other_bits_and_the_first_stays(
-    fly_noisy: Any, noisy: Any
-) -> None:
+def test_merged_campaigns_may_hold_the_same_flight_with_other_bits_and_the_first_stays(fly_noisy: Any, noisy: Any):
     first, second = (fly_noisy(name) for name in ("first", "second"))
     assert first.outcomes != second.outcomes
     merged = merge(noisy, noisy.folder / "first", [noisy.folder / "second"])
@@ -386,7 +378,7 @@ def test_merged_campaigns_may_hold_the_same_flight_with_other_bits_and_the_first
     assert merged.known > 0
 
 
-def test_after_a_change_of_platform_no_flight_is_flown_again_to_compare(log: Any, fly_noisy: Any, move: Move) -> None:
+def test_after_a_change_of_platform_no_flight_is_flown_again_to_compare(log: Any, fly_noisy: Any, move: Move):
     fly_noisy()
     before = len(log.flown)
     move("2")
@@ -418,7 +410,7 @@ def _fly(monkeypatch: pytest.MonkeyPatch, platform: dict[str, str], **changes: A
     return fly_again(lambda _text: None, Recorded(replace(outcome, **changes)))
 
 
-def test_the_known_flight_is_the_published_one() -> None:
+def test_the_known_flight_is_the_published_one():
     known = published()
     with (RESULTS / "paper.csv").open(encoding="utf-8") as file:
         row = next(
@@ -428,29 +420,29 @@ def test_the_known_flight_is_the_published_one() -> None:
     assert tuple(row["violated"].split()) == known.facts.violated
 
 
-def test_its_platform_is_that_of_the_published_campaign_with_the_kernels_that_reproduce_it() -> None:
+def test_its_platform_is_that_of_the_published_campaign_with_the_kernels_that_reproduce_it():
     platform = json.loads((RESULTS / "reference" / "campaign.json").read_text(encoding="utf-8"))["platform"]
     kernels = {f"{package} kernels": "SkylakeX" for package in ("numpy", "scipy")}
     named = {name: value for name, value in platform.items() if name in DECIDES}
     assert published().platform == {**kernels, **named}
 
 
-def test_what_decides_bits_is_known_of_each_part_of_a_fingerprint() -> None:
+def test_what_decides_bits_is_known_of_each_part_of_a_fingerprint():
     assert DECIDES.keys() == fingerprint().keys() == published().platform.keys()
 
 
-def test_equal_digests_are_told_in_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_equal_digests_are_told_in_a_sentence(monkeypatch: pytest.MonkeyPatch):
     said = _fly(monkeypatch, {"numpy": "2"})
     assert said == "baseline/T0O0W0D0H1/0 has its published digest on this platform"
 
 
-def test_other_bits_name_the_platforms_and_are_no_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_bits_name_the_platforms_and_are_no_failure(monkeypatch: pytest.MonkeyPatch):
     said = _fly(monkeypatch, {**published().platform, "numpy": "7"}, digest="other")
     assert "has the digest other, not a25e3a7a09ac, and the published status, ending and violations" in said
     assert "published on another platform (numpy 7 here, " in said
     assert "published on this platform" in _fly(monkeypatch, published().platform, digest="other")
 
 
-def test_other_facts_are_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_facts_are_a_failure(monkeypatch: pytest.MonkeyPatch):
     with pytest.raises(GateError, match="other facts: held, struck here, held, landed published"):
         _fly(monkeypatch, {"numpy": "7"}, digest="other", ending="struck")

@@ -53,21 +53,21 @@ def _rows(campaign: Path) -> dict[str, dict[str, Any]]:
     return {row["mutant"]: row for row in json.loads(_call("export", "--campaign", campaign).stdout) if not row["seed"]}
 
 
-def test_placebo_is_the_baseline_bit_for_bit(campaign: Path) -> None:
+def test_placebo_is_the_baseline_bit_for_bit(campaign: Path):
     rows = _rows(campaign)
     assert rows["PLACEBO"]["digest"] == rows["baseline"]["digest"]
     assert rows["PLACEBO"]["status"] == "not_infected"
     assert rows["LATE-human@3s"]["digest"] != rows["baseline"]["digest"]
 
 
-def test_the_person_reported_late_is_revealed_by_sr2(campaign: Path) -> None:
+def test_the_person_reported_late_is_revealed_by_sr2(campaign: Path):
     rows = _rows(campaign)
     assert rows["baseline"]["status"] == "held"
     assert rows["LATE-human@3s"]["status"] == "revealed"
     assert "SR2" in rows["LATE-human@3s"]["violated"]
 
 
-def test_a_replay_is_bit_for_bit_the_campaigns_flight_and_draws_it(campaign: Path, tmp_path: Path) -> None:
+def test_a_replay_is_bit_for_bit_the_campaigns_flight_and_draws_it(campaign: Path, tmp_path: Path):
     picture = tmp_path / "map.png"
     done = _call("replay", "LATE-human@3s/T0O0W0D0H1/0", "--campaign", campaign, "--output", picture)
     assert "bit for bit" in done.stdout
@@ -75,7 +75,7 @@ def test_a_replay_is_bit_for_bit_the_campaigns_flight_and_draws_it(campaign: Pat
 
 
 @pytest.mark.release
-def test_a_replay_of_a_drawn_number_is_bit_for_bit_the_campaigns_flight(tmp_path: Path) -> None:
+def test_a_replay_of_a_drawn_number_is_bit_for_bit_the_campaigns_flight(tmp_path: Path):
     study = tmp_path / "study"
     for name in ("hazop", "mutants", "sim"):
         shutil.copytree(ROOT / name, study / name)
@@ -93,7 +93,7 @@ def test_a_replay_of_a_drawn_number_is_bit_for_bit_the_campaigns_flight(tmp_path
 
 
 @pytest.mark.release
-def test_placebo_is_the_baseline_bit_for_bit_in_every_situation(tmp_path: Path) -> None:
+def test_placebo_is_the_baseline_bit_for_bit_in_every_situation(tmp_path: Path):
     _call("run", "--quiet", "--mutant", "PLACEBO", "--campaign", tmp_path / "c")
     rows = json.loads(_call("export", "--campaign", tmp_path / "c").stdout)
     digests = {(row["mutant"], row["situation"]): row["digest"] for row in rows if row["seed"] == 0}
@@ -103,7 +103,7 @@ def test_placebo_is_the_baseline_bit_for_bit_in_every_situation(tmp_path: Path) 
         assert digests["PLACEBO", key] == digests["baseline", key]
 
 
-def test_what_is_expected_not_to_infect_did_not_in_the_published_flights() -> None:
+def test_what_is_expected_not_to_infect_did_not_in_the_published_flights():
     study = Study.open(ROOT)
     sources = {mutant.id: source_of(study.matrix, mutant) for mutant in study.catalogue}
     names = {mutant for mutant, (fault, rung) in sources.items() if fault.expects(rung)}
@@ -170,17 +170,17 @@ def one_process(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 @pytest.mark.release
-def test_two_processes(one_process: str, tmp_path: Path) -> None:
+def test_two_processes(one_process: str, tmp_path: Path):
     assert _flown(tmp_path / "c", "--jobs", "2") == one_process
 
 
 @pytest.mark.release
-def test_flights_that_are_flown_whole(one_process: str, tmp_path: Path) -> None:
+def test_flights_that_are_flown_whole(one_process: str, tmp_path: Path):
     assert _flown(tmp_path / "c", "--jobs", "2", "--no-share") == one_process
 
 
 @pytest.mark.release
-def test_shards_that_are_merged(one_process: str, tmp_path: Path) -> None:
+def test_shards_that_are_merged(one_process: str, tmp_path: Path):
     for number in (1, 2):
         _flown(tmp_path / str(number), "--shard", f"{number}/2")
     _output(_start("merge", tmp_path / "1", tmp_path / "2", "--campaign", tmp_path / "c"))
@@ -188,9 +188,7 @@ def test_shards_that_are_merged(one_process: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.release
-def test_a_cluster_whose_worker_is_killed_in_flight_and_another_joins(
-    one_process: str, dask: Any, tmp_path: Path
-) -> None:
+def test_a_cluster_whose_worker_is_killed_in_flight_and_another_joins(one_process: str, dask: Any, tmp_path: Path):
     address = dask.scheduler()
     killed = dask.worker(address, "--no-nanny")
     cluster = ("--executor", f"dask://{address}", "--cluster-security", dask.certificates)
@@ -208,7 +206,7 @@ def test_a_cluster_whose_worker_is_killed_in_flight_and_another_joins(
 
 
 @pytest.mark.release
-def test_a_campaign_killed_and_resumed_exports_the_bytes_of_an_undisturbed_one() -> None:
+def test_a_campaign_killed_and_resumed_exports_the_bytes_of_an_undisturbed_one():
     words = ("--kills", "1", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--baseline-seeds", "2")
     call = [sys.executable, "benchmarks/kill.py", *words]
     done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False)
@@ -270,7 +268,7 @@ STANDS = f"the drone never leaves the ground without any fault: {BASELINE}"
 )
 def test_a_stack_that_does_nothing_fails_its_gate_flown_and_resumed(
     site: Path, tmp_path: Path, stack: str, sentences: list[str]
-) -> None:
+):
     study = tmp_path / "study"
     for name in ("hazop", "mutants", "sim"):
         shutil.copytree(ROOT / name, study / name)

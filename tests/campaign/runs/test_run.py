@@ -36,7 +36,7 @@ from scaloft_fi.sim import observer
 
 def test_everything_flies_everywhere_one_control_somewhere_one_flight_again_and_nothing_the_next_time(
     study: Any, log: Any, fly: Runs
-) -> None:
+):
     report = fly()
     flown = len(log.flown)
     assert report.flown == len(report.outcomes) == 3 * len(study.grid) + 1 == flown - 1
@@ -47,20 +47,20 @@ def test_everything_flies_everywhere_one_control_somewhere_one_flight_again_and_
     assert fly.export(report.outcomes) == fly.export(second.outcomes)
 
 
-def test_the_control_flies_where_its_baseline_holds(study: Any, fly: Runs) -> None:
+def test_the_control_flies_where_its_baseline_holds(study: Any, fly: Runs):
     report = fly(plan(study.grid[::-1], (0,), [], asked(study).canary))
     (control,) = [o for o in report.outcomes if o.mutant == CONTROL]
     assert control.situation != "D1H1"
 
 
-def test_more_seeds_fly_only_what_is_new(study: Any, log: Any, fly: Runs) -> None:
+def test_more_seeds_fly_only_what_is_new(study: Any, log: Any, fly: Runs):
     fly()
     flown = len(log.flown)
     fly(asked(study, (0, 1)))
     assert {name.rsplit("/", 1)[1] for name in log.flown[flown:-1]} == {"1"}
 
 
-def test_the_mission_log_names_every_safety_violation_and_as_many_are_counted(fly: Runs) -> None:
+def test_the_mission_log_names_every_safety_violation_and_as_many_are_counted(fly: Runs):
     stream, path = io.StringIO(), fly.folder() / LOG_NAME
     fly(stream=stream)
     written = json.loads(path.read_text())
@@ -70,7 +70,7 @@ def test_the_mission_log_names_every_safety_violation_and_as_many_are_counted(fl
     assert stream.getvalue().splitlines()[:-1] == [told]
 
 
-def test_a_crash_of_the_harness_is_invalid_with_its_reason_and_is_flown_again_next_time(log: Any, fly: Runs) -> None:
+def test_a_crash_of_the_harness_is_invalid_with_its_reason_and_is_flown_again_next_time(log: Any, fly: Runs):
     def crash(flight: Flight, outcome: Outcome) -> Outcome:
         if flight.name == f"{LATE}/D0H1/0":
             raise RuntimeError("no memory\nleft")
@@ -84,7 +84,7 @@ def test_a_crash_of_the_harness_is_invalid_with_its_reason_and_is_flown_again_ne
     assert not any(o.invalid for o in fly().outcomes)
 
 
-def test_more_than_a_tenth_of_invalid_flights_or_than_the_declared_share_fails_the_gate(log: Any, fly: Runs) -> None:
+def test_more_than_a_tenth_of_invalid_flights_or_than_the_declared_share_fails_the_gate(log: Any, fly: Runs):
     log.change = changed(f"{LATE}/D0H1/0", invalid="its worker process died every time it was flown")
     fly()
     with pytest.raises(GateError, match=r"1 of 13 flights are invalid, more than 5%: LATE-human@3s/D0H1/0 \(its"):
@@ -95,7 +95,7 @@ def test_more_than_a_tenth_of_invalid_flights_or_than_the_declared_share_fails_t
         fly(folder="other")
 
 
-def test_an_interrupted_run_saves_all_and_resumes(study: Any, log: Any, fly: Runs) -> None:
+def test_an_interrupted_run_saves_all_and_resumes(study: Any, log: Any, fly: Runs):
     log.change = interrupting(lambda _flight: len(log.flown) == 6)
     with pytest.raises(Interrupted, match=r"flights are saved in .*; the same command resumes"):
         fly()
@@ -107,7 +107,7 @@ def test_an_interrupted_run_saves_all_and_resumes(study: Any, log: Any, fly: Run
     assert fly().flown == 13 - saved
 
 
-def test_flights_that_share_and_flights_that_do_not_export_the_same_bytes(fly: Runs) -> None:
+def test_flights_that_share_and_flights_that_do_not_export_the_same_bytes(fly: Runs):
     shared = fly(folder="shared")
     whole = fly(folder="whole", share=False)
     assert fly.export(shared.outcomes) == fly.export(whole.outcomes)
@@ -116,9 +116,7 @@ def test_flights_that_share_and_flights_that_do_not_export_the_same_bytes(fly: R
 THREE = (LATE, MORE, "LESS-goal@0.05m")
 
 
-def test_mutants_that_come_later_fly_with_their_baseline_again_and_nothing_else(
-    study: Any, log: Any, fly: Runs
-) -> None:
+def test_mutants_that_come_later_fly_with_their_baseline_again_and_nothing_else(study: Any, log: Any, fly: Runs):
     fly()
     before = len(log.flown)
     report = fly(asked(study, names=THREE))
@@ -127,21 +125,21 @@ def test_mutants_that_come_later_fly_with_their_baseline_again_and_nothing_else(
     assert sorted({name.split("/")[0] for name in again}) == ["LESS-goal@0.05m", "MORE-goal@1m", "baseline"]
 
 
-def test_a_known_baseline_that_comes_out_otherwise_fails_the_gate(study: Any, log: Any, fly: Runs) -> None:
+def test_a_known_baseline_that_comes_out_otherwise_fails_the_gate(study: Any, log: Any, fly: Runs):
     fly()
     log.change = changed("baseline/D0H1/0", digest="other")
     with pytest.raises(GateError, match="a repeated flight differs from the first: baseline/D0H1/0"):
         fly(asked(study, names=THREE))
 
 
-def test_a_folder_that_cannot_be_written_is_one_sentence_before_anything_flies(study: Any, log: Any, fly: Runs) -> None:
+def test_a_folder_that_cannot_be_written_is_one_sentence_before_anything_flies(study: Any, log: Any, fly: Runs):
     (study.folder / "c").write_text("a file stands where the folder should be")
     with pytest.raises(InputError, match="the results folder cannot be written"):
         fly()
     assert log.flown == []
 
 
-def test_a_study_that_cannot_be_flown_stops_the_run_with_its_sentence(log: Any, fly: Runs) -> None:
+def test_a_study_that_cannot_be_flown_stops_the_run_with_its_sentence(log: Any, fly: Runs):
     def refuse(_flight: Flight, _outcome: Outcome) -> Outcome:
         raise InputError("sim/stack.yaml: gain=-1 must be > 0")
 
@@ -150,7 +148,7 @@ def test_a_study_that_cannot_be_flown_stops_the_run_with_its_sentence(log: Any, 
         fly()
 
 
-def test_an_interrupted_run_says_the_command_that_resumes_it(log: Any, fly: Runs) -> None:
+def test_an_interrupted_run_says_the_command_that_resumes_it(log: Any, fly: Runs):
     log.change = interrupting(lambda _flight: True)
     with pytest.raises(Interrupted, match=r"the same command resumes: scaloft-fi run --mutant 'LATE-human\*'$"):
         fly(command="scaloft-fi run --mutant 'LATE-human*'")
@@ -158,7 +156,7 @@ def test_an_interrupted_run_says_the_command_that_resumes_it(log: Any, fly: Runs
 
 def test_a_disk_that_fills_up_is_one_sentence_and_the_same_command_resumes(
     log: Any, fly: Runs, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     whole = fly.export(fly(folder="whole").outcomes)
     flown = len(log.flown)
     log.change = lambda _flight, outcome: replace(outcome, track=os.urandom(30_000))
@@ -181,14 +179,14 @@ def test_a_disk_that_fills_up_is_one_sentence_and_the_same_command_resumes(
     assert tried > flown
 
 
-def test_a_run_that_was_killed_before_its_store_had_tables_is_resumed(study: Any, fly: Runs) -> None:
+def test_a_run_that_was_killed_before_its_store_had_tables_is_resumed(study: Any, fly: Runs):
     whole = fly.export(fly(folder="whole").outcomes)
     (study.folder / "c").mkdir()
     (study.folder / "c" / STORE_NAME).touch()
     assert fly.export(fly().outcomes) == whole
 
 
-def test_two_runs_of_one_campaign_at_once_lose_and_double_nothing(fly: Runs) -> None:
+def test_two_runs_of_one_campaign_at_once_lose_and_double_nothing(fly: Runs):
     whole = fly.export(fly(folder="whole").outcomes)
     processes = [multiprocessing.get_context("fork").Process(target=fly) for _ in range(2)]
     for process in processes:
@@ -205,7 +203,7 @@ def _seeds(report: Report, situation: str) -> set[int]:
     return {o.seed for o in report.outcomes if o.mutant == "baseline" and o.situation == situation}
 
 
-def test_a_pool_of_ten_is_flown_in_each_situation_where_a_mutant_infects(study: Any, fly: Runs) -> None:
+def test_a_pool_of_ten_is_flown_in_each_situation_where_a_mutant_infects(study: Any, fly: Runs):
     report = fly(asked(study, canary="").with_pool())
     assert {key: _seeds(report, key) for key in ("D0H0", "D0H1", "D1H0", "D1H1")} == {
         "D0H0": {0},
@@ -216,7 +214,7 @@ def test_a_pool_of_ten_is_flown_in_each_situation_where_a_mutant_infects(study: 
     assert {o.seed for o in report.outcomes if o.mutant != "baseline"} == {0}
 
 
-def test_a_resumed_run_completes_the_pool_and_flies_nothing_twice(study: Any, log: Any, fly: Runs) -> None:
+def test_a_resumed_run_completes_the_pool_and_flies_nothing_twice(study: Any, log: Any, fly: Runs):
     planned = asked(study)
     fly(planned)
     before = len(log.flown)
@@ -226,13 +224,13 @@ def test_a_resumed_run_completes_the_pool_and_flies_nothing_twice(study: Any, lo
     assert len(log.flown) - before == 2 * 9 + 1
 
 
-def test_a_pool_in_which_no_pair_is_steady_fails_the_gate(study: Any, log: Any, fly: Runs) -> None:
+def test_a_pool_in_which_no_pair_is_steady_fails_the_gate(study: Any, log: Any, fly: Runs):
     log.change = lambda flight, outcome: outcome if flight.mutant or flight.seed % 2 else red(outcome)
     with pytest.raises(GateError, match="no situation flown has a steady pair"):
         fly(asked(study).with_pool())
 
 
-def test_a_campaign_remembers_with_which_seeds_its_mutants_were_asked_for(study: Any, fly: Runs) -> None:
+def test_a_campaign_remembers_with_which_seeds_its_mutants_were_asked_for(study: Any, fly: Runs):
     once = fly(asked(study, names=(LATE, MORE), canary=""))
     assert once.spending == Spending(0.01, frozenset())
     again = fly(asked(study, canary=""))
@@ -241,7 +239,7 @@ def test_a_campaign_remembers_with_which_seeds_its_mutants_were_asked_for(study:
     assert grown.spending.grown == {LATE, "PLACEBO"}
 
 
-def test_to_ask_for_fewer_seeds_than_before_is_no_growth(study: Any, fly: Runs) -> None:
+def test_to_ask_for_fewer_seeds_than_before_is_no_growth(study: Any, fly: Runs):
     fly(asked(study, range(3), canary=""))
     again = fly(asked(study, (1,), canary=""))
     assert again.spending.grown == frozenset()
@@ -285,14 +283,14 @@ def _tame(flight: Flight, outcome: Outcome) -> Outcome:
         (changed("baseline/D0H1", **GROUNDED), SENTENCE),
     ],
 )
-def test_a_gate_that_fails_names_the_flights(log: Any, fly: Runs, change: Change, said: str) -> None:
+def test_a_gate_that_fails_names_the_flights(log: Any, fly: Runs, change: Change, said: str):
     log.change = change
     with pytest.raises(GateError) as caught:
         fly()
     assert str(caught.value) == f"gate failed: {said}"
 
 
-def test_a_repeat_that_differs_fails_the_gate(log: Any, fly: Runs) -> None:
+def test_a_repeat_that_differs_fails_the_gate(log: Any, fly: Runs):
     log.change = lambda _flight, outcome: replace(outcome, digest=f"{outcome.digest}-{len(log.flown) > 13}")
     with pytest.raises(GateError, match="a repeated flight differs from the first: baseline/D0H0/0"):
         fly()
@@ -303,12 +301,12 @@ def test_a_repeat_that_differs_fails_the_gate(log: Any, fly: Runs) -> None:
     [changed("LATE-human", stack_error=ERROR), changed("baseline", ending="timed_out", track=b"")],
     ids=["a stack raises under a fault", "a baseline has no track"],
 )
-def test_what_no_gate_asks_for_fails_none(log: Any, fly: Runs, change: Change) -> None:
+def test_what_no_gate_asks_for_fails_none(log: Any, fly: Runs, change: Change):
     log.change = change
     fly()
 
 
-def test_the_gate_holds_when_nothing_is_left_to_fly_and_in_a_part_of_a_run(log: Any, fly: Runs) -> None:
+def test_the_gate_holds_when_nothing_is_left_to_fly_and_in_a_part_of_a_run(log: Any, fly: Runs):
     log.change = changed("baseline/D0H1", **GROUNDED)
     for part in (False, True):
         with pytest.raises(GateError, match=SENTENCE):
@@ -316,7 +314,7 @@ def test_the_gate_holds_when_nothing_is_left_to_fly_and_in_a_part_of_a_run(log: 
     assert len(log.flown) == 14  # each once, and one again
 
 
-def test_a_mutant_may_stay_on_the_ground_and_a_baseline_may_fly_to_its_time_limit(log: Any, fly: Runs) -> None:
+def test_a_mutant_may_stay_on_the_ground_and_a_baseline_may_fly_to_its_time_limit(log: Any, fly: Runs):
     def change(flight: Flight, outcome: Outcome) -> Outcome:
         how = GROUNDED if flight.name.startswith("LATE-human") else FLOWN if flight.mutant is None else {}
         return replace(outcome, **how)
@@ -325,13 +323,13 @@ def test_a_mutant_may_stay_on_the_ground_and_a_baseline_may_fly_to_its_time_limi
     fly()
 
 
-def test_outcomes_that_come_with_their_tracks_are_judged_without_a_store(study: Any, log: Any) -> None:
+def test_outcomes_that_come_with_their_tracks_are_judged_without_a_store(study: Any, log: Any):
     clean = [replace(log(study, flight), **GROUNDED) for flight in asked(study).baselines[:1]]
     with pytest.raises(GateError, match="the drone never leaves the ground without any fault: baseline/D0H0/0"):
         check_gates(clean, study.roster, canary=None, whole_grid=False)
 
 
-def test_the_ground_is_left_at_the_height_from_which_a_touch_down_counts() -> None:
+def test_the_ground_is_left_at_the_height_from_which_a_touch_down_counts():
     assert RISE_M == observer.AIRBORNE_M
 
 
@@ -342,7 +340,7 @@ def test_the_ground_is_left_at_the_height_from_which_a_touch_down_counts() -> No
 )
 def test_a_run_stops_at_the_next_save_and_its_copy_is_a_campaign_that_goes_on(
     study: Any, log: Any, fly: Runs, lose: Callable[[Path], object]
-) -> None:
+):
     folder, rescued = study.folder / "c", study.folder / "c-rescued"
 
     def losing(flight: Flight, outcome: Outcome) -> Outcome:
@@ -367,7 +365,7 @@ def test_a_run_stops_at_the_next_save_and_its_copy_is_a_campaign_that_goes_on(
     assert (folder / LOG_NAME).exists()
 
 
-def test_a_store_that_is_lost_after_its_last_save_is_noticed_before_any_table(study: Any, log: Any, fly: Runs) -> None:
+def test_a_store_that_is_lost_after_its_last_save_is_noticed_before_any_table(study: Any, log: Any, fly: Runs):
     fly(asked(study, (0, 1)))
     planned = plan(study.grid, (0, 1), [], None)
 
@@ -381,7 +379,7 @@ def test_a_store_that_is_lost_after_its_last_save_is_noticed_before_any_table(st
 
 def test_a_merge_into_a_store_that_is_lost_says_where_the_copy_is(
     study: Any, fly: Runs, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     fly(asked(study, (0, 1)))
     put_all = Store.put_all
 
@@ -394,7 +392,7 @@ def test_a_merge_into_a_store_that_is_lost_says_where_the_copy_is(
         merge(study, study.folder / "all", [study.folder / "c"])
 
 
-def test_the_log_keeps_the_keys_of_the_published_one() -> None:
+def test_the_log_keeps_the_keys_of_the_published_one():
     struck = outcome(LATE, "T1O0W0D1H0", violated={"SR1": 20.0}, struck="bar")
     log = mission_log([outcome(), outcome(seed=1), struck], ROSTER, GRID)
     assert (log["total_test_cases"], log["generated_test_cases"]) == (64, 3)
@@ -421,25 +419,25 @@ def test_the_log_keeps_the_keys_of_the_published_one() -> None:
     ]
 
 
-def test_an_operability_violation_is_kept_apart() -> None:
+def test_an_operability_violation_is_kept_apart():
     log = mission_log([outcome(violated={"OP1": 60.0, "SR2-literal": 9.0})], ROSTER, GRID)
     assert log["safety_violation_ids"] == log["violations"] == []
     assert [entry["id"] for entry in log["operability_violations"]] == ["OP1:baseline/T0O0W0D0H0/0"]
 
 
-def test_what_was_planned_is_told_where_it_is_known() -> None:
+def test_what_was_planned_is_told_where_it_is_known():
     assert mission_log([outcome()], ROSTER, GRID, planned=7)["total_test_cases"] == 7
     assert mission_log([], ROSTER, GRID)["total_test_cases"] == 32
 
 
-def test_a_warning_line_names_requirement_time_place_body_and_flight() -> None:
+def test_a_warning_line_names_requirement_time_place_body_and_flight():
     struck = outcome(LATE, violated={"SR1": 20.0}, struck="bar")
     said = "SR1 violated at 20.00 s at (1.00, 2.00, 1.65) m, struck bar: LATE-human@3s/T0O0W0D0H0/0"
     assert violation_line(struck, struck.violations[0]) == said
 
 
 @given(campaigns())
-def test_ids_are_unique_and_each_names_a_violation(outcomes: list[Outcome]) -> None:
+def test_ids_are_unique_and_each_names_a_violation(outcomes: list[Outcome]):
     log = mission_log(outcomes, ROSTER, GRID)
     assert json.loads(json_text(log)) == log
     ids = [entry["id"] for entry in log["violations"] + log["operability_violations"]]

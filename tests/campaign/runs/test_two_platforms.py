@@ -46,7 +46,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.release
 def test_a_run_on_another_platform_keeps_the_facts_and_flies_a_pair_that_grows_on_one_platform(
     campaign: Path, tmp_path: Path
-) -> None:
+):
     second = tmp_path / "second"
     shutil.copytree(campaign, second)
     code, said = _call("HASWELL", "run", *WORDS, "--mutant", "MORE-goal", "--campaign", second)
@@ -66,7 +66,7 @@ def test_a_run_on_another_platform_keeps_the_facts_and_flies_a_pair_that_grows_o
 
 
 @pytest.mark.release
-def test_a_replay_on_another_platform_names_both_and_compares_the_facts(campaign: Path) -> None:
+def test_a_replay_on_another_platform_names_both_and_compares_the_facts(campaign: Path):
     code, said = _call("HASWELL", "replay", NAME, "--campaign", campaign)
     assert code == 0, said
     assert "another platform (numpy kernels Haswell here, SkylakeX there" in said
@@ -74,7 +74,7 @@ def test_a_replay_on_another_platform_names_both_and_compares_the_facts(campaign
 
 
 @pytest.mark.release
-def test_doctor_tells_other_bits_from_other_facts() -> None:
+def test_doctor_tells_other_bits_from_other_facts():
     code, said = _call("HASWELL", "doctor", "--format", "json")
     assert code == 0, said
     whole = json.loads(said[said.index("{") :])

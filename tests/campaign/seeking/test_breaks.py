@@ -105,7 +105,7 @@ def flyer(tmp_path: Path) -> Ruled:
     return Ruled(tmp_path / "flown.txt", baseline=robustness)
 
 
-def test_every_way_is_found_once_shrunk_and_told_in_words(whole: Whole) -> None:
+def test_every_way_is_found_once_shrunk_and_told_in_words(whole: Whole):
     assert tuple(whole.saved) == whole.report.breaks
     found = {one.name: one for one in whole.saved}
     assert len(found) == len(whole.saved)
@@ -121,7 +121,7 @@ def test_every_way_is_found_once_shrunk_and_told_in_words(whole: Whole) -> None:
     assert (dark.flight, dark.t_s, dark.seed) == (0, 7.0, 0)
 
 
-def test_it_is_confirmed_on_seeds_that_the_search_never_flew(whole: Whole) -> None:
+def test_it_is_confirmed_on_seeds_that_the_search_never_flew(whole: Whole):
     assert {name.split("/")[0] for name in whole.flown} == {"baseline"}
     assert {int(name.rsplit("/", 1)[1]) for name in whole.flown} == {*SEEN_ON, *range(10)}
     confirming = {name.split("/")[1] for name in whole.flown if int(name.rsplit("/", 1)[1]) < 10}
@@ -130,7 +130,7 @@ def test_it_is_confirmed_on_seeds_that_the_search_never_flew(whole: Whole) -> No
 
 def test_what_was_found_repels_the_search(
     search: Search, tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     told: dict[str, dict[Situation, float]] = {}
     guided: list[Situation] = []
 
@@ -166,7 +166,7 @@ def test_what_was_found_repels_the_search(
     assert sum(map(red, guided)) <= len(guided) / 8  # a quarter of the grid is red
 
 
-def test_what_most_fresh_seeds_do_not_violate_is_no_find(search: Search, tmp_path: Path, flyer: Ruled) -> None:
+def test_what_most_fresh_seeds_do_not_violate_is_no_find(search: Search, tmp_path: Path, flyer: Ruled):
     flyer.baseline, flyer.noise = (lambda _situation: 0.05), 0.1  # it violates in a quarter of its flights
     report, _ = search(tmp_path, flyer, budget="80flights")
     assert report.broken > 0
@@ -176,7 +176,7 @@ def test_what_most_fresh_seeds_do_not_violate_is_no_find(search: Search, tmp_pat
 @pytest.mark.parametrize(("reds", "violated"), [(5, None), (6, 6), (10, 10)])
 def test_more_than_half_of_the_fresh_seeds_must_violate(
     search: Search, tmp_path: Path, reds: int, violated: int | None
-) -> None:
+):
     class Lucky(Ruled):
         def __call__(self, study: Study, flight: Flight) -> Outcome:
             red = flight.seed in SEEN_ON or flight.seed < reds
@@ -193,7 +193,7 @@ def test_more_than_half_of_the_fresh_seeds_must_violate(
 @pytest.mark.parametrize(("same", "found"), [(2, False), (3, True)])
 def test_three_of_the_fresh_seeds_must_do_so_in_the_same_way(
     search: Search, tmp_path: Path, flyer: Ruled, same: int, found: bool
-) -> None:
+):
     def by_seed(_study: Study, flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
         usual = flight.seed in SEEN_ON or flight.seed >= LEAST - same
         way = Signature("SR2", "person", "home to corner", "corner", "person" if usual else f"{flight.seed}")
@@ -205,7 +205,7 @@ def test_three_of_the_fresh_seeds_must_do_so_in_the_same_way(
     assert told == ([("person", 10, same, 7)] if found else [])
 
 
-def test_shrinking_keeps_the_signature(search: Search, tmp_path: Path, flyer: Ruled) -> None:
+def test_shrinking_keeps_the_signature(search: Search, tmp_path: Path, flyer: Ruled):
     def by_speed(_study: Study, flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
         belief = "velocity" if number(flight.situation, "Cs", 0.5) >= 0.8 else "person"
         way = Signature("SR2", "person", "home to corner", "corner", belief)
@@ -221,7 +221,7 @@ def test_shrinking_keeps_the_signature(search: Search, tmp_path: Path, flyer: Ru
 
 def test_the_same_seed_makes_the_same_finds_whatever_the_jobs(
     whole: Whole, search: Search, tmp_path: Path, flyer: Ruled
-) -> None:
+):
     assert search(tmp_path / "b", flyer, jobs=3)[0] == whole.report
     assert search(tmp_path / "d", flyer, seed=1)[0].breaks != whole.report.breaks
 
@@ -230,9 +230,7 @@ class PowerError(Exception):
     """The power failed."""
 
 
-def test_a_search_that_dies_goes_on_where_it_stopped(
-    whole: Whole, search: Search, tmp_path: Path, flyer: Ruled
-) -> None:
+def test_a_search_that_dies_goes_on_where_it_stopped(whole: Whole, search: Search, tmp_path: Path, flyer: Ruled):
     class Dying(Progress):
         def advance(self) -> None:
             super().advance()
@@ -248,14 +246,14 @@ def test_a_search_that_dies_goes_on_where_it_stopped(
     assert sorted(set(flyer.flown)) == sorted(whole.flown)
 
 
-def test_flights_that_are_flown_again_are_of_the_budget(search: Search, tmp_path: Path, flyer: Ruled) -> None:
+def test_flights_that_are_flown_again_are_of_the_budget(search: Search, tmp_path: Path, flyer: Ruled):
     report, _ = search(tmp_path, flyer, budget="60flights")
     assert report.spent
     assert report.used == report.flown + report.again <= 60
     assert report.again > 0
 
 
-def test_a_flight_that_cannot_be_flown_again_says_nothing(search: Search, tmp_path: Path, flyer: Ruled) -> None:
+def test_a_flight_that_cannot_be_flown_again_says_nothing(search: Search, tmp_path: Path, flyer: Ruled):
     def failing(study: Study, flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
         raise MemoryError
 
@@ -264,7 +262,7 @@ def test_a_flight_that_cannot_be_flown_again_says_nothing(search: Search, tmp_pa
     assert report.breaks == ()
 
 
-def test_a_claim_that_fails_ends_the_search(search: Search, tmp_path: Path, flyer: Ruled) -> None:
+def test_a_claim_that_fails_ends_the_search(search: Search, tmp_path: Path, flyer: Ruled):
     def wrong(study: Study, flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
         raise ScaloftError("claim 'map': error=nan must be a finite number")
 

@@ -89,9 +89,7 @@ def searched(study: Study, folder: Path, number: int) -> SeekReport:
     )
 
 
-def test_at_most_one_search_in_a_hundred_finds_something_for_a_fault_that_does_nothing(
-    study: Study, tmp_path: Path
-) -> None:
+def test_at_most_one_search_in_a_hundred_finds_something_for_a_fault_that_does_nothing(study: Study, tmp_path: Path):
     reports = []
     for number in range(SEARCHES):
         reports.append(searched(study, tmp_path / str(number), number))

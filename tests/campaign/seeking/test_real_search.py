@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.flight
 
 
-def test_the_search_grid_flies_the_papers_situations_bit_for_bit() -> None:
+def test_the_search_grid_flies_the_papers_situations_bit_for_bit():
     fly, digests = Physics(), set()
     for study in (Study.open(ROOT), Study.open(ROOT, "search")):
         mutant = realise(study.matrix, "LATE-human")
@@ -33,7 +33,7 @@ def test_the_search_grid_flies_the_papers_situations_bit_for_bit() -> None:
 
 
 @pytest.mark.release
-def test_a_short_search_flies_what_its_budget_allows_and_resumes(tmp_path: Path) -> None:
+def test_a_short_search_flies_what_its_budget_allows_and_resumes(tmp_path: Path):
     study = Study.open(ROOT, "search")
     mutants = [realise(study.matrix, "LATE-depth")]
 
@@ -58,7 +58,7 @@ def test_a_short_search_flies_what_its_budget_allows_and_resumes(tmp_path: Path)
 STUDY = Study.open(Path(__file__).parents[3])
 
 
-def test_a_listener_changes_no_bit_and_hears_the_seams_that_it_asked_for() -> None:
+def test_a_listener_changes_no_bit_and_hears_the_seams_that_it_asked_for():
     situation = STUDY.grid.situation("T0O0W0D0H0")
     wire = ListeningWire(["map", "velcmd", "imu"])
     heard = fly(STUDY.sim, situation, 0, wire)
@@ -68,7 +68,7 @@ def test_a_listener_changes_no_bit_and_hears_the_seams_that_it_asked_for() -> No
     assert all(wire.kept.values())
 
 
-def test_the_bar_is_struck_in_the_dark_because_the_map_lacks_it_and_the_person_is_missed() -> None:
+def test_the_bar_is_struck_in_the_dark_because_the_map_lacks_it_and_the_person_is_missed():
     Physics().prepare(STUDY, lambda _: None)
     flight = Flight(None, STUDY.grid.situation("T1O0W0D1H1"), 0)
     outcome = judged(STUDY, flight, fly_log(STUDY, flight))

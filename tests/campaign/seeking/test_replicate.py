@@ -39,7 +39,7 @@ def seeds(flyer: Ruled, subject: str) -> set[int]:
     return {int(name.rsplit("/", 1)[1]) for name in flyer.flown if name.startswith(subject)}
 
 
-def test_each_pair_flies_on_ten_seeds_beside_thirty_baselines_that_nothing_used(study: Study, flyer: Ruled) -> None:
+def test_each_pair_flies_on_ten_seeds_beside_thirty_baselines_that_nothing_used(study: Study, flyer: Ruled):
     report = again(study, flyer, found(LATE, SITUATION, others=(MORE,)))
     assert [(one.mutant, one.holds) for one in report.replicas] == [(LATE, True), (MORE, False)]
     assert seeds(flyer, LATE) == seeds(flyer, MORE) == set(range(FRESH, FRESH + SEEDS))
@@ -47,7 +47,7 @@ def test_each_pair_flies_on_ten_seeds_beside_thirty_baselines_that_nothing_used(
     assert (report.used, report.first) == (POOL + 2 * SEEDS, FRESH)
 
 
-def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_another(study: Study, flyer: Ruled) -> None:
+def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_another(study: Study, flyer: Ruled):
     find = found(LATE, SITUATION)
     first, second = again(study, flyer, find), again(study, flyer, find)
     assert (first.first, second.first) == (FRESH, FRESH + BLOCK)
@@ -58,7 +58,7 @@ def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_anothe
     assert elsewhere.first == FRESH + BLOCK
 
 
-def test_an_interrupted_replication_goes_on_with_its_seeds(study: Study, flyer: Ruled) -> None:
+def test_an_interrupted_replication_goes_on_with_its_seeds(study: Study, flyer: Ruled):
     class Stopping(Progress):
         def advance(self) -> None:
             super().advance()
@@ -72,7 +72,7 @@ def test_an_interrupted_replication_goes_on_with_its_seeds(study: Study, flyer: 
     assert report.flown < report.used
 
 
-def test_what_does_not_hold_leaves_and_the_find_takes_the_name_of_what_does(study: Study, flyer: Ruled) -> None:
+def test_what_does_not_hold_leaves_and_the_find_takes_the_name_of_what_does(study: Study, flyer: Ruled):
     find, left = found(MORE, SITUATION, others=(LATE,)), found("NO-depth@3s", "T0D0H0Cs=0.9")
     saver(study.folder / "sim", "small")([find, left])
     break_saver(study.folder / "sim", "small")([BAR])
@@ -89,7 +89,7 @@ def test_what_does_not_hold_leaves_and_the_find_takes_the_name_of_what_does(stud
     assert told.p == pytest.approx(report.replicas[1].again.p, rel=1e-3)
 
 
-def test_what_was_not_replicated_stays_and_a_name_that_is_taken_is_not_given_twice(study: Study, flyer: Ruled) -> None:
+def test_what_was_not_replicated_stays_and_a_name_that_is_taken_is_not_given_twice(study: Study, flyer: Ruled):
     find, other = found(MORE, SITUATION, others=(LATE,)), found(LATE, "T0D1H1Cs=0.9")
     report = again(study, flyer, find)
     kept = holding([find, other], report.replicas)

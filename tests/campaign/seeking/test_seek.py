@@ -81,7 +81,7 @@ def search(folder: Path, flyer: Any, *mutants: Any, seed: int = 0, **more: Any) 
     return report, saved
 
 
-def test_a_situation_is_found_shrunk_confirmed_on_fresh_seeds_and_told_in_words(tmp_path: Path, flyer: Ruled) -> None:
+def test_a_situation_is_found_shrunk_confirmed_on_fresh_seeds_and_told_in_words(tmp_path: Path, flyer: Ruled):
     report, saved = search(tmp_path, flyer)
     (find,) = report.finds
     assert saved == [find]
@@ -104,7 +104,7 @@ def test_a_situation_is_found_shrunk_confirmed_on_fresh_seeds_and_told_in_words(
     assert confirming == {report.finds[0].situation}
 
 
-def test_the_same_seed_makes_the_same_finds_whatever_the_jobs(tmp_path: Path, flyer: Ruled) -> None:
+def test_the_same_seed_makes_the_same_finds_whatever_the_jobs(tmp_path: Path, flyer: Ruled):
     first, _ = search(tmp_path / "a", flyer, LATE, MORE, budget="100flights")
     second, _ = search(tmp_path / "b", flyer, LATE, MORE, budget="100flights", jobs=3)
     assert first == second
@@ -112,7 +112,7 @@ def test_the_same_seed_makes_the_same_finds_whatever_the_jobs(tmp_path: Path, fl
     assert other.sought != first.sought
 
 
-def test_a_search_that_dies_goes_on_where_it_stopped(tmp_path: Path, flyer: Ruled) -> None:
+def test_a_search_that_dies_goes_on_where_it_stopped(tmp_path: Path, flyer: Ruled):
     whole, _ = search(tmp_path / "a", flyer)
     flown = sorted(flyer.flown)
     flyer.path.unlink()
@@ -133,7 +133,7 @@ def test_a_search_that_dies_goes_on_where_it_stopped(tmp_path: Path, flyer: Rule
     assert (again.finds, again.used, again.flown) == (whole.finds, whole.used, 0)
 
 
-def test_a_search_that_nobody_named_mutants_for_is_remembered_until_it_ends(tmp_path: Path, flyer: Ruled) -> None:
+def test_a_search_that_nobody_named_mutants_for_is_remembered_until_it_ends(tmp_path: Path, flyer: Ruled):
     folder = tmp_path / "c"
     assert interrupted(folder, 0, "default") is None
     first = anew(folder, 0, "default", [LATE.id, MORE.id])
@@ -155,7 +155,7 @@ def test_a_search_that_nobody_named_mutants_for_is_remembered_until_it_ends(tmp_
     assert interrupted(folder, 0, "default") is None
 
 
-def test_a_budget_decides_only_how_far_it_goes(tmp_path: Path, flyer: Ruled) -> None:
+def test_a_budget_decides_only_how_far_it_goes(tmp_path: Path, flyer: Ruled):
     short, saved = search(tmp_path, flyer, budget="20flights")
     assert (short.spent, short.finds, saved) == (True, (), [])
     assert short.used <= 20
@@ -164,7 +164,7 @@ def test_a_budget_decides_only_how_far_it_goes(tmp_path: Path, flyer: Ruled) -> 
     assert longer.finds == search(tmp_path / "whole", flyer)[0].finds
 
 
-def test_what_was_flown_is_told_though_the_budget_ends_in_a_pursuit(tmp_path: Path, flyer: Ruled) -> None:
+def test_what_was_flown_is_told_though_the_budget_ends_in_a_pursuit(tmp_path: Path, flyer: Ruled):
     flyer.rules = {LATE.id: everywhere}
     report, _ = search(tmp_path, flyer, budget="20flights")
     assert (report.spent, report.finds) == (True, ())
@@ -174,7 +174,7 @@ def test_what_was_flown_is_told_though_the_budget_ends_in_a_pursuit(tmp_path: Pa
 
 def test_a_budget_of_time_ends_among_the_flights_that_were_asked_for_together(
     tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     def second_per_flight(seconds: float | None) -> Budget:
         return Budget(seconds, clock=lambda: float(len(flyer.flown)))
 
@@ -184,7 +184,7 @@ def test_a_budget_of_time_ends_among_the_flights_that_were_asked_for_together(
     assert 5 <= len(flyer.flown) < 10, "the opening asks for sixteen at once"
 
 
-def test_a_find_shows_the_other_mutants_that_fail_there_too_on_the_same_seeds(tmp_path: Path, flyer: Ruled) -> None:
+def test_a_find_shows_the_other_mutants_that_fail_there_too_on_the_same_seeds(tmp_path: Path, flyer: Ruled):
     flyer.rules = {LATE.id: fast, MORE.id: fast, LESS.id: never}
     report, _ = search(tmp_path, flyer, MORE, LATE, LESS, budget="200flights")
     (find,) = report.finds
@@ -195,7 +195,7 @@ def test_a_find_shows_the_other_mutants_that_fail_there_too_on_the_same_seeds(tm
         assert {*map(str, range(find.shows[mutant].flights))} <= flown
 
 
-def test_something_else_may_propose_and_what_it_shows_need_not_be_shrunk(tmp_path: Path, flyer: Ruled) -> None:
+def test_something_else_may_propose_and_what_it_shows_need_not_be_shrunk(tmp_path: Path, flyer: Ruled):
     keys = ["T0O0W0D0H0", "T0O0W1D0H1Cs=1Vx=1"]
 
     def found(where: str, **more: Any) -> Find:
@@ -208,21 +208,21 @@ def test_something_else_may_propose_and_what_it_shows_need_not_be_shrunk(tmp_pat
     assert "Vx" not in found("b").situation
 
 
-def test_a_situation_where_the_unmutated_drone_stands_on_the_edge_is_no_find(tmp_path: Path, flyer: Ruled) -> None:
+def test_a_situation_where_the_unmutated_drone_stands_on_the_edge_is_no_find(tmp_path: Path, flyer: Ruled):
     flyer.baseline, flyer.noise = (lambda _situation: 0.05), 0.1
     flyer.rules = {LATE.id: everywhere}
     report, _ = search(tmp_path, flyer, budget="200flights")
     assert report.finds == ()
 
 
-def test_what_violates_everywhere_is_found_in_the_benign_situation(tmp_path: Path, flyer: Ruled) -> None:
+def test_what_violates_everywhere_is_found_in_the_benign_situation(tmp_path: Path, flyer: Ruled):
     flyer.rules = {LATE.id: everywhere}
     report, _ = search(tmp_path, flyer)
     assert [find.situation for find in report.finds] == ["T0O0W0D0H0"]
     assert report.finds[0].words == ()
 
 
-def test_a_baseline_that_violates_too_hides_the_fault(tmp_path: Path, flyer: Ruled) -> None:
+def test_a_baseline_that_violates_too_hides_the_fault(tmp_path: Path, flyer: Ruled):
     def red(situation: Situation) -> float:
         return -0.3 if situation["H"] == 1 else 0.4
 
@@ -233,7 +233,7 @@ def test_a_baseline_that_violates_too_hides_the_fault(tmp_path: Path, flyer: Rul
 
 def test_a_situation_where_the_unmutated_drone_does_not_do_its_mission_counts_only_when_asked(
     tmp_path: Path, flyer: Ruled
-) -> None:
+):
     flyer.operable = lambda situation: -0.1 if situation["H"] == 1 else 0.5
     report, _ = search(tmp_path / "a", flyer, budget="150flights")
     assert report.finds == ()
@@ -245,7 +245,7 @@ def test_a_situation_where_the_unmutated_drone_does_not_do_its_mission_counts_on
     assert not report.anyhow
 
 
-def test_candidates_are_numbered_over_all_searches_of_a_campaign(tmp_path: Path, flyer: Ruled) -> None:
+def test_candidates_are_numbered_over_all_searches_of_a_campaign(tmp_path: Path, flyer: Ruled):
     first, _ = search(tmp_path, flyer, shrinks=False)
     again, _ = search(tmp_path, flyer, shrinks=False)
     assert (again.finds, again.sought) == (first.finds, first.sought), "the same search tests the same situations"
@@ -256,7 +256,7 @@ def test_candidates_are_numbered_over_all_searches_of_a_campaign(tmp_path: Path,
     assert other.finds[0].shows[LATE.id].alpha == 0.0025
 
 
-def test_a_candidate_spends_its_share_though_its_pool_is_not_fit(tmp_path: Path, flyer: Ruled) -> None:
+def test_a_candidate_spends_its_share_though_its_pool_is_not_fit(tmp_path: Path, flyer: Ruled):
     """The first seeds of the search do the mission, those of the confirmation do not."""
     fit = Ruled(tmp_path / "fit.txt", {LATE.id: fast})
     unfit = Ruled(tmp_path / "unfit.txt", {LATE.id: fast}, operable=lambda _situation: -0.1)
@@ -276,7 +276,7 @@ def test_a_candidate_spends_its_share_though_its_pool_is_not_fit(tmp_path: Path,
 @pytest.mark.parametrize("together", [1, 2])
 def test_many_mutants_wait_for_the_baselines_and_do_not_fly_where_these_are_red(
     tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch, together: int
-) -> None:
+):
     monkeypatch.setattr(finds, "TOGETHER", together)
     flyer.baseline = flyer.first = lambda situation: -0.3 if situation["H"] == 1 else 0.4
     search(tmp_path, flyer, LATE, MORE, budget="70flights")
@@ -285,7 +285,7 @@ def test_many_mutants_wait_for_the_baselines_and_do_not_fly_where_these_are_red(
     assert bool(vain) == (together == 2)
 
 
-def test_nothing_is_found_for_the_unmutated_drone_under_other_seeds(tmp_path: Path, flyer: Ruled) -> None:
+def test_nothing_is_found_for_the_unmutated_drone_under_other_seeds(tmp_path: Path, flyer: Ruled):
     flyer.baseline, flyer.noise = (lambda _situation: 0.05), 0.1  # it violates in a quarter of its flights
     report, _ = search(tmp_path, flyer, PLACEBO, budget="100flights")
     assert report.finds == ()
@@ -293,7 +293,7 @@ def test_nothing_is_found_for_the_unmutated_drone_under_other_seeds(tmp_path: Pa
     assert any(int(name.rsplit("/", 1)[1]) >= OTHER_SEEDS for name in flyer.flown)
 
 
-def test_the_search_says_that_optuna_is_missing(tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_search_says_that_optuna_is_missing(tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(__import__("sys").modules, "optuna", None)
     with pytest.raises(InputError, match=r"seek needs optuna: pip install 'scaloft-fi\[seek\]'"):
         search(tmp_path, flyer)
@@ -301,7 +301,7 @@ def test_the_search_says_that_optuna_is_missing(tmp_path: Path, flyer: Ruled, mo
 
 
 @pytest.mark.parametrize("text", ["", "10", "0flights", "-5flights", "10 parsecs", "flights"])
-def test_a_budget_that_is_none_is_refused(text: str) -> None:
+def test_a_budget_that_is_none_is_refused(text: str):
     with pytest.raises(InputError, match=r"--budget=.* must be a number of flights such as 2000flights, or a time"):
         Allowance.parse(text)
 

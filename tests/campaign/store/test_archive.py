@@ -95,7 +95,7 @@ def refused(place: Path) -> str:
 
 def test_a_folder_and_a_zip_file_give_back_the_flights_with_their_tracks(
     files: dict[str, bytes], folder: Path, tmp_path: Path
-) -> None:
+):
     place = tmp_path / "night.zip"
     place.write_bytes(zipped(files))
     store_folder = tmp_path / "store"
@@ -112,13 +112,13 @@ def test_a_folder_and_a_zip_file_give_back_the_flights_with_their_tracks(
     flown.close()
 
 
-def test_the_same_campaign_makes_the_same_archive(files: dict[str, bytes]) -> None:
+def test_the_same_campaign_makes_the_same_archive(files: dict[str, bytes]):
     assert unzipped(zipped(files)) == files
     assert zipped(files) == zipped(files)
     assert next(iter(files)) == MANIFEST
 
 
-def test_an_archive_is_read_with_its_own_study(folder: Path, files: dict[str, bytes], tmp_path: Path) -> None:
+def test_an_archive_is_read_with_its_own_study(folder: Path, files: dict[str, bytes], tmp_path: Path):
     study, store = opened(Study.open(STUDY), folder)
     assert isinstance(store, Archive)
     assert study.folder == folder
@@ -126,7 +126,7 @@ def test_an_archive_is_read_with_its_own_study(folder: Path, files: dict[str, by
     assert study.folder == STUDY
 
 
-def test_its_grid_is_that_of_the_campaign(files: dict[str, bytes], tmp_path: Path) -> None:
+def test_its_grid_is_that_of_the_campaign(files: dict[str, bytes], tmp_path: Path):
     said = json.loads(files[MANIFEST])
     said["notes"]["grid flown"] = json.dumps("wide")
     place = written(files | {MANIFEST: json.dumps(said).encode()}, tmp_path / "wide")
@@ -136,7 +136,7 @@ def test_its_grid_is_that_of_the_campaign(files: dict[str, bytes], tmp_path: Pat
         study_of(STUDY, str(place), "search")
 
 
-def test_nothing_is_written_into_an_archive_and_it_lends_no_flights(folder: Path) -> None:
+def test_nothing_is_written_into_an_archive_and_it_lends_no_flights(folder: Path):
     assert is_archive(folder)
     for refuse in (promising, writable):
         with pytest.raises(InputError, match="an archive is a record, into which nothing is flown or merged"):
@@ -147,7 +147,7 @@ def test_nothing_is_written_into_an_archive_and_it_lends_no_flights(folder: Path
         opened(Study.open(STUDY), folder)[1].set_notes({"a": "b"})
 
 
-def test_a_folder_with_a_store_is_a_campaign_whatever_lies_beside_it(folder: Path) -> None:
+def test_a_folder_with_a_store_is_a_campaign_whatever_lies_beside_it(folder: Path):
     campaign(Study.open(STUDY), folder / STORE_NAME)
     assert not is_archive(folder)
 
@@ -157,7 +157,7 @@ def change(path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["outcomes.parquet", "tracks.parquet", "sim/world.yaml", "hazop/score.yaml"])
-def test_a_file_that_was_changed_added_or_removed_is_named(folder: Path, name: str) -> None:
+def test_a_file_that_was_changed_added_or_removed_is_named(folder: Path, name: str):
     if (folder / name).exists():
         change(folder / name)
         assert f"{name} is not what was archived" in refused(folder)
@@ -183,7 +183,7 @@ RIGHT = {"archive": 1, "study": "s", "campaign": "c", "axes": [], **EMPTY}
     ],
     ids=json.dumps,
 )
-def test_a_record_that_says_something_else_is_refused(folder: Path, said: object) -> None:
+def test_a_record_that_says_something_else_is_refused(folder: Path, said: object):
     (folder / MANIFEST).write_text(json.dumps(said))
     assert MANIFEST in refused(folder)
 
@@ -195,14 +195,14 @@ def zipped_as(path: Path, fill: Callable[[zipfile.ZipFile], None]) -> Path:
 
 
 @pytest.mark.parametrize("name", ["../outside", "/root", "hazop/../../outside", "a\\b", "C:", "evil.py", "mutants//x"])
-def test_a_zip_file_with_another_file_is_refused_and_nothing_is_written_outside(tmp_path: Path, name: str) -> None:
+def test_a_zip_file_with_another_file_is_refused_and_nothing_is_written_outside(tmp_path: Path, name: str):
     place = zipped_as(tmp_path / "x.zip", lambda file: file.writestr(name, "x"))
     before = sorted(tmp_path.rglob("*"))
     assert "it has a file" in refused(place)
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_a_zip_file_that_grows_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_zip_file_that_grows_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(archive, "FILE_BYTES", 1000)
     place = zipped_as(tmp_path / "x.zip", lambda file: file.writestr("sim/world.yaml", "0" * 2000))
     assert place.stat().st_size < 1000
@@ -218,13 +218,13 @@ def test_a_zip_file_that_grows_is_refused(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @pytest.mark.parametrize("content", [b"", b"PK", b"no archive at all", b"PK\x05\x06" + bytes(18)])
-def test_a_file_that_is_no_zip_file_is_refused(tmp_path: Path, content: bytes) -> None:
+def test_a_file_that_is_no_zip_file_is_refused(tmp_path: Path, content: bytes):
     place = tmp_path / "x.zip"
     place.write_bytes(content)
     assert refused(place)
 
 
-def test_a_flight_that_occurs_twice_is_refused(folder: Path) -> None:
+def test_a_flight_that_occurs_twice_is_refused(folder: Path):
     table = pyarrow.parquet.read_table(folder / "outcomes.parquet")
     pyarrow.parquet.write_table(pyarrow.concat_tables([table, table]), folder / "outcomes.parquet")
     said = json.loads((folder / MANIFEST).read_text())
@@ -233,7 +233,7 @@ def test_a_flight_that_occurs_twice_is_refused(folder: Path) -> None:
     assert "a flight occurs twice" in refused(folder)
 
 
-def test_a_flight_that_the_study_no_longer_has_is_stale(folder: Path, files: dict[str, bytes], tmp_path: Path) -> None:
+def test_a_flight_that_the_study_no_longer_has_is_stale(folder: Path, files: dict[str, bytes], tmp_path: Path):
     study = tmp_path / "study"
     for name in ("hazop", "mutants", "sim"):
         shutil.copytree(STUDY / name, study / name)
@@ -270,12 +270,12 @@ def flown(one: Outcome) -> Outcome:
 
 
 @given(campaigns())
-def test_every_outcome_comes_back_as_it_was(outcomes: list[Outcome]) -> None:
+def test_every_outcome_comes_back_as_it_was(outcomes: list[Outcome]):
     once = {one.name: flown(one) for one in outcomes}
     assert {one.name: one for one in read(outcome_file(tuple(once.values()), FAKE))} == once
 
 
-def test_what_export_leaves_out_comes_back_too() -> None:
+def test_what_export_leaves_out_comes_back_too():
     one = outcome("LATE-human@3s", violated={"SR1": 5.0, "SR2": 4.0}, struck="wall")
     one = replace(
         one,
@@ -321,7 +321,7 @@ NAN = float("nan")
         (put("episodes", [[], []]), "column episodes must be as long as triggered"),
     ],
 )
-def test_what_no_store_holds_is_refused(change: Change, said: str) -> None:
+def test_what_no_store_holds_is_refused(change: Change, said: str):
     with pytest.raises(InputError) as refused:
         read(changed(change))
     assert str(refused.value).startswith(f"{PATH}: ")
@@ -329,7 +329,7 @@ def test_what_no_store_holds_is_refused(change: Change, said: str) -> None:
     assert "\n" not in str(refused.value)
 
 
-def test_a_requirement_that_the_archive_does_not_name_is_refused() -> None:
+def test_a_requirement_that_the_archive_does_not_name_is_refused():
     names = {"violated": ["SR9"], "violation_times_s": [1.0], "violation_bodies": [""]}
     places = {f"violation_{axis}": [0.0] for axis in "xyz"}
 
@@ -343,13 +343,13 @@ def test_a_requirement_that_the_archive_does_not_name_is_refused() -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"PAR1", b"PAR1" + bytes(100) + b"PAR1", changed(lambda table: table)[:-9]])
-def test_a_damaged_file_is_refused(content: bytes) -> None:
+def test_a_damaged_file_is_refused(content: bytes):
     with pytest.raises(InputError, match="holds no flights of an archive") as refused:
         read(content)
     assert "\n" not in str(refused.value)
 
 
-def test_a_file_that_grows_in_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_that_grows_in_memory_is_refused(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv(MOST_FLIGHTS, "2")
     assert len(read(changed(lambda table: table))) == 2
     bomb = changed(put("stack_error", ["x" * 200_000] * 2))  # one value in the file, two in memory
@@ -361,7 +361,7 @@ def test_a_file_that_grows_in_memory_is_refused(monkeypatch: pytest.MonkeyPatch)
         read(changed(put("seed", [4, 5])))
 
 
-def test_without_pyarrow_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_pyarrow_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch):
     content = changed(put("seed", [6, 7]))
     monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
     with pytest.raises(InputError, match=r"needs pyarrow: pip install 'scaloft-fi\[parquet\]'"):
@@ -371,7 +371,7 @@ def test_without_pyarrow_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch) -> 
 WIDTH = len(TRACK_COLUMNS)
 
 
-def test_a_trajectory_comes_back_by_the_digest_of_its_flight() -> None:
+def test_a_trajectory_comes_back_by_the_digest_of_its_flight():
     tracks = {"a": array("f", map(float, range(2 * WIDTH))), "b": array("f", [0.5] * WIDTH), "c": array("f")}
     kept = Trajectories(PATH, track_file(tracks))
     assert {digest: track_values(kept.of(digest)) for digest in tracks} == tracks
@@ -379,7 +379,7 @@ def test_a_trajectory_comes_back_by_the_digest_of_its_flight() -> None:
     assert Trajectories(PATH, track_file({})).of("a") == b""
 
 
-def test_trajectories_of_unequal_columns_are_refused() -> None:
+def test_trajectories_of_unequal_columns_are_refused():
     table = pyarrow.parquet.read_table(io.BytesIO(track_file({"a": array("f", [0.5] * WIDTH)})))
     file = io.BytesIO()
     pyarrow.parquet.write_table(put("x_m", [[1.0, 2.0]])(table), file)
@@ -403,7 +403,7 @@ def over_grids(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
     return planned(folder / "wide", "wide"), planned(folder / "paper", None)
 
 
-def test_a_campaign_opens_the_study_with_the_grid_over_which_it_was_flown(over_grids: tuple[str, str]) -> None:
+def test_a_campaign_opens_the_study_with_the_grid_over_which_it_was_flown(over_grids: tuple[str, str]):
     wide, paper = over_grids
     assert study_of(STUDY, wide).grid_name == "wide"
     assert study_of(STUDY, wide, "wide").grid_name == "wide"
@@ -411,7 +411,7 @@ def test_a_campaign_opens_the_study_with_the_grid_over_which_it_was_flown(over_g
     assert study_of(STUDY, paper, "paper").grid_name is None
 
 
-def test_a_campaign_that_does_not_exist_has_the_grid_that_the_user_names(tmp_path: Path) -> None:
+def test_a_campaign_that_does_not_exist_has_the_grid_that_the_user_names(tmp_path: Path):
     assert study_of(STUDY, str(tmp_path / "none")).grid_name is None
     assert study_of(STUDY, str(tmp_path / "none"), "wide").grid_name == "wide"
     (tmp_path / "empty").mkdir()
@@ -419,7 +419,7 @@ def test_a_campaign_that_does_not_exist_has_the_grid_that_the_user_names(tmp_pat
     assert study_of(STUDY, str(tmp_path / "empty"), "wide").grid_name == "wide"
 
 
-def test_a_campaign_takes_no_flights_of_another_grid(over_grids: tuple[str, str]) -> None:
+def test_a_campaign_takes_no_flights_of_another_grid(over_grids: tuple[str, str]):
     wide, paper = over_grids
     with pytest.raises(InputError, match=r"^--grid=paper: campaign .* was flown over grid 'wide'; name another"):
         study_of(STUDY, wide, "paper")
@@ -427,7 +427,7 @@ def test_a_campaign_takes_no_flights_of_another_grid(over_grids: tuple[str, str]
         study_of(STUDY, paper, "wide")
 
 
-def test_campaigns_are_joined_and_compared_over_one_grid_only(over_grids: tuple[str, str], tmp_path: Path) -> None:
+def test_campaigns_are_joined_and_compared_over_one_grid_only(over_grids: tuple[str, str], tmp_path: Path):
     (wide, paper), new = over_grids, str(tmp_path / "new")
     assert study_of_all(STUDY, [wide, new]).grid_name == "wide"
     assert study_of_all(STUDY, [paper, new]).grid_name is None
@@ -435,7 +435,7 @@ def test_campaigns_are_joined_and_compared_over_one_grid_only(over_grids: tuple[
         study_of_all(STUDY, [paper, wide])
 
 
-def test_a_record_that_is_no_name_is_refused(tmp_path: Path) -> None:
+def test_a_record_that_is_no_name_is_refused(tmp_path: Path):
     with Store(tmp_path / "c" / STORE_NAME) as store:
         store.set_notes({"grid flown": "[1]"})
     with pytest.raises(InputError, match="must be a record of `run`"):
@@ -443,7 +443,7 @@ def test_a_record_that_is_no_name_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["../../secret", "", "wid", ".hidden"])
-def test_a_record_of_a_grid_that_the_study_lacks_is_one_sentence(tmp_path: Path, name: str) -> None:
+def test_a_record_of_a_grid_that_the_study_lacks_is_one_sentence(tmp_path: Path, name: str):
     with Store(tmp_path / "c" / STORE_NAME) as store:
         store.set_notes({"grid flown": json.dumps(name)})
         with pytest.raises(InputError, match=r"was flown over grid '.*', which the study lacks"):

@@ -61,7 +61,7 @@ def _why(study: Any) -> dict[str, int]:
     return dict(_read(study, HELD).why)
 
 
-def test_of_an_unchanged_study_nothing_is_stale_or_owed(fly: Callable[..., Held]) -> None:
+def test_of_an_unchanged_study_nothing_is_stale_or_owed(fly: Callable[..., Held]):
     found = fly()
     assert (len(found.current), found.stale, found.owed) == (16, 0, 0)
 
@@ -94,18 +94,18 @@ def _other_arguments(study: Any, folder: Path) -> Any:
 )
 def test_an_edit_makes_the_flights_stale_that_it_can_change_and_is_named(
     study: Any, fly: Callable[..., Held], tmp_path: Path, change: Callable[[Any, Path], Any], why: dict[str, int]
-) -> None:
+):
     fly()
     assert _why(change(study, tmp_path)) == why
 
 
-def test_flights_flown_again_leave_the_stale_ones_beside_them(study: Any, fly: Callable[..., Held]) -> None:
+def test_flights_flown_again_leave_the_stale_ones_beside_them(study: Any, fly: Callable[..., Held]):
     fly()
     found = fly(_inputs(study, requirements="x"))
     assert (len(found.current), dict(found.why)) == (16, {"the requirements changed": 16})
 
 
-def test_a_flight_of_which_no_reason_was_kept_is_said_to_have_none(study: Any, fly: Callable[..., Held]) -> None:
+def test_a_flight_of_which_no_reason_was_kept_is_said_to_have_none(study: Any, fly: Callable[..., Held]):
     fly()
     with Store(study.folder / "c" / STORE_NAME) as store:
         store._connection.execute("UPDATE outcomes SET origin = NULL")
@@ -113,7 +113,7 @@ def test_a_flight_of_which_no_reason_was_kept_is_said_to_have_none(study: Any, f
     assert _why(_inputs(study, sim="x")) == {"flown for reasons that were not kept": 16}
 
 
-def test_what_is_owed_is_planned_as_the_study_is_now(study: Any, fly: Callable[..., Held]) -> None:
+def test_what_is_owed_is_planned_as_the_study_is_now(study: Any, fly: Callable[..., Held]):
     fly()
     with Store(study.folder / "c" / STORE_NAME) as store:
         store._connection.execute("DELETE FROM outcomes WHERE mutant = ?", (LATE,))
@@ -121,7 +121,7 @@ def test_what_is_owed_is_planned_as_the_study_is_now(study: Any, fly: Callable[.
     assert _read(_inputs(study, sim="x"), HELD).owed == 0
 
 
-def test_the_latest_are_the_current_ones_else_the_stale(study: Any, fly: Callable[..., Held], log: Any) -> None:
+def test_the_latest_are_the_current_ones_else_the_stale(study: Any, fly: Callable[..., Held], log: Any):
     before = fly().current
     assert _read(_inputs(study, sim="x"), LATEST) == before
     log.change = lambda _flight, outcome: replace(outcome, perceived_digest="now")
@@ -132,7 +132,7 @@ def test_the_latest_are_the_current_ones_else_the_stale(study: Any, fly: Callabl
     assert _read(study, LATEST) == before == _read(study, CURRENT)
 
 
-def test_a_campaign_without_a_flight_that_counts_is_one_sentence(study: Any, fly: Callable[..., Held]) -> None:
+def test_a_campaign_without_a_flight_that_counts_is_one_sentence(study: Any, fly: Callable[..., Held]):
     fly()
     with pytest.raises(InputError, match=r"nothing to show: all 16 flights are stale \(`scaloft-fi status`\)"):
         _read(_inputs(study, sim="x"), CURRENT)
@@ -144,7 +144,7 @@ def test_a_campaign_without_a_flight_that_counts_is_one_sentence(study: Any, fly
 
 def test_what_a_run_writes_meanwhile_is_read_the_next_time(
     study: Any, fly: Callable[..., Held], log: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     there = len(fly().current)
     path, read, keys = study.folder / "c" / STORE_NAME, Store.origins, Keys(study)
     planned = [plan(study.grid, (seed,), [realise(study.matrix, CONTROL)], None) for seed in range(1, 5)]
@@ -184,7 +184,7 @@ HERE = "T0O0W0D0H1"
 FLOWN = (("baseline", 0), ("baseline", 1), ("LATE-human@3s", 0), ("NO-human@100%", 0))
 
 
-def test_only_the_trajectories_asked_for_are_read(tmp_path: Path) -> None:
+def test_only_the_trajectories_asked_for_are_read(tmp_path: Path):
     study, keys = Study.open(ROOT), Keys(Study.open(ROOT))
     track = pack_track({name: [1.0, 2.0] for name in TRACK_COLUMNS})
     with Store(tmp_path / STORE_NAME) as store:
@@ -253,7 +253,7 @@ def _moved(before: Mapping[tuple[str, str], Origin], now: Mapping[tuple[str, str
 @pytest.mark.parametrize("edit", EDITS)
 def test_an_edit_changes_the_part_of_all_flights_that_it_can_change_and_of_no_other(
     copy: Path, edit: tuple[str, str, str]
-) -> None:
+):
     file, old, new = edit
     before, text = _origins(copy), (copy / file).read_text()
     assert old in text
@@ -267,7 +267,7 @@ def test_an_edit_changes_the_part_of_all_flights_that_it_can_change_and_of_no_ot
 @pytest.mark.parametrize("module", SOURCES)
 def test_other_code_moves_the_keys_of_all_subjects_that_it_can_change_and_of_no_other(
     module: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     before, read, edited = _origins(ROOT), sources.read, PACKAGE / f"{module}.py"
     assert edited.is_file()
     monkeypatch.setattr(
@@ -276,7 +276,7 @@ def test_other_code_moves_the_keys_of_all_subjects_that_it_can_change_and_of_no_
     assert _moved(before, _origins(ROOT)) == {*SOURCES[module]}
 
 
-def test_a_file_beside_the_documents_a_seed_and_a_situation_move_every_key(copy: Path) -> None:
+def test_a_file_beside_the_documents_a_seed_and_a_situation_move_every_key(copy: Path):
     before = _origins(copy)
     (copy / "sim" / "mine.obj").write_text("v 0 0 0\n")
     assert _moved(before, _origins(copy)) == {*EVERY}
@@ -288,7 +288,7 @@ def test_a_file_beside_the_documents_a_seed_and_a_situation_move_every_key(copy:
 
 def test_a_study_that_gains_the_operator_of_a_plugin_keeps_all_flights_but_those_of_its_mutants(
     copy: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     before, cells = _origins(copy), copy / "hazop" / "matrix" / "human.yaml"
     (tmp_path / "odd_ware.py").write_text("def linger(_context, *, delay_s):\n    return lambda _t_s, sample: sample\n")
     monkeypatch.syspath_prepend(tmp_path)
@@ -300,7 +300,7 @@ def test_a_study_that_gains_the_operator_of_a_plugin_keeps_all_flights_but_those
     assert _moved(before, _origins(copy)) == {LATE}
 
 
-def test_a_drawn_number_is_part_of_the_key(copy: Path) -> None:
+def test_a_drawn_number_is_part_of_the_key(copy: Path):
     study = Study(with_range(copy))
     situations = ("T0O0W0D0H0C2", "T0O0W0D0H0C2=0.871", "T0O0W0D0H0C2=0.872")
     origins = [Keys(study).origin(flight_named(study, "baseline", key, 0)) for key in situations]
@@ -313,13 +313,13 @@ origins = st.builds(Origin, hashes, hashes, hashes, hashes, hashes, hashes, hash
 
 
 @given(origins, origins, st.integers(0, 2), st.integers(0, 2))
-def test_two_keys_are_equal_when_all_that_enters_them_is(one: Origin, other: Origin, seed: int, later: int) -> None:
+def test_two_keys_are_equal_when_all_that_enters_them_is(one: Origin, other: Origin, seed: int, later: int):
     assert one.key(seed) == Origin(*one).key(seed)
     assert (one.key(seed) == other.key(later)) == ((one, seed) == (other, later))
 
 
 @given(origins, origins)
-def test_the_parts_that_changed_are_those_that_differ(one: Origin, other: Origin) -> None:
+def test_the_parts_that_changed_are_those_that_differ(one: Origin, other: Origin):
     changed = one.changed(other)
     assert one._replace(**{name: getattr(other, name) for name in changed}) == other
     assert (changed == ()) == (one == other)

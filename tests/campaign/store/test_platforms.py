@@ -39,7 +39,7 @@ def store(tmp_path: Path) -> Store:
     return opened
 
 
-def test_a_claim_sets_the_flights_of_its_pairs_apart_and_leaves_the_others(store: Store) -> None:
+def test_a_claim_sets_the_flights_of_its_pairs_apart_and_leaves_the_others(store: Store):
     with store:
         claim(store, PAIRS[1:], TWO)
         known = Platforms(store)
@@ -51,7 +51,7 @@ def test_a_claim_sets_the_flights_of_its_pairs_apart_and_leaves_the_others(store
         assert [Platforms(store).of(pair) for pair in PAIRS] == [ONE, TWO, TWO]
 
 
-def test_a_claim_of_the_own_platform_moves_nothing(store: Store) -> None:
+def test_a_claim_of_the_own_platform_moves_nothing(store: Store):
     with store:
         claim(store, PAIRS, ONE)
         assert len(store.known(f"{situation}-{seed}" for situation, seed in PAIRS)) == len(PAIRS)
@@ -59,7 +59,7 @@ def test_a_claim_of_the_own_platform_moves_nothing(store: Store) -> None:
         assert Platforms(store).mixture(store.outcomes()) == ""
 
 
-def test_what_a_sample_showed_holds_in_both_directions_and_bits_are_more_than_facts(store: Store) -> None:
+def test_what_a_sample_showed_holds_in_both_directions_and_bits_are_more_than_facts(store: Store):
     with store:
         outcomes = list(store.outcomes())
         assert Platforms(store).unproved(TWO, outcomes) == ["numpy 2 here, 1 there"]
@@ -82,7 +82,7 @@ def test_what_a_sample_showed_holds_in_both_directions_and_bits_are_more_than_fa
         {"platform of D0H0/0": "0123456789abcdef", "platform 0123456789abcdef": "{"},
     ],
 )
-def test_a_damaged_note_is_bad_input(store: Store, notes: dict[str, str]) -> None:
+def test_a_damaged_note_is_bad_input(store: Store, notes: dict[str, str]):
     with store:
         store.set_meta({NOTE + name: text for name, text in notes.items()})
         with pytest.raises(InputError, match=r"the note 'platform of D0H0/.*does not name a platform"):
@@ -93,7 +93,7 @@ CPUINFO = Path("/proc/cpuinfo")
 PROGRAM = "from scaloft_fi.campaign.store.platforms import fingerprint as f; print(f()['{package} kernels'])"
 
 
-def test_a_fingerprint_differs_by_what_changed() -> None:
+def test_a_fingerprint_differs_by_what_changed():
     here = fingerprint()
     assert {"system", "machine", "processor", "python", "numpy", "pybullet"} <= here.keys()
     assert differences(here, here) == []
@@ -102,7 +102,7 @@ def test_a_fingerprint_differs_by_what_changed() -> None:
 
 @pytest.mark.skipif(not CPUINFO.exists() or "avx2" not in CPUINFO.read_text(), reason="no kernels to choose between")
 @pytest.mark.parametrize("package", BRING_OPENBLAS)
-def test_a_fingerprint_names_the_kernels_that_each_package_multiplies_with(package: str) -> None:
+def test_a_fingerprint_names_the_kernels_that_each_package_multiplies_with(package: str):
     if fingerprint()[f"{package} kernels"] == "unknown":
         pytest.skip(f"{package} is not linked with OpenBLAS")
     done = subprocess.run(
@@ -115,7 +115,7 @@ def test_a_fingerprint_names_the_kernels_that_each_package_multiplies_with(packa
     assert done.stdout.strip() == "Haswell"
 
 
-def test_kernels_of_a_library_that_does_not_tell_are_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_kernels_of_a_library_that_does_not_tell_are_unknown(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("scaloft_fi.campaign.store.platforms.find_spec", lambda _package: None)
     here = fingerprint()
     assert (here["numpy kernels"], here["scipy kernels"]) == ("unknown", "unknown")

@@ -35,7 +35,7 @@ from scaloft_fi.judge.requirement import Kind
 M = "LATE-human@3s"
 
 
-def test_what_was_put_is_there_after_reopening(tmp_path: Path) -> None:
+def test_what_was_put_is_there_after_reopening(tmp_path: Path):
     kept = replace(outcome(M), track=b"\x00\x01")
     with Store(tmp_path / "deep" / "campaign.sqlite") as store:
         assert store.put("k", kept)
@@ -45,7 +45,7 @@ def test_what_was_put_is_there_after_reopening(tmp_path: Path) -> None:
         assert store.known(["k", "other"]) == {"k"}
 
 
-def test_putting_again_changes_nothing(tmp_path: Path) -> None:
+def test_putting_again_changes_nothing(tmp_path: Path):
     with Store(tmp_path / "s.sqlite") as store:
         assert store.put("k", outcome(M))
         assert not store.put("k", outcome(M))
@@ -53,7 +53,7 @@ def test_putting_again_changes_nothing(tmp_path: Path) -> None:
         assert list(store.outcomes()) == [outcome(M)]
 
 
-def test_an_invalid_flight_gives_way_to_one_that_counts(tmp_path: Path) -> None:
+def test_an_invalid_flight_gives_way_to_one_that_counts(tmp_path: Path):
     with Store(tmp_path / "s.sqlite") as store:
         store.put("k", outcome(M, invalid="the worker died"))
         assert store.known(["k"]) == set()
@@ -62,7 +62,7 @@ def test_an_invalid_flight_gives_way_to_one_that_counts(tmp_path: Path) -> None:
         assert list(store.outcomes()) == [outcome(M)]
 
 
-def test_outcomes_come_without_tracks_in_one_order(tmp_path: Path) -> None:
+def test_outcomes_come_without_tracks_in_one_order(tmp_path: Path):
     with Store(tmp_path / "s.sqlite") as store:
         for seed in (2, 0, 1):
             store.put(f"k{seed}", replace(outcome(M, seed=seed), track=b"x"))
@@ -72,7 +72,7 @@ def test_outcomes_come_without_tracks_in_one_order(tmp_path: Path) -> None:
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=10)
 @given(campaigns())
-def test_a_campaign_survives_the_store(tmp_path: Path, outcomes: list[Outcome]) -> None:
+def test_a_campaign_survives_the_store(tmp_path: Path, outcomes: list[Outcome]):
     path = tmp_path / "s.sqlite"
     path.unlink(missing_ok=True)
     with Store(path) as store:
@@ -82,21 +82,21 @@ def test_a_campaign_survives_the_store(tmp_path: Path, outcomes: list[Outcome]) 
         assert sorted(store.outcomes(), key=lambda o: o.name) == sorted(outcomes, key=lambda o: o.name)
 
 
-def test_the_first_fact_about_a_campaign_stays(tmp_path: Path) -> None:
+def test_the_first_fact_about_a_campaign_stays(tmp_path: Path):
     with Store(tmp_path / "s.sqlite") as store:
         store.set_meta({"numpy": "1", "system": "Linux"})
         store.set_meta({"numpy": "2"})
         assert store.meta() == {"numpy": "1", "system": "Linux"}
 
 
-def test_two_processes_may_write_one_store(tmp_path: Path) -> None:
+def test_two_processes_may_write_one_store(tmp_path: Path):
     with Store(tmp_path / "s.sqlite") as one, Store(tmp_path / "s.sqlite") as two:
         assert one.put("a", outcome(M, seed=0))
         assert two.put("b", outcome(M, seed=1))
         assert one.known("ab") == two.known("ab") == {"a", "b"}
 
 
-def test_a_moment_within_another_is_part_of_it(tmp_path: Path) -> None:
+def test_a_moment_within_another_is_part_of_it(tmp_path: Path):
     with Store(tmp_path / "s.sqlite") as store, Store(tmp_path / "s.sqlite") as writer:
         store.put("k", outcome(M))
         with store.snapshot():
@@ -107,7 +107,7 @@ def test_a_moment_within_another_is_part_of_it(tmp_path: Path) -> None:
         assert len(store.flights()) == 2
 
 
-def test_a_writer_killed_in_the_middle_loses_nothing_that_was_put(tmp_path: Path) -> None:
+def test_a_writer_killed_in_the_middle_loses_nothing_that_was_put(tmp_path: Path):
     path = tmp_path / "s.sqlite"
     script = f"""
         import sys
@@ -134,7 +134,7 @@ def test_a_writer_killed_in_the_middle_loses_nothing_that_was_put(tmp_path: Path
         assert store.put("after", outcome(M, seed=-1))
 
 
-def test_a_full_disk_is_one_sentence_and_loses_nothing_that_was_put(tmp_path: Path) -> None:
+def test_a_full_disk_is_one_sentence_and_loses_nothing_that_was_put(tmp_path: Path):
     path = tmp_path / "s.sqlite"
     flown = [replace(outcome(M, seed=seed), track=os.urandom(20_000)) for seed in range(50)]
     kept: list[Outcome] = []
@@ -159,7 +159,7 @@ def test_a_full_disk_is_one_sentence_and_loses_nothing_that_was_put(tmp_path: Pa
         assert [store.get(str(one.seed)) for one in flown] == flown
 
 
-def test_a_track_that_many_flights_have_is_kept_once(tmp_path: Path) -> None:
+def test_a_track_that_many_flights_have_is_kept_once(tmp_path: Path):
     with Store(tmp_path / "s.sqlite") as store:
         for seed, track in enumerate((b"same", b"same", b"other", b"")):
             store.put(str(seed), replace(outcome(M, seed=seed), track=track))
@@ -167,20 +167,20 @@ def test_a_track_that_many_flights_have_is_kept_once(tmp_path: Path) -> None:
         assert store._connection.execute("SELECT count(*) FROM tracks").fetchone() == (2,)
 
 
-def test_there_is_no_campaign_where_none_was_made(tmp_path: Path) -> None:
+def test_there_is_no_campaign_where_none_was_made(tmp_path: Path):
     with pytest.raises(InputError, match="there is no campaign here"):
         Store(tmp_path / "s.sqlite", create=False)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_results_folder_that_cannot_be_made_is_one_sentence_and_nothing_is_written(tmp_path: Path) -> None:
+def test_a_results_folder_that_cannot_be_made_is_one_sentence_and_nothing_is_written(tmp_path: Path):
     (tmp_path / "results").write_text("a file where the folder should be")
     with pytest.raises(InputError, match="the results folder cannot be written"):
         Store(tmp_path / "results" / "campaigns" / "s.sqlite")
     assert [path.name for path in tmp_path.iterdir()] == ["results"]
 
 
-def test_a_file_that_is_no_store_is_left_alone(tmp_path: Path) -> None:
+def test_a_file_that_is_no_store_is_left_alone(tmp_path: Path):
     path = tmp_path / "s.sqlite"
     path.write_text("these are notes of mine, not a database; " * 50)
     with pytest.raises(InputError, match="cannot be used"):
@@ -188,7 +188,7 @@ def test_a_file_that_is_no_store_is_left_alone(tmp_path: Path) -> None:
     assert path.read_text().startswith("these are notes")
 
 
-def test_what_was_planned_is_there_with_what_entered_its_key(tmp_path: Path) -> None:
+def test_what_was_planned_is_there_with_what_entered_its_key(tmp_path: Path):
     origin = Origin("s", "r", "c", "m", "t")
     plan = [Planned(origin.key(seed), M, "T0O0W0D0H0", seed, canary=seed > 1, origin=origin) for seed in range(3)]
     with Store(tmp_path / "s.sqlite") as store:
@@ -198,7 +198,7 @@ def test_what_was_planned_is_there_with_what_entered_its_key(tmp_path: Path) -> 
         assert store._connection.execute("SELECT count(*) FROM origins").fetchone() == (1,)
 
 
-def test_a_canary_that_is_asked_for_later_is_none_any_more(tmp_path: Path) -> None:
+def test_a_canary_that_is_asked_for_later_is_none_any_more(tmp_path: Path):
     with Store(tmp_path / "s.sqlite") as store:
         for canary in (True, False, True):
             store.plan([Planned("k", M, "T0O0W0D0H0", 0, canary)])
@@ -206,7 +206,7 @@ def test_a_canary_that_is_asked_for_later_is_none_any_more(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("schema", [SCHEMA - 1, SCHEMA + 1])
-def test_a_store_of_another_version_is_refused_and_left_alone(tmp_path: Path, schema: int) -> None:
+def test_a_store_of_another_version_is_refused_and_left_alone(tmp_path: Path, schema: int):
     path = tmp_path / "s.sqlite"
     with Store(path) as store:
         store._connection.execute(f"PRAGMA user_version={schema}")
@@ -222,9 +222,7 @@ def _forbid_writing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.access", lambda _path, _mode: False)
 
 
-def test_a_campaign_that_can_only_be_read_is_read_and_left_alone(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_campaign_that_can_only_be_read_is_read_and_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     path = tmp_path / "100% ours?" / "s.sqlite"
     with Store(path) as store:
         store.put("k", outcome(M))
@@ -241,7 +239,7 @@ def test_a_campaign_that_can_only_be_read_is_read_and_left_alone(
 
 def test_what_a_writer_has_not_folded_into_the_file_is_read_all_the_same(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     path = tmp_path / "s.sqlite"
     with Store(path) as writer:
         writer.put("k", outcome(M))
@@ -260,7 +258,7 @@ def _open(path: Path, barrier: Any, said: Any) -> None:
 
 
 @pytest.mark.release
-def test_processes_that_begin_one_store_at_once_wait_for_each_other(tmp_path: Path) -> None:
+def test_processes_that_begin_one_store_at_once_wait_for_each_other(tmp_path: Path):
     context = multiprocessing.get_context("fork")
     for number in range(20):
         barrier, said = context.Barrier(6), context.Queue()
@@ -273,9 +271,7 @@ def test_processes_that_begin_one_store_at_once_wait_for_each_other(tmp_path: Pa
             process.join()
 
 
-def test_a_plan_above_the_limit_is_refused_before_anything_is_flown(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_plan_above_the_limit_is_refused_before_anything_is_flown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("SCALOFT_MOST_FLIGHTS", "2")
     with Store(tmp_path / "s.sqlite") as store:
         store.plan([Planned(key, M, "T0O0W0D0H0", 0) for key in "ab"])
@@ -294,7 +290,7 @@ def _stored(row: Record) -> Record:
 
 
 @given(campaigns(), st.binary(max_size=40))
-def test_outcomes_survive_their_rows(flown: list[Outcome], track: bytes) -> None:
+def test_outcomes_survive_their_rows(flown: list[Outcome], track: bytes):
     read = Reader()
     for kept in flown:
         kept = replace(kept, track=track, stack_error="it's \u26a0")
@@ -305,24 +301,24 @@ def test_outcomes_survive_their_rows(flown: list[Outcome], track: bytes) -> None
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
-def test_numbers_survive_to_the_bit(number: float) -> None:
+def test_numbers_survive_to_the_bit(number: float):
     kept = outcome("LATE-human@3s", violated={"SR1": number})
     kept = replace(kept, duration_s=number, infected_at_s=number)
     assert Reader()([_stored(to_row(kept))]) == [kept]
 
 
 @given(campaigns())
-def test_many_rows_are_read_as_each_of_them(flown: list[Outcome]) -> None:
+def test_many_rows_are_read_as_each_of_them(flown: list[Outcome]):
     rows = [to_row(kept) for kept in flown]
     assert Reader()(rows) == [outcome for row in rows for outcome in Reader()([row])] == flown
 
 
-def test_a_number_that_is_none_is_refused() -> None:
+def test_a_number_that_is_none_is_refused():
     with pytest.raises(ValueError, match="not JSON compliant"):
         to_row(outcome(violated={"SR1": math.nan}))
 
 
-def test_what_two_flights_have_in_common_is_kept_once() -> None:
+def test_what_two_flights_have_in_common_is_kept_once():
     read = Reader()
     one, other = read([to_row(outcome("LATE-human@3s", seed=seed, violated={"SR2": 3.0})) for seed in (0, 1)])
     assert one.subject is other.subject
@@ -334,7 +330,7 @@ HERE = "T0O0W0D0H0"
 
 @settings(deadline=None, max_examples=usually(25, release=60))
 @given(st.one_of(campaigns(), seeded()), st.data())
-def test_the_flights_that_stand_are_read_and_no_others(flown: list[Outcome], data: st.DataObject) -> None:
+def test_the_flights_that_stand_are_read_and_no_others(flown: list[Outcome], data: st.DataObject):
     stale = {str(number) for number in data.draw(st.sets(st.integers(0, len(flown))))}
     rows = [(str(number), one) for number, one in enumerate(flown)]
     with tempfile.TemporaryDirectory() as folder, Store(Path(folder) / "s.sqlite") as store:
@@ -343,7 +339,7 @@ def test_the_flights_that_stand_are_read_and_no_others(flown: list[Outcome], dat
     assert {one.name for one in standing} == {one.name for key, one in rows if key not in stale}
 
 
-def test_whether_flights_stand_is_asked_once_of_what_they_were_made_from(tmp_path: Path) -> None:
+def test_whether_flights_stand_is_asked_once_of_what_they_were_made_from(tmp_path: Path):
     one, other = (Origin("s", "r", "c", "m", situation) for situation in ("t", "u"))
     with Store(tmp_path / "s.sqlite") as store:
         store.plan(Planned(o.key(s), M, HERE, s, origin=o) for o in (one, other) for s in (0, 1))
@@ -363,7 +359,7 @@ def test_whether_flights_stand_is_asked_once_of_what_they_were_made_from(tmp_pat
         assert store.flights()[-1] == FlownFlight("k", M, HERE, 7, None)
 
 
-def test_a_store_with_a_row_that_cannot_be_read_is_closed_while_the_error_is_still_looked_at(tmp_path: Path) -> None:
+def test_a_store_with_a_row_that_cannot_be_read_is_closed_while_the_error_is_still_looked_at(tmp_path: Path):
     path = tmp_path / "s.sqlite"
     with Store(path) as store:
         store.put_all((str(seed), outcome(M, seed=seed)) for seed in range(3))
@@ -400,7 +396,7 @@ LOSSES: dict[str, tuple[Callable[[Path], object], str]] = {
 
 
 @pytest.mark.parametrize("loss", LOSSES)
-def test_a_store_that_is_lost_is_noticed_at_the_next_save_and_its_flights_are_copied(tmp_path: Path, loss: str) -> None:
+def test_a_store_that_is_lost_is_noticed_at_the_next_save_and_its_flights_are_copied(tmp_path: Path, loss: str):
     path = tmp_path / "campaigns" / "mine" / NAME
     flown = [replace(outcome(M, seed=seed), track=os.urandom(3000)) for seed in range(5)]
     lose, reason = LOSSES[loss]
@@ -420,7 +416,7 @@ def test_a_store_that_is_lost_is_noticed_at_the_next_save_and_its_flights_are_co
         assert again.put("5", outcome(M, seed=5))
 
 
-def test_a_second_loss_gets_a_folder_of_its_own(tmp_path: Path) -> None:
+def test_a_second_loss_gets_a_folder_of_its_own(tmp_path: Path):
     for number in ("", "-2", "-3"):
         with Store(tmp_path / "mine" / NAME) as store:
             (tmp_path / "mine" / NAME).unlink()
@@ -428,9 +424,7 @@ def test_a_second_loss_gets_a_folder_of_its_own(tmp_path: Path) -> None:
                 store.put("k", outcome(M))
 
 
-def test_where_no_copy_fits_beside_it_is_made_in_the_temporary_folder(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_where_no_copy_fits_beside_it_is_made_in_the_temporary_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     temporary = tmp_path / "tmp"
     temporary.mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(temporary))
@@ -445,7 +439,7 @@ def test_where_no_copy_fits_beside_it_is_made_in_the_temporary_folder(
         assert again.known(["k"]) == {"k"}
 
 
-def test_a_file_that_was_cut_cannot_be_copied_and_the_message_says_so(tmp_path: Path) -> None:
+def test_a_file_that_was_cut_cannot_be_copied_and_the_message_says_so(tmp_path: Path):
     path = tmp_path / "mine" / NAME
     with Store(path) as store:
         for seed in range(20):
@@ -459,7 +453,7 @@ def test_a_file_that_was_cut_cannot_be_copied_and_the_message_says_so(tmp_path: 
 
 def test_a_folder_that_becomes_read_only_is_noticed_and_everything_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     path = tmp_path / "mine" / NAME
     with Store(path) as store:
         store.put("0", outcome(M))
@@ -479,7 +473,7 @@ def test_a_folder_that_becomes_read_only_is_noticed_and_everything_is_kept(
         ("SQLITE_CORRUPT", "odd"),
     ],
 )
-def test_an_error_of_the_disk_is_one_sentence_that_says_what_is_kept(tmp_path: Path, code: str, words: str) -> None:
+def test_an_error_of_the_disk_is_one_sentence_that_says_what_is_kept(tmp_path: Path, code: str, words: str):
     with Store(tmp_path / NAME) as store:
         store.put("0", outcome(M))
 
@@ -495,7 +489,7 @@ def test_an_error_of_the_disk_is_one_sentence_that_says_what_is_kept(tmp_path: P
     assert str(raised.value) == f"{tmp_path / NAME}: the campaign's store cannot be used: {words}; {kept}"
 
 
-def test_a_save_that_takes_long_is_said_while_it_takes_long(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_save_that_takes_long_is_said_while_it_takes_long(monkeypatch: pytest.MonkeyPatch):
     said, told = list[str](), threading.Event()
     monkeypatch.setattr(store, "SLOW_S", 0.01)
 

@@ -86,7 +86,7 @@ def _names(things: Any) -> list[str]:
 
 def test_every_outcome_comes_home_once_and_was_flown_from_the_study_that_was_sent(
     dask: Any, address: str, reference: Study, flyer: Any
-) -> None:
+):
     flights = _flights(reference, LATE, MORE)
     home, said = _flown(dask, address, reference, flyer(), flights)
     assert _names(home) == _names(flights)
@@ -97,7 +97,7 @@ def test_every_outcome_comes_home_once_and_was_flown_from_the_study_that_was_sen
     assert (Path(folder) / "sim" / "world.yaml").read_bytes() == (ROOT / "sim" / "world.yaml").read_bytes()
 
 
-def test_once_stopped_what_is_queued_is_cancelled(dask: Any, address: str, reference: Study, flyer: Any) -> None:
+def test_once_stopped_what_is_queued_is_cancelled(dask: Any, address: str, reference: Study, flyer: Any):
     flights = _flights(reference, LATE, MORE)
     home, _ = _flown(dask, address, reference, flyer(slow_s=0.2), flights, lambda home: len(home) >= 2)
     assert 2 <= len(home) < len(flights)
@@ -107,7 +107,7 @@ def test_once_stopped_what_is_queued_is_cancelled(dask: Any, address: str, refer
 
 def test_what_flies_for_a_run_that_is_killed_ends_with_it(
     dask: Any, address: str, reference: Study, flyer: Any, tmp_path: Path
-) -> None:
+):
     program = (
         "import cluster_flyer\nfrom pathlib import Path\n"
         "from scaloft_fi.campaign.workers import Cluster\n"
@@ -127,7 +127,7 @@ def test_what_flies_for_a_run_that_is_killed_ends_with_it(
     assert soon(lambda: not alive(flying), 60.0)
 
 
-def test_a_further_grid_is_flown_by_its_own_situations(dask: Any, address: str, flyer: Any) -> None:
+def test_a_further_grid_is_flown_by_its_own_situations(dask: Any, address: str, flyer: Any):
     study = Study.open(ROOT, "wide")
     home, said = _flown(dask, address, study, flyer(), _flights(study, LATE))
     assert _names(home) == _names(_flights(study, LATE))
@@ -137,7 +137,7 @@ def test_a_further_grid_is_flown_by_its_own_situations(dask: Any, address: str, 
 
 def test_another_platform_is_said(
     dask: Any, address: str, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.setattr("scaloft_fi.campaign.workers.fingerprint", lambda: {"machine": "PDP-11"})
     home, said = _flown(dask, address, reference, flyer(), _flights(reference))
     assert len(home) == 3
@@ -149,7 +149,7 @@ def test_another_platform_is_said(
 @pytest.mark.release
 def test_a_worker_with_other_code_flies_nothing_while_others_do(
     dask: Any, reference: Study, flyer: Any, tmp_path: Path
-) -> None:
+):
     shutil.copytree(ROOT / "scaloft_fi", tmp_path / "scaloft_fi", ignore=shutil.ignore_patterns("__pycache__", ".*"))
     with (tmp_path / "scaloft_fi" / "sim" / "flight.py").open("a") as file:
         file.write("\nANSWER = 42\n")
@@ -166,9 +166,7 @@ def test_a_worker_with_other_code_flies_nothing_while_others_do(
 
 
 @pytest.mark.release
-def test_a_flight_over_which_every_worker_dies_is_invalid_with_the_reason(
-    dask: Any, reference: Study, flyer: Any
-) -> None:
+def test_a_flight_over_which_every_worker_dies_is_invalid_with_the_reason(dask: Any, reference: Study, flyer: Any):
     address = dask.scheduler(DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES="0")
     dask.worker(address, "--nanny")
     flights = _flights(reference, LATE, MORE)
@@ -180,7 +178,7 @@ def test_a_flight_over_which_every_worker_dies_is_invalid_with_the_reason(
 
 
 @pytest.mark.release
-def test_a_run_waits_for_workers_and_takes_those_that_join(dask: Any, reference: Study, flyer: Any) -> None:
+def test_a_run_waits_for_workers_and_takes_those_that_join(dask: Any, reference: Study, flyer: Any):
     address = dask.scheduler()
     said: list[str] = []
     flights = _flights(reference)
@@ -204,7 +202,7 @@ def test_a_scheduler_that_ends_interrupts_the_run(
     monkeypatch: pytest.MonkeyPatch,
     caplog: pytest.LogCaptureFixture,
     until_the_client_gives_up_s: float,
-) -> None:
+):
     monkeypatch.setattr("scaloft_fi.campaign.workers.CONNECT_S", 2.0)
     address = dask.scheduler()
     scheduler = dask.last
@@ -224,7 +222,7 @@ def test_a_scheduler_that_ends_interrupts_the_run(
 
 def test_a_scheduler_that_ends_and_starts_again_at_its_address_interrupts_a_run_that_waits(
     dask: Any, reference: Study, flyer: Any
-) -> None:
+):
     address = dask.scheduler()
     scheduler, begin_s = dask.last, time.monotonic()
 
@@ -246,7 +244,7 @@ def test_a_scheduler_that_ends_and_starts_again_at_its_address_interrupts_a_run_
 
 def test_a_scheduler_that_does_not_answer_is_one_sentence(
     dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.setattr("scaloft_fi.campaign.workers.CONNECT_S", 0.3)
     with pytest.raises(InputError, match=r"^--executor=dask://127.0.0.1:9 cannot be reached: no Dask scheduler"):
         _flown(dask, "127.0.0.1:9", reference, flyer(), _flights(reference))
@@ -254,7 +252,7 @@ def test_a_scheduler_that_does_not_answer_is_one_sentence(
 
 def test_without_distributed_it_is_said_how_to_install_it(
     dask: Any, reference: Study, flyer: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"pip install 'scaloft-fi\[cluster\]'"):
         _flown(dask, "127.0.0.1:9", reference, flyer(), _flights(reference))
@@ -269,7 +267,7 @@ def strange(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("scheme", ["tcp", "tls"])
-def test_a_client_without_the_certificate_is_not_let_in(address: str, strange: Path, scheme: str) -> None:
+def test_a_client_without_the_certificate_is_not_let_in(address: str, strange: Path, scheme: str):
     security = security_of(strange) if scheme == "tls" else None
     with pytest.raises((OSError, TypeError)):
         distributed.Client(f"{scheme}://{address}", set_as_default=False, security=security, timeout=2.0)
@@ -277,7 +275,7 @@ def test_a_client_without_the_certificate_is_not_let_in(address: str, strange: P
 
 def test_a_run_with_another_certificate_is_refused_in_a_sentence(
     address: str, strange: Path, flyer: Any, reference: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     monkeypatch.setattr("scaloft_fi.campaign.workers.CONNECT_S", 1.0)
     cluster = Cluster(address, strange)
     with (
@@ -289,7 +287,7 @@ def test_a_run_with_another_certificate_is_refused_in_a_sentence(
 
 def test_a_worker_without_the_certificate_gets_no_flight(
     address: str, dask: Any, strange: Path, flyer: Any, reference: Study
-) -> None:
+):
     worker = dask.worker(address, "--no-nanny", certificates=strange)
     flights = _flights(reference, LATE)
     with Cluster(address, dask.certificates).workers(
@@ -302,7 +300,7 @@ def test_a_worker_without_the_certificate_gets_no_flight(
 
 def test_a_run_whose_tasks_somebody_takes_away_flies_them_again_or_ends(
     address: str, dask: Any, flyer: Any, reference: Study
-) -> None:
+):
     done, flights = threading.Event(), _flights(reference, LATE)
 
     def attack() -> None:
@@ -347,7 +345,7 @@ def certificates(made: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(made, tmp_path / "cluster"))
 
 
-def test_an_executor_is_local_or_the_address_of_a_scheduler(certificates: Path) -> None:
+def test_an_executor_is_local_or_the_address_of_a_scheduler(certificates: Path):
     assert executor_named("local", 3) == Local(3)
     assert executor_named("dask://head-node:8786", None, certificates) == Cluster("head-node:8786", certificates)
     assert executor_named("dask://[::1]:8786/", None, certificates) == Cluster("[::1]:8786", certificates)
@@ -361,13 +359,13 @@ def test_an_executor_is_local_or_the_address_of_a_scheduler(certificates: Path) 
 
 
 @pytest.mark.parametrize("address", ["host:1", "127.0.0.1:8786", "[::1]:8786"])
-def test_a_cluster_without_a_certificate_is_refused_with_the_command_that_makes_one(address: str) -> None:
+def test_a_cluster_without_a_certificate_is_refused_with_the_command_that_makes_one(address: str):
     with pytest.raises(InputError) as caught:
         executor_named(f"dask://{address}", None)
     assert MAKE in str(caught.value)
 
 
-def test_files_that_do_not_fit_are_told_before_anything_is_flown(certificates: Path) -> None:
+def test_files_that_do_not_fit_are_told_before_anything_is_flown(certificates: Path):
     for name in ("cert.pem", "key.pem", "ca.pem"):
         folder = Path(shutil.copytree(certificates, certificates.parent / name))
         (folder / name).touch(mode=0o600)
@@ -382,7 +380,7 @@ def test_files_that_do_not_fit_are_told_before_anything_is_flown(certificates: P
         executor_named("dask://host:1", None, certificates)
 
 
-def test_what_is_packed_is_unpacked_again(tmp_path: Path) -> None:
+def test_what_is_packed_is_unpacked_again(tmp_path: Path):
     for name in ("sim/world.yaml", "sim/deep/mine.obj", "hazop/a.yaml", "mutants/catalogue.jsonl", "sim/.hidden"):
         path = tmp_path / "study" / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -405,7 +403,7 @@ def hangup() -> Iterator[signal.Signals]:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, *HANGUP])
-def test_the_first_signal_asks_to_stop_and_the_handlers_come_back(number: signal.Signals) -> None:
+def test_the_first_signal_asks_to_stop_and_the_handlers_come_back(number: signal.Signals):
     before = signal.getsignal(number)
     stopped = threading.Event()
     with interruptible(stopped):
@@ -416,7 +414,7 @@ def test_the_first_signal_asks_to_stop_and_the_handlers_come_back(number: signal
 
 
 @pytest.mark.release
-def test_what_nohup_ignores_stays_ignored(hangup: signal.Signals) -> None:
+def test_what_nohup_ignores_stays_ignored(hangup: signal.Signals):
     signal.signal(hangup, signal.SIG_IGN)
     stopped = threading.Event()
     with interruptible(stopped):
@@ -428,7 +426,7 @@ def test_what_nohup_ignores_stays_ignored(hangup: signal.Signals) -> None:
 @pytest.mark.release
 def test_the_second_signal_does_what_it_did_before_and_an_echo_of_the_first_does_nothing(
     monkeypatch: pytest.MonkeyPatch,
-) -> None:
+):
     now_s = 100.0
     monkeypatch.setattr("scaloft_fi.campaign.workers.time.monotonic", lambda: now_s)
     stopped = threading.Event()

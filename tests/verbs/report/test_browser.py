@@ -22,7 +22,7 @@ from scaloft_fi.verbs.report.page import page as page_of
 FLIGHT = "#flight=LATE-human%403s/T0O0W0D0H1/1"
 
 
-def test_both_matrices_are_drawn_whole(visit: Opened, text: str) -> None:
+def test_both_matrices_are_drawn_whole(visit: Opened, text: str):
     told, page = embedded(text, "figures"), visit().page
     assert page.locator("#hazop td").count() == len(told["cells"]) == 156
     assert page.locator("#kills td.state").count() == len(told["mutants"]) * len(told["situations"])
@@ -50,7 +50,7 @@ def test_both_matrices_are_drawn_whole(visit: Opened, text: str) -> None:
     assert page.locator('#hazop td[data-cell="REVERSE-velcmd"]').inner_text() == "SR1"
 
 
-def test_no_two_signs_of_the_kill_matrix_look_the_same_without_colour(visit: Opened) -> None:
+def test_no_two_signs_of_the_kill_matrix_look_the_same_without_colour(visit: Opened):
     page = visit().page
     looks = page.locator("#kills td.state").evaluate_all(
         """cells => cells.map((cell) => [cell.dataset.state, JSON.stringify([
@@ -65,7 +65,7 @@ def test_no_two_signs_of_the_kill_matrix_look_the_same_without_colour(visit: Ope
     assert len({look for found in by_sign.values() for look in found}) == len(by_sign) == 7
 
 
-def test_the_head_opens_with_the_answer_what_the_drone_fails_and_what_is_not_claimed(visit: Opened, text: str) -> None:
+def test_the_head_opens_with_the_answer_what_the_drone_fails_and_what_is_not_claimed(visit: Opened, text: str):
     told, page = embedded(text, "figures"), visit().page
     head = page.locator(".masthead")
     shown, not_shown, sure, next_ = (one["text"].replace("`", "").replace(".  ", ". ") for one in told["answers"])
@@ -81,14 +81,14 @@ def test_the_head_opens_with_the_answer_what_the_drone_fails_and_what_is_not_cla
     assert page.locator("main > *").nth(1).get_attribute("id") == "hazop"
 
 
-def test_the_ratios_are_printed_as_they_are_in_the_figures(visit: Opened, told: dict[str, Any]) -> None:
+def test_the_ratios_are_printed_as_they_are_in_the_figures(visit: Opened, told: dict[str, Any]):
     page = visit().page
     for ratio in told["ratios"]:
         assert page.get_by_text(f"{ratio['part']}/{ratio['whole']}", exact=True).count()
         assert page.get_by_text(ratio["population"], exact=True).count() == 1
 
 
-def test_a_click_on_a_kill_shows_a_flight_that_has_it_and_back_returns(visit: Opened, told: dict[str, Any]) -> None:
+def test_a_click_on_a_kill_shows_a_flight_that_has_it_and_back_returns(visit: Opened, told: dict[str, Any]):
     seen = visit()
     page = seen.page
     for mutant, seed in (("LATE-human@3s", 0), ("LATE-human@1s", 1)):
@@ -112,7 +112,7 @@ def test_a_click_on_a_kill_shows_a_flight_that_has_it_and_back_returns(visit: Op
     page.wait_for_selector("#sheet .map")
 
 
-def test_what_is_no_test_says_why(visit: Opened, told: dict[str, Any]) -> None:
+def test_what_is_no_test_says_why(visit: Opened, told: dict[str, Any]):
     page = visit().page
     keys = [situation["key"] for situation in told["situations"]]
     for key, letter, why in ((BAR, "r", "SR1 red, SR2 vacuous"), (SHAKY, "u", "SR1 unsteady, SR2 vacuous")):
@@ -122,7 +122,7 @@ def test_what_is_no_test_says_why(visit: Opened, told: dict[str, Any]) -> None:
         assert f"no test: {why}" in cell.get_attribute("aria-label")
 
 
-def test_the_pairs_of_the_unmutated_drone_that_are_not_steady_are_listed(visit: Opened, told: dict[str, Any]) -> None:
+def test_the_pairs_of_the_unmutated_drone_that_are_not_steady_are_listed(visit: Opened, told: dict[str, Any]):
     page = visit().page
     section = page.locator("#baseline")
     ill = {pair["situation"] for pair in told["pairs"] if pair["state"] in ("red", "unsteady", "open")}
@@ -138,7 +138,7 @@ def test_the_pairs_of_the_unmutated_drone_that_are_not_steady_are_listed(visit: 
     assert "Violates a safety requirement without any fault" in page.locator("#sheet .verdict").inner_text()
 
 
-def test_back_and_forward_at_once_leave_the_flight_open(visit: Opened) -> None:
+def test_back_and_forward_at_once_leave_the_flight_open(visit: Opened):
     seen = visit()
     page = seen.page
     page.locator('#kills tr[data-mutant="LATE-human@3s"] td.state[data-state="kill"]').first.click()
@@ -157,7 +157,7 @@ def test_back_and_forward_at_once_leave_the_flight_open(visit: Opened) -> None:
     assert seen.hash() == flight
 
 
-def test_the_paths_drawn_are_the_tracks_of_that_flight_and_its_baseline(visit: Opened, text: str) -> None:
+def test_the_paths_drawn_are_the_tracks_of_that_flight_and_its_baseline(visit: Opened, text: str):
     told = embedded(text, "figures")
     quanta = [entry["quantum"] for entry in told["columns"]]
     flights = unpacked(embedded(text, "flights")["T0O0W0D0H1"], quanta)
@@ -178,7 +178,7 @@ def test_the_paths_drawn_are_the_tracks_of_that_flight_and_its_baseline(visit: O
     assert page.locator("#sheet .map .violation").count() == 1
 
 
-def test_another_seed_is_another_flight(visit: Opened) -> None:
+def test_another_seed_is_another_flight(visit: Opened):
     seen = visit("#flight=LATE-human%401s/T0O0W0D0H1/1")
     page = seen.page
     assert "Revealed by SR2" in page.locator("#sheet .verdict").inner_text()
@@ -188,7 +188,7 @@ def test_another_seed_is_another_flight(visit: Opened) -> None:
     assert seen.hash().endswith("/0")
 
 
-def test_the_matrices_are_walked_and_opened_by_keys(visit: Opened) -> None:
+def test_the_matrices_are_walked_and_opened_by_keys(visit: Opened):
     seen = visit()
     page = seen.page
     for board, opened in (("#hazop", "#cell="), ("#kills", "#flight=")):
@@ -211,7 +211,7 @@ def test_the_matrices_are_walked_and_opened_by_keys(visit: Opened) -> None:
         assert page.evaluate("document.activeElement.getAttribute('aria-label')") == focused
 
 
-def test_a_cell_shows_its_mutants_and_they_lead_to_flights(visit: Opened) -> None:
+def test_a_cell_shows_its_mutants_and_they_lead_to_flights(visit: Opened):
     page = visit("#cell=LATE-human").page
     assert page.locator("#sheet .mutant h3").first.inner_text() == "LATE-human@3s"
     assert "LATE-human@1s detected by SR2" in page.locator("#sheet .sheet-body > details > summary").inner_text()
@@ -222,7 +222,7 @@ def test_a_cell_shows_its_mutants_and_they_lead_to_flights(visit: Opened) -> Non
     page.wait_for_selector("#sheet .mutant")
 
 
-def test_filters_and_order_of_the_kill_matrix(visit: Opened) -> None:
+def test_filters_and_order_of_the_kill_matrix(visit: Opened):
     page = visit().page
     rows = page.locator("#kills tr[data-mutant]")
     page.get_by_label("text in id or condition").fill("late-human")
@@ -246,7 +246,7 @@ def test_filters_and_order_of_the_kill_matrix(visit: Opened) -> None:
 
 def test_hostile_names_appear_letter_by_letter_and_break_nothing(
     visit: Opened, hostile: Evidence, hostile_text: str, tmp_path: Path
-) -> None:
+):
     file = tmp_path / "hostile <b>&.html"
     file.write_text(hostile_text, encoding="utf-8")
     page = visit(file=file).page
@@ -264,7 +264,7 @@ def test_hostile_names_appear_letter_by_letter_and_break_nothing(
 
 
 @pytest.mark.parametrize("width", [400, 1280])
-def test_the_page_never_scrolls_sideways(visit: Opened, width: int) -> None:
+def test_the_page_never_scrolls_sideways(visit: Opened, width: int):
     page = visit(viewport={"width": width, "height": 800}).page
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     page.evaluate(f"location.hash = '{FLIGHT}'")
@@ -272,7 +272,7 @@ def test_the_page_never_scrolls_sideways(visit: Opened, width: int) -> None:
     assert page.evaluate("document.getElementById('sheet').scrollWidth") <= width
 
 
-def test_dark_colours_follow_the_system_and_the_switch(visit: Opened) -> None:
+def test_dark_colours_follow_the_system_and_the_switch(visit: Opened):
     page = visit(color_scheme="dark").page
     dark = page.evaluate("getComputedStyle(document.body).backgroundColor")
     page.get_by_role("button", name="Switch to light colours").click()
@@ -280,7 +280,7 @@ def test_dark_colours_follow_the_system_and_the_switch(visit: Opened) -> None:
     assert sum(map(int, dark[4:-1].split(","))) < 120 < 600 < sum(map(int, light[4:-1].split(",")))
 
 
-def test_in_print_everything_is_light_and_laid_out(visit: Opened) -> None:
+def test_in_print_everything_is_light_and_laid_out(visit: Opened):
     page = visit(color_scheme="dark").page
     page.emulate_media(media="print")
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
@@ -289,7 +289,7 @@ def test_in_print_everything_is_light_and_laid_out(visit: Opened) -> None:
     assert page.pdf(prefer_css_page_size=True)[:4] == b"%PDF"
 
 
-def test_every_cell_has_a_name_and_every_control_a_label(visit: Opened) -> None:
+def test_every_cell_has_a_name_and_every_control_a_label(visit: Opened):
     page = visit(FLIGHT).page
     unnamed = page.evaluate(
         "[...document.querySelectorAll('[role=gridcell], svg[role=img], button, input, select, dialog')]"
@@ -300,7 +300,7 @@ def test_every_cell_has_a_name_and_every_control_a_label(visit: Opened) -> None:
     assert unnamed == 0
 
 
-def test_a_browser_that_cannot_inflate_says_so_and_still_gives_the_command(browser: Any, path: Path) -> None:
+def test_a_browser_that_cannot_inflate_says_so_and_still_gives_the_command(browser: Any, path: Path):
     context = browser.new_context()
     context.add_init_script("delete globalThis.DecompressionStream")
     page = context.new_page()
@@ -314,7 +314,7 @@ def test_a_browser_that_cannot_inflate_says_so_and_still_gives_the_command(brows
     context.close()
 
 
-def test_a_page_without_a_track_says_why(visit: Opened, evidence: Evidence, tmp_path: Path) -> None:
+def test_a_page_without_a_track_says_why(visit: Opened, evidence: Evidence, tmp_path: Path):
     file = tmp_path / "small.html"
     file.write_text(page_of(evidence, 1), encoding="utf-8")
     page = visit(FLIGHT, file=file).page
@@ -322,9 +322,7 @@ def test_a_page_without_a_track_says_why(visit: Opened, evidence: Evidence, tmp_
     assert "of the unmutated drone with seeds 0-9" in page.locator("#sheet .note").first.inner_text()
 
 
-def test_a_click_on_a_mutant_shows_its_karnaugh_map_and_a_cell_of_it_the_flight(
-    visit: Opened, told: dict[str, Any]
-) -> None:
+def test_a_click_on_a_mutant_shows_its_karnaugh_map_and_a_cell_of_it_the_flight(visit: Opened, told: dict[str, Any]):
     mutant = next(one for one in told["mutants"] if one["id"] == "LATE-human@3s")
     seen = visit()
     page = seen.page
@@ -352,7 +350,7 @@ def test_a_click_on_a_mutant_shows_its_karnaugh_map_and_a_cell_of_it_the_flight(
     page.wait_for_selector("#sheet .karnaugh")
 
 
-def test_the_karnaugh_map_is_walked_by_keys(visit: Opened) -> None:
+def test_the_karnaugh_map_is_walked_by_keys(visit: Opened):
     seen = visit("#mutant=LATE-human%403s")
     page = seen.page
     page.wait_for_selector("#sheet .karnaugh")
@@ -366,7 +364,7 @@ def test_the_karnaugh_map_is_walked_by_keys(visit: Opened) -> None:
     assert seen.hash() == f"#flight=LATE-human%403s/{key}/0"
 
 
-def test_the_karnaugh_map_is_printed_and_readable_in_dark(visit: Opened) -> None:
+def test_the_karnaugh_map_is_printed_and_readable_in_dark(visit: Opened):
     page = visit("#mutant=LATE-human%403s", color_scheme="dark").page
     page.wait_for_selector("#sheet .karnaugh")
     ink = "getComputedStyle(document.querySelector('#sheet .map-cell[data-state=kill] .plate')).color"
@@ -377,9 +375,7 @@ def test_the_karnaugh_map_is_printed_and_readable_in_dark(visit: Opened) -> None
     assert page.evaluate(ink) == "rgb(255, 255, 255)"
 
 
-def test_a_grid_that_cannot_be_folded_says_why_and_lists_the_situations(
-    visit: Opened, text: str, tmp_path: Path
-) -> None:
+def test_a_grid_that_cannot_be_folded_says_why_and_lists_the_situations(visit: Opened, text: str, tmp_path: Path):
     space = Space(("A",), (("0", "1"),), (("x", "y"),), ())
     told = embedded(text, "figures") | {"karnaugh": folding(space)}
     file = tmp_path / "wide.html"
@@ -391,7 +387,7 @@ def test_a_grid_that_cannot_be_folded_says_why_and_lists_the_situations(
     assert page.locator("#sheet .flown-list li").count() == 32
 
 
-def test_beside_a_margin_stands_the_limit_that_it_is_measured_against(visit: Opened, told: dict[str, Any]) -> None:
+def test_beside_a_margin_stands_the_limit_that_it_is_measured_against(visit: Opened, told: dict[str, Any]):
     page = visit().page
     section = page.locator("#ladders")
     limit = "limit of SR2: speed \u2264 0.25 m/s where time of flight \u2265 2 s and distance to the person in sight"
@@ -411,7 +407,7 @@ def test_beside_a_margin_stands_the_limit_that_it_is_measured_against(visit: Ope
 
 def test_a_disposition_stands_beside_its_survivor_and_a_given_day_marks_it(
     visit: Opened, evidence: Evidence, tmp_path: Path
-) -> None:
+):
     day = date(2027, 1, 31)
     known = Disposition("MORE-goal@0.6m", "A. Engineer", "there is 1 m of room", day)
     study = Study.open(evidence.study.folder)

@@ -21,7 +21,7 @@ def open_sheet(page: Any, fragment: str) -> None:
         page.wait_for_selector("#sheet .map")
 
 
-def test_two_clicks_lead_from_a_cell_to_the_flight_that_shows_its_fault(visit: Opened, told: dict[str, Any]) -> None:
+def test_two_clicks_lead_from_a_cell_to_the_flight_that_shows_its_fault(visit: Opened, told: dict[str, Any]):
     first = next(one for one in told["mutants"] if one["id"] == "LATE-human@3s")["first"]
     seen = visit()
     page = seen.page
@@ -38,7 +38,7 @@ def test_two_clicks_lead_from_a_cell_to_the_flight_that_shows_its_fault(visit: O
     assert page.locator("#sheet .map path.clean").count() == page.locator("#sheet .map path.flown").count() == 1
 
 
-def test_a_cell_names_each_kill_by_situation_requirement_and_flight(visit: Opened, told: dict[str, Any]) -> None:
+def test_a_cell_names_each_kill_by_situation_requirement_and_flight(visit: Opened, told: dict[str, Any]):
     kills = next(one for one in told["mutants"] if one["id"] == "LATE-human@3s")["kills"]
     page = visit("#cell=LATE-human").page
     rows = page.locator("#sheet .mutant").first.locator("table").first.locator("tbody tr")
@@ -51,7 +51,7 @@ def test_a_cell_names_each_kill_by_situation_requirement_and_flight(visit: Opene
         assert all(f"alias {alias}" in said for alias in situation["aliases"])
 
 
-def test_a_column_of_the_kill_matrix_is_a_situation_by_name(visit: Opened, told: dict[str, Any]) -> None:
+def test_a_column_of_the_kill_matrix_is_a_situation_by_name(visit: Opened, told: dict[str, Any]):
     seen = visit()
     page = seen.page
     heads = page.locator("table.kills tr.names th.upright a")
@@ -67,7 +67,7 @@ def test_a_column_of_the_kill_matrix_is_a_situation_by_name(visit: Opened, told:
     assert rows[0].split() == ["SR1", "red", "10/10"]
 
 
-def test_the_matrix_is_shaded_by_certainty_and_hatched_where_nothing_is_decided(visit: Opened) -> None:
+def test_the_matrix_is_shaded_by_certainty_and_hatched_where_nothing_is_decided(visit: Opened):
     page = visit().page
 
     def look(cell: str) -> list[str]:
@@ -89,7 +89,7 @@ def test_the_matrix_is_shaded_by_certainty_and_hatched_where_nothing_is_decided(
 
 
 @pytest.mark.release
-def test_a_flight_plays_and_jumps_to_what_happened(visit: Opened) -> None:
+def test_a_flight_plays_and_jumps_to_what_happened(visit: Opened):
     page = visit(FLIGHT).page
     told, play = page.locator("#sheet .time output"), page.locator("#sheet .play")
     assert told.inner_text() == "9.50 s"
@@ -107,14 +107,14 @@ def test_a_flight_plays_and_jumps_to_what_happened(visit: Opened) -> None:
 
 
 @pytest.mark.release
-def test_who_asks_for_less_motion_gets_no_moving_picture(visit: Opened) -> None:
+def test_who_asks_for_less_motion_gets_no_moving_picture(visit: Opened):
     page = visit(FLIGHT, reduced_motion="reduce").page
     assert page.locator("#sheet .play").count() == 0
     page.get_by_role("button", name="SR2 violated").click()
     assert page.locator("#sheet .time output").inner_text() == "9.50 s"
 
 
-def test_keys_alone_lead_to_the_flight_and_back(visit: Opened) -> None:
+def test_keys_alone_lead_to_the_flight_and_back(visit: Opened):
     seen = visit()
     page = seen.page
     focused = "document.activeElement.textContent"
@@ -149,7 +149,7 @@ def test_keys_alone_lead_to_the_flight_and_back(visit: Opened) -> None:
 
 
 @pytest.mark.release
-def test_a_link_and_the_way_back_draw_a_sheet_once(visit: Opened) -> None:
+def test_a_link_and_the_way_back_draw_a_sheet_once(visit: Opened):
     page = visit("#cell=LATE-human").page
     page.evaluate(
         "() => { window.drawn = 0; new MutationObserver((changes) => { for (const { addedNodes } of changes)"
@@ -167,7 +167,7 @@ def test_a_link_and_the_way_back_draw_a_sheet_once(visit: Opened) -> None:
 
 
 @pytest.mark.release
-def test_every_head_and_legend_is_a_term_that_leads_to_its_meaning(visit: Opened, told: dict[str, Any]) -> None:
+def test_every_head_and_legend_is_a_term_that_leads_to_its_meaning(visit: Opened, told: dict[str, Any]):
     page = visit().page
     known = {form.lower() for entry in told["glossary"] for form in (entry["name"], *entry["also"])}
     known |= {requirement["name"].lower() for requirement in told["requirements"]}
@@ -188,7 +188,7 @@ def test_every_head_and_legend_is_a_term_that_leads_to_its_meaning(visit: Opened
 
 
 @pytest.mark.release
-def test_on_paper_stands_what_is_behind_a_click_on_the_screen(visit: Opened, told: dict[str, Any]) -> None:
+def test_on_paper_stands_what_is_behind_a_click_on_the_screen(visit: Opened, told: dict[str, Any]):
     page = visit(color_scheme="dark").page
     page.wait_for_selector("#details[data-drawn]", state="attached")
     assert page.locator("#details").is_hidden()
@@ -210,7 +210,7 @@ def test_on_paper_stands_what_is_behind_a_click_on_the_screen(visit: Opened, tol
 
 
 @pytest.mark.release
-def test_on_a_narrow_screen_a_value_says_what_it_is(visit: Opened) -> None:
+def test_on_a_narrow_screen_a_value_says_what_it_is(visit: Opened):
     page = visit("#cell=LATE-human", viewport={"width": 390, "height": 844}).page
     head = "getComputedStyle(document.querySelector('#sheet .mutant td'), '::before').content"
     assert page.evaluate(head).replace('" "', "") in ('"killed by: "', '"killed by" ": "')
@@ -235,7 +235,7 @@ def test_on_a_narrow_screen_a_value_says_what_it_is(visit: Opened) -> None:
     ],
     ids=["light", "dark", "390 px", "an open flight"],
 )
-def test_axe_finds_nothing_serious(visit: Opened, fragment: str, context: dict[str, Any]) -> None:
+def test_axe_finds_nothing_serious(visit: Opened, fragment: str, context: dict[str, Any]):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
     page = visit(fragment, **context).page
     if fragment:

@@ -60,7 +60,7 @@ def sign(count: Count, verdict: str) -> tuple[str, list[str]]:
     return ("tested" if count.tests else "no_test"), []
 
 
-def test_the_head_answers_four_questions_as_the_score_does(told: dict[str, Any], evidence: Evidence) -> None:
+def test_the_head_answers_four_questions_as_the_score_does(told: dict[str, Any], evidence: Evidence):
     study = evidence.study
     expected = answers(score(evidence.outcomes, study.roster, study.space), study.roster, "paper")
     assert told["answers"] == [answer._asdict() for answer in expected]
@@ -70,15 +70,13 @@ def test_the_head_answers_four_questions_as_the_score_does(told: dict[str, Any],
     assert [line["name"] for line in told["besides"]] == ["Situations"]
 
 
-def test_alpha_is_spent_as_the_campaign_spent_it(evidence: Evidence, quick: Figures) -> None:
+def test_alpha_is_spent_as_the_campaign_spent_it(evidence: Evidence, quick: Figures):
     grown = frozenset(VERDICTS)
     looks = quick(replace(evidence, spending=Spending(0.04, grown)))
     assert {m["decided_at"]["alpha"] for m in looks["mutants"] if m["tests"]} == {0.01}
 
 
-def test_results_and_kill_rates_are_those_of_the_export(
-    told: dict[str, Any], counted: dict[str, dict[str, Count]]
-) -> None:
+def test_results_and_kill_rates_are_those_of_the_export(told: dict[str, Any], counted: dict[str, dict[str, Count]]):
     keys = [situation["key"] for situation in told["situations"]]
     assert {mutant["id"]: mutant["verdict"] for mutant in told["mutants"]} == VERDICTS
     shown = set()
@@ -95,13 +93,13 @@ def test_results_and_kill_rates_are_those_of_the_export(
     assert shown == set(told["signs"]) - {"not_flown"}
 
 
-def test_a_situation_not_flown_has_no_result(study: Study, quick: Figures) -> None:
+def test_a_situation_not_flown_has_no_result(study: Study, quick: Figures):
     outcomes = [o for o in campaign(study, MUTANTS[:1]) if o.mutant != MUTANTS[0] or o.situation.endswith("H1")]
     (mutant,) = quick(evidence_of(study, outcomes))["mutants"]
     assert sum(result is None for result in mutant["results"]) == 16
 
 
-def test_a_kill_opens_a_flight_that_has_it(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
+def test_a_kill_opens_a_flight_that_has_it(told: dict[str, Any], rows: list[dict[str, Any]]):
     flights = {(row["mutant"], row["situation"], row["seed"]): row for row in rows}
     opened = {}
     for mutant in told["mutants"]:
@@ -117,7 +115,7 @@ def test_a_kill_opens_a_flight_that_has_it(told: dict[str, Any], rows: list[dict
     assert opened["LESS-goal@0.05m", "seen"] == 1
 
 
-def test_every_kill_names_a_flight_that_has_it(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
+def test_every_kill_names_a_flight_that_has_it(told: dict[str, Any], rows: list[dict[str, Any]]):
     flights = {(row["mutant"], row["situation"], row["seed"]): row for row in rows}
     pool = [row for row in rows if row["mutant"] == "baseline"]
     for mutant in told["mutants"]:
@@ -138,7 +136,7 @@ def test_every_kill_names_a_flight_that_has_it(told: dict[str, Any], rows: list[
             assert kill["flights"] == {"part": violated, "whole": len(own)}
 
 
-def test_a_detection_is_as_sure_as_its_p_is_small(told: dict[str, Any]) -> None:
+def test_a_detection_is_as_sure_as_its_p_is_small(told: dict[str, Any]):
     assert told["certainty"] == [0.01, 0.001, 0.00001]
     steps = {}
     for mutant in told["mutants"]:
@@ -149,13 +147,13 @@ def test_a_detection_is_as_sure_as_its_p_is_small(told: dict[str, Any]) -> None:
     assert steps["MORE-goal@0.6m"] == 0
 
 
-def test_a_situation_is_named_by_the_values_that_are_not_benign(told: dict[str, Any]) -> None:
+def test_a_situation_is_named_by_the_values_that_are_not_benign(told: dict[str, Any]):
     names = {situation["key"]: (situation["name"], situation["aliases"]) for situation in told["situations"]}
     assert names["T0O0W0D0H0"] == ("every value benign", [])
     assert names["T1O1W1D1H0"] == ("corner, obstacle, near wall, dark", ["32"])
 
 
-def test_the_ratios_are_those_of_the_export(told: dict[str, Any], counted: dict[str, dict[str, Count]]) -> None:
+def test_the_ratios_are_those_of_the_export(told: dict[str, Any], counted: dict[str, dict[str, Count]]):
     defaults = [counted[mutant].values() for mutant in DEFAULTS]
     ratios = {ratio["name"]: (ratio["part"], ratio["whole"]) for ratio in told["ratios"]}
     assert ratios == {
@@ -171,7 +169,7 @@ def test_the_ratios_are_those_of_the_export(told: dict[str, Any], counted: dict[
 
 def test_what_a_verdict_rests_on_is_counted_in_steady_pairs(
     told: dict[str, Any], rows: list[dict[str, Any]], counted: dict[str, dict[str, Count]]
-) -> None:
+):
     states = states_of(rows)
     for mutant in told["mutants"]:
         counts = counted[mutant["id"]]
@@ -192,7 +190,7 @@ def test_what_a_verdict_rests_on_is_counted_in_steady_pairs(
             assert not tests[name]["kills"]["part"] or detected
 
 
-def test_a_control_names_what_shows_it(told: dict[str, Any], study: Study, quick: Figures) -> None:
+def test_a_control_names_what_shows_it(told: dict[str, Any], study: Study, quick: Figures):
     shows = {mutant["id"]: mutant["shows"] for mutant in told["mutants"]}
     assert shows.pop("REVERSE-velcmd") == ["SR1"]
     assert not any(shows.values())
@@ -206,9 +204,7 @@ def test_a_control_names_what_shows_it(told: dict[str, Any], study: Study, quick
     assert few["ratios"][3].items() >= {"name": "mutation_score", "part": 0, "whole": 0}.items()
 
 
-def test_the_line_below_the_matrix_counts_default_mutants(
-    told: dict[str, Any], counted: dict[str, dict[str, Count]]
-) -> None:
+def test_the_line_below_the_matrix_counts_default_mutants(told: dict[str, Any], counted: dict[str, dict[str, Count]]):
     for situation, counts in zip(told["situations"], told["by_situation"], strict=True):
         here = {mutant: counted[mutant][situation["key"]] for mutant in DEFAULTS}
         assert counts == {
@@ -218,7 +214,7 @@ def test_the_line_below_the_matrix_counts_default_mutants(
         }
 
 
-def test_pairs_and_coverage_are_those_of_the_export(told: dict[str, Any], rows: list[dict[str, Any]]) -> None:
+def test_pairs_and_coverage_are_those_of_the_export(told: dict[str, Any], rows: list[dict[str, Any]]):
     states = states_of(rows)
     assert {(pair["situation"], pair["requirement"]): pair["state"] for pair in told["pairs"]} == states
     assert set(states.values()) == {"steady", "red", "unsteady", "open", "vacuous"}
@@ -234,7 +230,7 @@ def test_pairs_and_coverage_are_those_of_the_export(told: dict[str, Any], rows: 
 
 def test_every_flight_tells_what_its_row_of_the_export_tells(
     text: str, told: dict[str, Any], rows: list[dict[str, Any]]
-) -> None:
+):
     quanta = [entry["quantum"] for entry in told["columns"]]
     flights = {
         (flight["mutant"], key, flight["seed"]): flight
@@ -257,13 +253,13 @@ def test_every_flight_tells_what_its_row_of_the_export_tells(
     assert not flights
 
 
-def test_neighbouring_columns_differ_in_one_axis(told: dict[str, Any]) -> None:
+def test_neighbouring_columns_differ_in_one_axis(told: dict[str, Any]):
     levels = [situation["levels"] for situation in told["situations"]]
     for one, next_ in pairwise(levels):
         assert sum(a != b for a, b in zip(one, next_, strict=True)) == 1
 
 
-def test_the_smallest_suite_and_the_minimal_mutants_are_those_of_brute_force(study: Study) -> None:
+def test_the_smallest_suite_and_the_minimal_mutants_are_those_of_brute_force(study: Study):
     evidence = evidence_of(study, campaign(study, ("LATE-human@3s", "NO-human@100%", "NO-depth@3s", "MORE-goal@0.6m")))
     told = embedded(page(evidence, 1), "figures")
     kills = {m: {key for key, count in c.items() if count.most} for m, c in counts_of(exported(evidence)).items()}
@@ -278,13 +274,13 @@ def test_the_smallest_suite_and_the_minimal_mutants_are_those_of_brute_force(stu
     assert {m for node in told["subsumption"]["nodes"] if node["minimal"] for m in node["mutants"]} == minimal
 
 
-def test_a_ladder_has_a_rung_for_each_magnitude_flown(told: dict[str, Any]) -> None:
+def test_a_ladder_has_a_rung_for_each_magnitude_flown(told: dict[str, Any]):
     (ladder,) = told["ladders"]
     assert ladder["cell"] == "LATE-human"
     assert [(rung["magnitude"], rung["default"]) for rung in ladder["rungs"]] == [("1s", False), ("3s", True)]
 
 
-def test_the_gates_hold_over_flights_that_nothing_is_wrong_with(told: dict[str, Any]) -> None:
+def test_the_gates_hold_over_flights_that_nothing_is_wrong_with(told: dict[str, Any]):
     assert told["gates"]["failed"] == ""
 
 
@@ -297,7 +293,7 @@ def test_the_gates_hold_over_flights_that_nothing_is_wrong_with(told: dict[str, 
 )
 def test_a_baseline_that_raises_or_stands_fails_the_gates_of_the_page(
     evidence: Evidence, quick: Figures, change: dict[str, Any], said: str
-) -> None:
+):
     first = next(outcome for outcome in evidence.outcomes if outcome.mutant == "baseline")
     outcomes = tuple(replace(o, **change) if o is first else o for o in evidence.outcomes)
     failed = quick(replace(evidence, outcomes=outcomes))["gates"]["failed"]
@@ -305,14 +301,12 @@ def test_a_baseline_that_raises_or_stands_fails_the_gates_of_the_page(
     assert first.name in failed
 
 
-def test_gates_that_fail_are_told(evidence: Evidence, quick: Figures) -> None:
+def test_gates_that_fail_are_told(evidence: Evidence, quick: Figures):
     outcomes = tuple(replace(o, digest="other") if o.mutant == "PLACEBO" else o for o in evidence.outcomes)
     assert "PLACEBO differs" in quick(replace(evidence, outcomes=outcomes))["gates"]["failed"]
 
 
-def test_a_requirement_that_was_never_put_to_the_test_has_no_least_robustness(
-    evidence: Evidence, quick: Figures
-) -> None:
+def test_a_requirement_that_was_never_put_to_the_test_has_no_least_robustness(evidence: Evidence, quick: Figures):
     def idle(outcome: Outcome) -> Outcome:
         readings = [replace(r, rho=24.0, triggered=0) if r.requirement == "OP1" else r for r in outcome.readings]
         return replace(outcome, readings=tuple(readings))
@@ -323,7 +317,7 @@ def test_a_requirement_that_was_never_put_to_the_test_has_no_least_robustness(
     assert told["SR2"] is not None
 
 
-def test_what_the_head_says_the_drone_fails_and_nobody_claims_is_as_recorded(evidence: Evidence, study: Study) -> None:
+def test_what_the_head_says_the_drone_fails_and_nobody_claims_is_as_recorded(evidence: Evidence, study: Study):
     def scored(outcomes: Iterable[Outcome]) -> Score:
         return score(outcomes, study.roster, study.space)
 

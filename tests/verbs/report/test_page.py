@@ -69,7 +69,7 @@ def tags(text: str) -> list[tuple[str, dict[str, str | None]]]:
 
 
 @given(json_values)
-def test_inert_json_holds_no_markup_and_comes_back(values: object) -> None:
+def test_inert_json_holds_no_markup_and_comes_back(values: object):
     import json
 
     text = inert(values)
@@ -77,11 +77,11 @@ def test_inert_json_holds_no_markup_and_comes_back(values: object) -> None:
     assert json.loads(text) == all_printable(values)
 
 
-def test_hostile_names_change_no_element_of_the_page(text: str, hostile_text: str) -> None:
+def test_hostile_names_change_no_element_of_the_page(text: str, hostile_text: str):
     assert tags(hostile_text) == tags(text)
 
 
-def test_hostile_names_are_in_the_figures_as_printable_texts(hostile: Evidence, hostile_text: str) -> None:
+def test_hostile_names_are_in_the_figures_as_printable_texts(hostile: Evidence, hostile_text: str):
     told = embedded(hostile_text, "figures")
     assert told["campaign"] == printable(HOSTILE[0])
     assert told["study"] == hostile.study.folder.name
@@ -90,7 +90,7 @@ def test_hostile_names_are_in_the_figures_as_printable_texts(hostile: Evidence, 
     assert told["fingerprint"] == all_printable({HOSTILE[1]: HOSTILE[2]})
 
 
-def test_the_policy_admits_this_style_and_this_script_and_nothing_else(text: str) -> None:
+def test_the_policy_admits_this_style_and_this_script_and_nothing_else(text: str):
     policy = next(entry["content"] for tag, entry in tags(text) if entry.get("http-equiv") == "Content-Security-Policy")
     assert policy is not None
     style = re.search(r"<style>(.*?)</style>", text, re.DOTALL)
@@ -104,7 +104,7 @@ def test_the_policy_admits_this_style_and_this_script_and_nothing_else(text: str
     assert "unsafe" not in policy
 
 
-def test_nothing_in_the_page_names_another_file(text: str) -> None:
+def test_nothing_in_the_page_names_another_file(text: str):
     linked = [
         (tag, name, value) for tag, entry in tags(text) for name, value in entry.items() if name in ("src", "href")
     ]
@@ -114,7 +114,7 @@ def test_nothing_in_the_page_names_another_file(text: str) -> None:
     assert not re.search(r"@import|url\(|\binnerHTML\b|\beval\(|\bfetch\(", text)
 
 
-def test_every_asset_is_part_of_the_page() -> None:
+def test_every_asset_is_part_of_the_page():
     from importlib.resources import files
 
     names = {entry.name for entry in files("scaloft_fi.verbs.report").joinpath("assets").iterdir()}
@@ -122,7 +122,7 @@ def test_every_asset_is_part_of_the_page() -> None:
 
 
 @pytest.mark.release
-def test_a_page_that_would_be_too_large_keeps_less_of_the_tracks_and_says_so(study: Study) -> None:
+def test_a_page_that_would_be_too_large_keeps_less_of_the_tracks_and_says_so(study: Study):
     outcomes = [
         jitter(o, seed)
         for seed in range(3)
@@ -141,7 +141,7 @@ def test_a_page_that_would_be_too_large_keeps_less_of_the_tracks_and_says_so(stu
 
 
 @pytest.mark.parametrize("bound", [1])
-def test_figures_are_never_dropped(evidence: Evidence, bound: int) -> None:
+def test_figures_are_never_dropped(evidence: Evidence, bound: int):
     told = embedded(page(evidence, bound), "figures")
     assert "Every flight of the unmutated drone with seeds 0-9" in told["detail"]
     assert len(told["mutants"]) == len(MUTANTS)
@@ -163,7 +163,7 @@ def folder(study: Study, tmp_path: Path) -> str:
     return f"{tmp_path}/"
 
 
-def test_all_of_the_campaign_is_there(study: Study, folder: str) -> None:
+def test_all_of_the_campaign_is_there(study: Study, folder: str):
     evidence = gather(study, folder)
     flown = sorted(campaign(study, (MUTANT,), range(1), range(1)), key=lambda o: o.name)
     assert sorted(evidence.outcomes, key=lambda o: o.name) == flown
@@ -172,7 +172,7 @@ def test_all_of_the_campaign_is_there(study: Study, folder: str) -> None:
     assert (evidence.stale.sentences, evidence.owed) == ((), 0)
 
 
-def test_it_is_read_at_one_moment(study: Study, folder: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_is_read_at_one_moment(study: Study, folder: str, monkeypatch: pytest.MonkeyPatch):
     opened, plain = [], Store.meta
     (late, *_) = campaign(study, (), range(1), range(1))
 
@@ -188,7 +188,7 @@ def test_it_is_read_at_one_moment(study: Study, folder: str, monkeypatch: pytest
     assert len(opened) == 1
 
 
-def test_a_campaign_without_flights_is_one_sentence(study: Study, tmp_path: Path) -> None:
+def test_a_campaign_without_flights_is_one_sentence(study: Study, tmp_path: Path):
     with Store(tmp_path / STORE_NAME):
         pass
     with pytest.raises(InputError, match="nothing to show"):
@@ -203,12 +203,12 @@ def _read(evidence: Evidence, detail: Detail) -> dict[str, list[dict[str, object
     return {key: unpacked(pack, quanta) for key, pack in packs(evidence.outcomes, NAMES, detail).texts.items()}
 
 
-def test_every_flight_but_placebo_is_there_once(evidence: Evidence) -> None:
+def test_every_flight_but_placebo_is_there_once(evidence: Evidence):
     found = [(f["mutant"], key, f["seed"]) for key, flights in _read(evidence, DETAILS[0]).items() for f in flights]
     assert sorted(found) == sorted((o.mutant, o.situation, o.seed) for o in evidence.outcomes if o.mutant != PLACEBO_ID)
 
 
-def test_a_track_of_the_page_is_the_flights_to_half_a_step(evidence: Evidence) -> None:
+def test_a_track_of_the_page_is_the_flights_to_half_a_step(evidence: Evidence):
     read = _read(evidence, DETAILS[0])
     for outcome in evidence.outcomes[::7]:
         if outcome.mutant == PLACEBO_ID or not outcome.track:
@@ -222,7 +222,7 @@ def test_a_track_of_the_page_is_the_flights_to_half_a_step(evidence: Evidence) -
             assert ours[column("speed_mps")] == pytest.approx(theirs[column("speed_mps")], abs=0.0051)
 
 
-def test_flights_that_equal_their_baseline_share_its_track(evidence: Evidence) -> None:
+def test_flights_that_equal_their_baseline_share_its_track(evidence: Evidence):
     for flights in _read(evidence, DETAILS[0]).values():
         clean = {f["seed"]: f["track"] for f in flights if f["mutant"] == BASELINE}
         same = [f for f in flights if f["mutant"] == "NO-depth@3s"]
@@ -232,7 +232,7 @@ def test_flights_that_equal_their_baseline_share_its_track(evidence: Evidence) -
 
 @pytest.mark.release
 @pytest.mark.parametrize("detail", DETAILS)
-def test_less_detail_leaves_every_flight_and_every_baselines_track(evidence: Evidence, detail: Detail) -> None:
+def test_less_detail_leaves_every_flight_and_every_baselines_track(evidence: Evidence, detail: Detail):
     for flights in _read(evidence, detail).values():
         for flight in flights:
             if flight["mutant"] == BASELINE:
@@ -241,7 +241,7 @@ def test_less_detail_leaves_every_flight_and_every_baselines_track(evidence: Evi
                 assert flight["rows"] is None
 
 
-def test_the_page_says_of_which_flights_it_has_tracks(evidence: Evidence) -> None:
+def test_the_page_says_of_which_flights_it_has_tracks(evidence: Evidence):
     def says(outcomes: Iterable[Outcome], detail: Detail = DETAILS[0]) -> str:
         return packs(outcomes, NAMES, detail).says
 
@@ -264,12 +264,12 @@ def test_the_page_says_of_which_flights_it_has_tracks(evidence: Evidence) -> Non
     assert "None of mutants with seeds 1-2" in part
 
 
-def test_a_flight_that_failed_says_why_and_has_no_track(evidence: Evidence) -> None:
+def test_a_flight_that_failed_says_why_and_has_no_track(evidence: Evidence):
     broken = [f for flights in _read(evidence, DETAILS[0]).values() for f in flights if f["invalid"]]
     assert [(f["status"], f["invalid"], f["rows"]) for f in broken] == [("invalid", "the worker died", None)]
 
 
-def test_a_track_with_other_columns_is_no_track(evidence: Evidence) -> None:
+def test_a_track_with_other_columns_is_no_track(evidence: Evidence):
     rows = unpack_track(evidence.outcomes[0].track)
     values = array("f", [value for row in rows for value in row[:5]])
     assert rows_of(evidence.outcomes[0].track) == rows
@@ -278,7 +278,7 @@ def test_a_track_with_other_columns_is_no_track(evidence: Evidence) -> None:
             rows_of(zlib.compress(damaged.tobytes()))
 
 
-def test_a_reading_that_tests_nothing_has_no_robustness(evidence: Evidence) -> None:
+def test_a_reading_that_tests_nothing_has_no_robustness(evidence: Evidence):
     flown = next(outcome for outcome in evidence.outcomes if outcome.mutant == BASELINE and not outcome.struck)
     idle = replace(flown, readings=tuple(replace(r, rho=24.0, triggered=0) for r in flown.readings[:1]))
     told = record(idle, None, NAMES)["readings"]
@@ -291,9 +291,7 @@ wholes = st.lists(st.tuples(*[st.integers(-FAR, FAR)] * 3), min_size=1, max_size
 
 
 @given(rows, st.integers(1, 3))
-def test_a_value_comes_back_to_half_a_quantum_or_as_nothing_to_measure(
-    track: list[tuple[float, ...]], coarse: int
-) -> None:
+def test_a_value_comes_back_to_half_a_quantum_or_as_nothing_to_measure(track: list[tuple[float, ...]], coarse: int):
     for row, whole in zip(track, quantised(track, TRACK_COLUMNS, coarse).tolist(), strict=True):
         for name, value, number in zip(TRACK_COLUMNS, row, whole, strict=True):
             if name in ("clearance_m", "person_sight_m") and value >= FAR_M:
@@ -302,14 +300,12 @@ def test_a_value_comes_back_to_half_a_quantum_or_as_nothing_to_measure(
                 assert abs(number * quantum(name, coarse) - value) <= quantum(name, coarse) / 2 + 1e-9
 
 
-def test_what_is_no_number_is_nothing_to_measure() -> None:
+def test_what_is_no_number_is_nothing_to_measure():
     assert quantised([(math.nan,), (math.inf,)], ("speed_mps",)).tolist() == [[FAR], [FAR]]
 
 
 @given(wholes, st.data())
-def test_two_planes_of_bytes_hold_the_rows_after_the_shared_ones(
-    track: list[tuple[int, ...]], data: st.DataObject
-) -> None:
+def test_two_planes_of_bytes_hold_the_rows_after_the_shared_ones(track: list[tuple[int, ...]], data: st.DataObject):
     whole = np.array(track, dtype=np.int32)
     same = data.draw(st.integers(0, len(track)))
     code = coded(whole, same)
@@ -327,9 +323,7 @@ def test_two_planes_of_bytes_hold_the_rows_after_the_shared_ones(
 
 
 @given(wholes, wholes)
-def test_shared_counts_the_rows_before_the_first_that_differs(
-    one: list[tuple[int, ...]], other: list[tuple[int, ...]]
-) -> None:
+def test_shared_counts_the_rows_before_the_first_that_differs(one: list[tuple[int, ...]], other: list[tuple[int, ...]]):
     common = 0
     while common < min(len(one), len(other)) and one[common] == other[common]:
         common += 1
@@ -337,7 +331,7 @@ def test_shared_counts_the_rows_before_the_first_that_differs(
 
 
 @given(rows, st.integers(1, 5))
-def test_a_thinned_track_keeps_its_ends_and_its_extremes(track: list[tuple[float, ...]], every: int) -> None:
+def test_a_thinned_track_keeps_its_ends_and_its_extremes(track: list[tuple[float, ...]], every: int):
     kept = thinned(track, every)
     assert kept[0] == track[0]
     assert kept[-1][0] == track[-1][0]
@@ -353,7 +347,7 @@ def _figures(path: Path) -> dict[str, object]:
     return told
 
 
-def test_the_page_of_a_campaign_is_written_into_its_folder_and_says_what_score_says(call: Call, tmp_path: Path) -> None:
+def test_the_page_of_a_campaign_is_written_into_its_folder_and_says_what_score_says(call: Call, tmp_path: Path):
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     result = call("report")
     assert result.exit_code == 0, result.output
@@ -371,7 +365,7 @@ def test_the_page_of_a_campaign_is_written_into_its_folder_and_says_what_score_s
     assert told["flights"] == len(rows)
 
 
-def test_the_page_can_go_elsewhere_and_the_same_campaign_makes_the_same_bytes(call: Call, tmp_path: Path) -> None:
+def test_the_page_can_go_elsewhere_and_the_same_campaign_makes_the_same_bytes(call: Call, tmp_path: Path):
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
     pages = [tmp_path / "a.html", tmp_path / "b.html"]
     for path in pages:
@@ -379,7 +373,7 @@ def test_the_page_can_go_elsewhere_and_the_same_campaign_makes_the_same_bytes(ca
     assert pages[0].read_bytes() == pages[1].read_bytes()
 
 
-def test_a_day_is_taken_from_the_command_line_only(call: Call, tmp_path: Path) -> None:
+def test_a_day_is_taken_from_the_command_line_only(call: Call, tmp_path: Path):
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
     path = tmp_path / "a.html"
     for words, today in (((), None), (("--today", "2027-02-01"), "2027-02-01")):

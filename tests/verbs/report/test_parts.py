@@ -62,7 +62,7 @@ def both(evidence: Evidence) -> dict[str, Any]:
     return finds_told(evidence, *FINDS)
 
 
-def test_each_find_has_its_words_evidence_scene_and_command(both: dict[str, Any]) -> None:
+def test_each_find_has_its_words_evidence_scene_and_command(both: dict[str, Any]):
     assert (both["grid"], both["misfits"]) == ("paper+found", ["lost"])
     for find, listed in zip(FINDS, both["finds"], strict=True):
         assert (listed["name"], listed["situation"], listed["mutant"]) == (find.name, find.situation, find.mutant)
@@ -78,7 +78,7 @@ def test_each_find_has_its_words_evidence_scene_and_command(both: dict[str, Any]
     assert set(walking) - set(still) == {"obstacle"}
 
 
-def test_flights_of_the_campaign_are_a_pair_that_shows_the_find(both: dict[str, Any], evidence: Evidence) -> None:
+def test_flights_of_the_campaign_are_a_pair_that_shows_the_find(both: dict[str, Any], evidence: Evidence):
     flown, unflown = both["finds"]
     assert unflown["flights"] is None
     mutated, clean = flown["flights"]
@@ -96,14 +96,14 @@ def test_flights_of_the_campaign_are_a_pair_that_shows_the_find(both: dict[str, 
     assert other["flights"][0]["mutant"] == LATE
 
 
-def test_flights_over_another_grid_are_of_other_situations_whatever_their_keys(evidence: Evidence) -> None:
+def test_flights_over_another_grid_are_of_other_situations_whatever_their_keys(evidence: Evidence):
     (find,) = finds_told(evidence, FINDS[0], grid="wide")["finds"]
     assert find["flights"] is None
 
 
 def test_a_find_whose_values_do_not_go_together_any_more_is_named_and_left_out(
     evidence: Evidence, monkeypatch: pytest.MonkeyPatch
-) -> None:
+):
     def refuse(*_: object) -> None:
         raise InputError("the person would stand in the wall")
 
@@ -112,13 +112,13 @@ def test_a_find_whose_values_do_not_go_together_any_more_is_named_and_left_out(
     assert (both["finds"], both["misfits"]) == ([], ["lost", *(find.name for find in FINDS)])
 
 
-def test_a_page_without_finds_has_no_section_of_them(told: dict[str, Any]) -> None:
+def test_a_page_without_finds_has_no_section_of_them(told: dict[str, Any]):
     assert told["found"] == {"grid": "", "finds": [], "misfits": []}
 
 
 def test_the_page_draws_each_find_and_survivors_lead_to_theirs(
     visit: Opened, text: str, both: dict[str, Any], tmp_path: Path
-) -> None:
+):
     figures = embedded(text, "figures")
     assert visit().page.locator("#found").count() == 0
     more = next(one for one in figures["survivors"] if one["mutant"] == MORE)
@@ -207,7 +207,7 @@ def _as(outcome: Outcome, magnitude: str) -> Outcome:
 
 def test_the_ends_of_a_margin_and_the_robustness_there_are_those_of_the_export(
     measured: tuple[Evidence, dict[str, Any]],
-) -> None:
+):
     evidence, told = measured
     (entry,) = told["thresholds"]
     rows = [row for row in exported(evidence) if row["mutant"].startswith("LATE-human")]
@@ -241,7 +241,7 @@ def _least(rows: list[dict[str, Any]], key: str, magnitude: float) -> float:
 
 def test_a_magnitude_flown_where_a_search_asked_for_it_is_no_rung_of_the_ladder(
     measured: tuple[Evidence, dict[str, Any]],
-) -> None:
+):
     (ladder,) = measured[1]["ladders"]
     assert [rung["magnitude"] for rung in ladder["rungs"]] == ["0.5s", "1s", "3s"]
     late = [mutant["id"] for mutant in measured[1]["mutants"] if mutant["cell"] == "LATE-human"]
@@ -249,7 +249,7 @@ def test_a_magnitude_flown_where_a_search_asked_for_it_is_no_rung_of_the_ladder(
     assert [mutant["id"] for mutant in measured[1]["mutants"] if mutant["searched"]] == ["LATE-human@2s"]
 
 
-def test_what_is_seen_without_a_verdict_is_no_kill(study: Study) -> None:
+def test_what_is_seen_without_a_verdict_is_no_kill(study: Study):
     outcomes = campaign(study, ("LATE-human@3s", "LATE-human@1s"), range(1))
     few = [o for o in outcomes if o.mutant != "LATE-human@3s" or o.situation in (SEARCHED, "T0O1W0D0H1")]
     scored = score(few, study.roster, study.space)
@@ -259,7 +259,7 @@ def test_what_is_seen_without_a_verdict_is_no_kill(study: Study) -> None:
     assert entry["least"] == "seen 1-3 s"
 
 
-def test_the_page_has_each_fault_that_was_flown_at_several_phases(study: Study) -> None:
+def test_the_page_has_each_fault_that_was_flown_at_several_phases(study: Study):
     mutants = ("NO-velcmd@1s", "NO-velcmd@1s#5s", "NO-velcmd@1s#sight", "LATE-human@3s")
     told = embedded(page(evidence_of(study, campaign(study, mutants, range(1))), 1), "figures")
     (when,) = told["whens"]
@@ -271,7 +271,7 @@ def test_the_page_has_each_fault_that_was_flown_at_several_phases(study: Study) 
     ]
 
 
-def test_magnitudes_are_in_order_and_forms_without_one_stay_as_they_are(study: Study) -> None:
+def test_magnitudes_are_in_order_and_forms_without_one_stay_as_they_are(study: Study):
     order = by_ladder(study.matrix, study.roster)
     ids = [mutant.id for mutant in study.catalogue]
     cells = [id_.split("@")[0].split("#")[0] for id_ in sorted(ids, key=order)]
@@ -282,7 +282,7 @@ def test_magnitudes_are_in_order_and_forms_without_one_stay_as_they_are(study: S
     assert sorted(set(late), key=order) == late
 
 
-def test_the_reference_studys_limits_are_told_in_the_units_of_their_signals(study: Study) -> None:
+def test_the_reference_studys_limits_are_told_in_the_units_of_their_signals(study: Study):
     told = {entry["name"]: entry for entry in bounds_of(study.requirements)}
 
     def short(bounds: list[dict[str, Any]]) -> list[tuple[Any, ...]]:
@@ -315,12 +315,12 @@ def test_the_reference_studys_limits_are_told_in_the_units_of_their_signals(stud
         "always(a > b)",
     ],
 )
-def test_what_is_more_than_a_conjunction_of_bounds_is_not_taken_apart(text: str) -> None:
+def test_what_is_more_than_a_conjunction_of_bounds_is_not_taken_apart(text: str):
     (entry,) = bounds_of([Requirement("R", Kind.SAFETY, text, trigger="t > 0")])
     assert entry == {"name": "R", "demands": [], "when": []}
 
 
-def test_brackets_negative_bounds_and_definitions() -> None:
+def test_brackets_negative_bounds_and_definitions():
     text = "always(((trigger implies (a / 2 <= 3 and -1 <= b)) and low))"
     (entry,) = bounds_of([Requirement("R", Kind.SAFETY, text, trigger="t > 0", definitions=(("low", "c < 5"),))])
     assert json.loads(json.dumps([tuple(bound.values()) for bound in entry["demands"]])) == [
@@ -330,7 +330,7 @@ def test_brackets_negative_bounds_and_definitions() -> None:
     ]
 
 
-def test_the_reference_study_limits_clearance_speed_and_the_distance_at_which_that_counts(study: Study) -> None:
+def test_the_reference_study_limits_clearance_speed_and_the_distance_at_which_that_counts(study: Study):
     found = {
         (limit["requirement"], limit["signal"], limit["sense"], limit["bound"], limit["role"])
         for limit in limits(study.requirements, TRACK_COLUMNS)
@@ -344,12 +344,12 @@ def test_the_reference_study_limits_clearance_speed_and_the_distance_at_which_th
     ("text", "bound"),
     [("always(speed_mps / 0.5 <= 3)", 1.5), ("always(speed_mps>=-2.5)", -2.5), ("always(x_m > 1)", None)],
 )
-def test_a_limit_is_in_the_unit_of_its_signal(text: str, bound: float | None) -> None:
+def test_a_limit_is_in_the_unit_of_its_signal(text: str, bound: float | None):
     found = limits([Requirement("R", Kind.SAFETY, text)], ("speed_mps",))
     assert [limit["bound"] for limit in found] == ([] if bound is None else [bound])
 
 
-def test_a_survivor_is_told_with_its_disposition_and_the_situations_that_it_does_not_name(evidence: Evidence) -> None:
+def test_a_survivor_is_told_with_its_disposition_and_the_situations_that_it_does_not_name(evidence: Evidence):
     study, more, day = evidence.study, "MORE-goal@0.6m", date(2027, 1, 31)
     scored = score(evidence.outcomes, study.roster, study.space)
     known = (Disposition(more, "A. Engineer", "there is 1 m of room", day, (SEARCHED,)),)
@@ -374,7 +374,7 @@ def grid(*sizes: int) -> Space:
 
 
 @pytest.mark.parametrize("count", range(2, 7))
-def test_neighbours_differ_in_one_axis_and_opposite_edges_meet(count: int) -> None:
+def test_neighbours_differ_in_one_axis_and_opposite_edges_meet(count: int):
     space = grid(*[2] * count)
     fold = folding(space)
     keys = fold["keys"]
@@ -394,7 +394,7 @@ def test_neighbours_differ_in_one_axis_and_opposite_edges_meet(count: int) -> No
         ((2,), "needs 2 axes or more; this grid has 1"),
     ],
 )
-def test_a_grid_without_a_map_says_why_and_has_no_terms(sizes: tuple[int, ...], said: str) -> None:
+def test_a_grid_without_a_map_says_why_and_has_no_terms(sizes: tuple[int, ...], said: str):
     space = grid(*sizes)
     (key, *_) = space.point
     entries = (KillEntry("X-x", key, kills=("R",)),)
@@ -404,7 +404,7 @@ def test_a_grid_without_a_map_says_why_and_has_no_terms(sizes: tuple[int, ...], 
     assert terms(space, row) == []
 
 
-def test_terms_hold_every_kill_and_no_survival_and_are_the_fewest(evidence: Evidence, text: str) -> None:
+def test_terms_hold_every_kill_and_no_survival_and_are_the_fewest(evidence: Evidence, text: str):
     told, counted = embedded(text, "figures"), counts_of(exported(evidence))
     levels = {entry["key"]: entry["levels"] for entry in told["situations"]}
     boxes = list(product(([0], [1], [0, 1]), repeat=5))
@@ -453,7 +453,7 @@ def edges(space: Space, *boxes: Sequence[Sequence[int]]) -> tuple[int, int]:
 ANY, TWO = [0, 1], grid(2, 2, 2, 2, 2)
 
 
-def test_an_outline_is_open_where_its_term_goes_on_at_the_opposite_edge() -> None:
+def test_an_outline_is_open_where_its_term_goes_on_at_the_opposite_edge():
     # the fourth axis at 0: columns 0, 1 and 6, 7 of all four rows, one block across the edge
     assert edges(TWO, [ANY, ANY, ANY, [0], ANY]) == (2 * 4, 2 * 4)
     assert edges(TWO, [ANY, ANY, ANY, [1], ANY]) == (2 * 4, 2 * 4)
@@ -462,12 +462,12 @@ def test_an_outline_is_open_where_its_term_goes_on_at_the_opposite_edge() -> Non
     assert edges(TWO, [ANY, ANY, ANY, [0], [1]]) == (2 * 2, 4 * 4)
 
 
-def test_where_opposite_edges_are_no_neighbours_every_outline_is_shut() -> None:
+def test_where_opposite_edges_are_no_neighbours_every_outline_is_shut():
     # columns 0, 1 and 4, 5 of 6: the last differs from the first on two axes
     assert edges(grid(3, 3, 2), [[0, 1, 2], [0, 2], ANY]) == (2 * 4, 4 * 3)
 
 
-def test_terms_of_axes_with_more_values_name_all_levels_that_they_admit() -> None:
+def test_terms_of_axes_with_more_values_name_all_levels_that_they_admit():
     space = grid(3, 2)
     killing = ("A0B0", "A0B1", "A1B0", "A1B1")
     entries = tuple(KillEntry("X-x", key, kills=("R",) if key in killing else (), tested=True) for key in space.point)
