@@ -11,14 +11,8 @@ import re
 from typing import Annotated, Any
 
 import click
-from click.shell_completion import (
-    BashComplete,
-    CompletionItem,
-    FishComplete,
-    ShellComplete,
-    ZshComplete,
-    split_arg_string,
-)
+from click import shell_completion as shells
+from click.shell_completion import CompletionItem, ShellComplete
 
 from scaloft_fi.console import tell
 from scaloft_fi.verbs.options import Option, verb
@@ -56,7 +50,7 @@ class _Safe(ShellComplete):
         return [item for item in offered if item.type != "plain" or SAFE.fullmatch(str(item.value))]
 
 
-class Bash(_Safe, BashComplete):
+class Bash(_Safe, shells.BashComplete):
     """Completion in bash, which breaks words at signs that ids have, such as @ and =."""
 
     source_template = _BASH
@@ -68,7 +62,7 @@ class Bash(_Safe, BashComplete):
     def get_completion_args(self) -> tuple[list[str], str]:
         """The words before the cursor, and the one at it."""
         line = os.environ["COMP_LINE"]
-        words = split_arg_string(line)[1:]
+        words = shells.split_arg_string(line)[1:]
         typed = "" if line[-1:].isspace() or not words else words.pop()
         return words, typed
 
@@ -83,17 +77,17 @@ class Bash(_Safe, BashComplete):
         return "\n".join(f"{kind},{value[before:] if kind == 'plain' else value}" for kind, value in values)
 
 
-class Fish(_Safe, FishComplete):
+class Fish(_Safe, shells.FishComplete):
     """Completion in fish."""
 
 
 _ADD = "compadd -U -V unsorted"
 
 
-class Zsh(_Safe, ZshComplete):
+class Zsh(_Safe, shells.ZshComplete):
     """Completion in zsh; no blank follows a name to go on with, such as `baseline/`."""
 
-    source_template = ZshComplete.source_template.replace(
+    source_template = shells.ZshComplete.source_template.replace(
         f"{_ADD} -a", f"[[ $completions[1] == */ ]] && {_ADD} -S '' -a completions || {_ADD} -a"
     )
 
@@ -123,9 +117,6 @@ def answered(command: click.Command, asked: str) -> str:
     return f"{text}\n" if text else ""
 
 
-NAMES = ("bash", "zsh", "fish")
-
-
 @verb(
     "completion",
     examples=(
@@ -134,7 +125,7 @@ NAMES = ("bash", "zsh", "fish")
         ("See the script for fish", "scaloft-fi completion fish"),
     ),
 )
-def completion_command(*, shell: Annotated[str, Option("", "", type=click.Choice(NAMES))]) -> None:
+def completion_command(*, shell: Annotated[str, Option("", "", type=click.Choice(tuple(SHELLS)))]) -> None:
     """Print a script that lets a shell complete verbs, options, mutants, situations, grids and campaigns.
 
     bash: `eval "$(scaloft-fi completion bash)"` in ~/.bashrc.  zsh: `eval "$(scaloft-fi completion zsh)"` in ~/.zshrc,

@@ -195,7 +195,7 @@ def noise_line(noise: Sequence[Noise]) -> str:
     >>> noise_line([Noise("SR1", 6, 0.0123, 0.2, 0), Noise("SR2", 0, None, None, 0)])
     'one flight varies by the stack alone (and between seeds): SR1 0.012 (0.2) by 6 pairs, SR2 not measured.'
     """
-    told = ", ".join(_noise_of_one(one) for one in noise)
+    told = ", ".join(map(_noise_of_one, noise))
     apart = [f"{one.requirement} in {one.apart} of {one.pairs}" for one in noise if one.apart]
     verdicts = f"  A pair has two verdicts: {', '.join(apart)}." if apart else ""
     return f"one flight varies by the stack alone (and between seeds): {told}.{verdicts}"
@@ -279,12 +279,12 @@ def ratio_table(scored: Score) -> Table:
 def composition_table(scored: Score) -> Table:
     """What the ratio is made of."""
     detected = scored.mutation_score.part
-    firmness = Counter(mutant.firmness for mutant in scored.counted if mutant.firmness)
+    firmness = {one: [each.subject.id for each in scored.counted if each.firmness is one] for one in Firmness}
     alike = [" = ".join(group) for group in scored.behaviours if len(group) > 1]
     idle = [f"{mutant.id} (acts in {mutant.acted.short})" for mutant in scored.without_effect]
     rows = (
         ("detected", detected, ""),
-        *((one.words, firmness[one], _named(scored, one)) for one in Firmness if firmness[one]),
+        *((one.words, len(ids), "" if one.firm else ", ".join(ids)) for one, ids in firmness.items() if ids),
         ("distinct behaviours", len(scored.behaviours), "; ".join(alike)),
         ("without a kill", len(scored.without_kill), ", ".join(scored.without_kill)),
         ("trivial", len(scored.trivial), ", ".join(scored.trivial)),
@@ -299,12 +299,6 @@ def composition_table(scored: Score) -> Table:
         NOT_COMPARED,
     )
     return Table("What the score is made of", ("what", "mutants", "which"), rows, notes)
-
-
-def _named(scored: Score, firmness: Firmness) -> str:
-    """The detected mutants that are not firm, by name."""
-    named = () if firmness.firm else (one.subject.id for one in scored.counted if one.firmness is firmness)
-    return ", ".join(named)
 
 
 def pair_table(pool: Pool, space: Space) -> Table:

@@ -64,13 +64,12 @@ class RecordReading:
     @classmethod
     def of(cls, file: Path, finding: JudgedRequirement) -> RecordReading:
         """What is told of a reading."""
-        one, rho = finding.reading, measured_rho(finding.reading)
+        one, unknown = finding.reading, finding.unknown or None
         x, y, z = (None, None, None) if finding.place is None else (round(value, 3) for value in finding.place)
-        robustness = None if rho is None or finding.unknown else round(rho, 6)
-        verdict = RecordVerdict.UNKNOWN if finding.unknown else RecordVerdict(one.compliance.value)
-        unknown = finding.unknown or None
-        at_s, place = (None, (None,) * 3) if unknown else (one.violated_at_s, (x, y, z))
-        return cls(file, one.requirement, verdict, robustness, at_s, *place, unknown, finding.between_s)
+        if unknown:
+            return cls(file, one.requirement, RecordVerdict.UNKNOWN, *(None,) * 5, unknown, finding.between_s)
+        verdict, rho = RecordVerdict(one.compliance.value), rounded(measured_rho(one))
+        return cls(file, one.requirement, verdict, rho, one.violated_at_s, x, y, z, unknown, finding.between_s)
 
 
 @dataclass(frozen=True)
@@ -298,17 +297,14 @@ def held(files: Sequence[Path]) -> Answer:
     )
     losses = tuple(RecordLoss.of(path, loss) for path, (_, own) in found for loss in own)
     told = JudgedRecords((), (), (), losses, fields, tuple(draft(own) for _, (own, _) in found))
-    tables = [
-        Table(
-            f"What {path} holds",
-            FIELD_HEADERS,
-            tuple(
-                (one.field, one.messages, one.rate_hz, one.first_s, one.last_s) for one in fields if one.file == path
-            ),
-            tuple(notes_on([loss for loss in losses if loss.file == path])),
-        )
-        for path, _ in found
-    ]
+
+    def table(path: Path) -> Table:
+        own = (one for one in fields if one.file == path)
+        rows = tuple((one.field, one.messages, one.rate_hz, one.first_s, one.last_s) for one in own)
+        notes = notes_on([loss for loss in losses if loss.file == path])
+        return Table(f"What {path} holds", FIELD_HEADERS, rows, tuple(notes))
+
+    tables = [table(path) for path, _ in found]
 
     def text(how: Format) -> str:
         mark, shown = "```" if how is Format.MARKDOWN else "", list[str]()
@@ -366,10 +362,7 @@ judge_command = verb(
     "judge",
     examples=(
         ("Judge a record of a flight in a known situation", "scaloft-fi judge flight.csv --situation T0O0W0D0H1"),
-        (
-            "Judge PX4's logs",
-            "scaloft-fi judge monday.ulg tuesday.ulg --record px4",
-        ),
+        ("Judge PX4's logs", "scaloft-fi judge monday.ulg tuesday.ulg --record px4"),
         ("See what a log holds, and draft a mapping", "scaloft-fi judge flight.ulg --fields"),
         ("Let a script read the verdicts", "scaloft-fi judge bag/ --format json"),
     ),

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -99,18 +100,14 @@ def situation_table(listed: Sequence[suites.SituationKills], space: Space, *, sh
     )
     idle = [entry for entry in listed if not entry.killed]
     untested = sum(not entry.tested for entry in idle)
-    notes = [f"In {len(idle)} of {len(listed)} situations flown no mutant is killed; {untested} of them test none."]
-    notes.append(COUNTED)
-    if short and len(shown) < len(listed):
-        notes.insert(
-            0, f"{len(listed) - len(shown)} situations are left out: what is killed there is killed elsewhere too."
-        )
-    return Table(
-        "Situations",
-        ("situation", "values", "killed/tested", "minimal mutants", "killed only there"),
-        rows,
-        tuple(notes),
+    left = f"{len(listed) - len(shown)} situations are left out: what is killed there is killed elsewhere too."
+    notes = (
+        *([left] if short and len(shown) < len(listed) else []),
+        f"In {len(idle)} of {len(listed)} situations flown no mutant is killed; {untested} of them test none.",
+        COUNTED,
     )
+    headers = ("situation", "values", "killed/tested", "minimal mutants", "killed only there")
+    return Table("Situations", headers, rows, notes)
 
 
 def suite_table(suite: suites.Suite, matrix: KillMatrix) -> Table:
@@ -133,13 +130,10 @@ def suite_table(suite: suites.Suite, matrix: KillMatrix) -> Table:
 
 def chosen_table(chosen: suites.ChosenKills) -> Table:
     """What some situations kill together."""
+    minimal = "minimal mutants killed, of all: redundant mutants do not count"
     rows = (
         ("killed", str(chosen.killed), "of the mutants killed in any situation flown"),
-        (
-            "dominator score",
-            str(chosen.dominator_score),
-            "minimal mutants killed, of all: redundant mutants do not count",
-        ),
+        ("dominator score", str(chosen.dominator_score), minimal),
         ("lost", str(len(chosen.lost)), ", ".join(chosen.lost)),
     )
     note = "Dominator score: Kurtz et al., FSE 2016; of every situation flown together it is 1 by construction."
@@ -148,8 +142,7 @@ def chosen_table(chosen: suites.ChosenKills) -> Table:
 
 def subsumption_table(graph: suites.Subsumption, *, short: bool = False) -> Table:
     """The subsumption graph as indented rows; `short` leaves only the minimal mutants."""
-    above: dict[int, list[suites.Node]] = {node.node: [] for node in graph.nodes}
-    below: dict[int, list[suites.Node]] = {node.node: [] for node in graph.nodes}
+    above, below = defaultdict[int, list[suites.Node]](list), defaultdict[int, list[suites.Node]](list)
     for upper, lower in graph.edges:
         above[lower].append(graph.nodes[upper])
         below[upper].append(graph.nodes[lower])
@@ -187,28 +180,22 @@ def survivor_table(listed: Sequence[Survivor]) -> Table:
     """Every survivor with the next thing to do."""
     classed = any(one.severity for one in listed)
     rows = tuple(
-        (
-            one.mutant,
-            *([one.severity or ""] if classed else []),
-            *(one.verdict.words, one.stage.value, one.next.value, one.why),
-        )
+        (one.mutant, *[one.severity or ""] * classed, *(one.verdict.words, one.stage.value, one.next.value, one.why))
         for one in listed
     )
-    headers = ("mutant", *(["severity"] if classed else []), "verdict", "stopped at", "next", "why")
+    headers = ("mutant", *["severity"] * classed, "verdict", "stopped at", "next", "why")
     return Table("Survivors", headers, rows, (_STOPPED, _STEADY, _WAY))
 
 
 def survivor_summary(listed: Sequence[Survivor]) -> Table:
     """How many survivors have which verdict and stopped where, by what to do next."""
-    groups: dict[tuple[Stage, Verdict, Next], list[str]] = {
-        (stage, verdict, then): [] for stage in Stage for verdict in Verdict for then in Next
-    }
+    groups = defaultdict[tuple[Stage, Verdict, Next], list[str]](list)
     for entry in listed:
         groups[entry.stage, entry.verdict, entry.next].append(entry.mutant)
     rows = tuple(
         (verdict.words, stage.value, then.value, len(ids), ", ".join(ids))
-        for (stage, verdict, then), ids in groups.items()
-        if ids
+        for stage, verdict, then in product(Stage, Verdict, Next)
+        if (ids := groups.get((stage, verdict, then)))
     )
     notes = (_STOPPED, "`--show survivors` says of each why, and what to do.")
     return Table("Survivors", ("verdict", "stopped at", "next", "mutants", "which"), rows, notes)
@@ -436,14 +423,14 @@ def _ordered(graph: suites.Subsumption) -> list[list[Slot]]:
     layers: list[list[Slot]] = [[] for _ in {node.layer for node in graph.nodes}]
     for node in graph.nodes:
         layers[node.layer].append((node.layer, node.node, -1))
-    near: dict[Slot, list[Slot]] = {slot: [] for members in layers for slot in members}
+    near = defaultdict[Slot, list[Slot]](list)
     for edge in graph.edges:
         way = _way(graph, *edge)
         for slot in way[1:-1]:
             layers[slot[0]].append(slot)
         for slot, following in pairwise(way):
-            near.setdefault(slot, []).append(following)
-            near.setdefault(following, []).append(slot)
+            near[slot].append(following)
+            near[following].append(slot)
     for _ in range(SWEEPS):
         for members in layers:
             at = {slot: (number + 0.5) / len(each) for each in layers for number, slot in enumerate(each)}

@@ -137,7 +137,8 @@ def _rows(pairs: Sequence[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
     return tuple(rows)
 
 
-_PLAIN = {float: "number", int: "whole number", str: "text", bool: "true or false"}
+POINT = "3 numbers x, y, z"
+_PLAIN: Mapping[Any, str] = {float: "number", int: "whole number", str: "text", bool: "true or false"}
 
 
 @dataclass(frozen=True)
@@ -189,7 +190,7 @@ def kind_of(message: type, name: str) -> str:
         return "image"
     hint = messages.field_type(message, name)
     if hint == messages.Point or name in messages.vector_fields(message):
-        return "3 numbers x, y, z"
+        return POINT
     return _kind_said(hint)
 
 
@@ -198,20 +199,14 @@ def _kind_said(hint: Any) -> str:
         return _PLAIN[hint]
     if get_origin(hint) is tuple:
         first, *rest = get_args(hint)
-        if rest == [Ellipsis]:
-            return (
-                f"{_inner(first)}, any number of"
-                if not messages.field_names(first)
-                else f"{first.__name__}, any number of: {_whole(first)}"
-            )
-        return f"{len(rest) + 1} values"
+        if rest != [Ellipsis]:
+            return f"{len(rest) + 1} values"
+        if messages.field_names(first):
+            return f"{first.__name__}, any number of: {_whole(first)}"
+        return f"{POINT if first == messages.Point else _kind_said(first)}, any number of"
     if messages.field_names(hint):
         return f"{hint.__name__}: {_whole(hint)}"
     return "numbers" if "float" in str(hint) else "true or false, any number of" if "bool" in str(hint) else "values"
-
-
-def _inner(hint: Any) -> str:
-    return "3 numbers x, y, z" if hint == messages.Point else _kind_said(hint)
 
 
 def _whole(message: type) -> str:
@@ -588,13 +583,7 @@ class Operators:
 
 
 LISTED_OPERATORS = Output("operators", "1.0", Operators, rows="operators")
-_KINDS = {
-    float: "number",
-    int: "whole number",
-    str: "text",
-    bool: "true or false",
-    object: "number, text, true or false",
-}
+_KINDS = {**_PLAIN, object: "number, text, true or false"}
 _OF_FIELD = ("amount", "sigma", "value")
 """Arguments in the unit of the field that the argument `field` names."""
 

@@ -29,7 +29,7 @@ from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import realise, source_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
-from scaloft_fi.verbs.options import Option, Several, answer, campaign_over, several, typed, verb
+from scaloft_fi.verbs.options import Option, SeedsOption, Several, answer, campaign_over, several, typed, verb
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verdict import in_campaign
 from scaloft_fi.views.output import Answer, Output
@@ -187,31 +187,18 @@ class Margins:
     @classmethod
     def of(cls, by_fault: Mapping[PhasedFault, Sequence[Margin]]) -> Margins:
         """What a search found."""
-        each = [
-            SituationMargin(str(fault), key, margin)
-            for fault, listed in by_fault.items()
-            for margin in listed
-            for key in margin.situations
-        ]
-        return cls(
-            tuple(
-                FaultMargin(str(fault), fault, lowest(listed) or unknown(fault.unit))
-                for fault, listed in by_fault.items()
-            ),
-            tuple(each),
-            tuple(TriedMagnitude(one.fault, one.situation, entry) for one in each for entry in one.margin.tried),
-        )
+        faults = [FaultMargin(str(one), one, lowest(listed) or unknown(one.unit)) for one, listed in by_fault.items()]
+        found = [(str(fault), margin) for fault, listed in by_fault.items() for margin in listed]
+        each = [SituationMargin(fault, key, margin) for fault, margin in found for key in margin.situations]
+        tried = (TriedMagnitude(one.fault, one.situation, entry) for one in each for entry in one.margin.tried)
+        return cls(tuple(faults), tuple(each), tuple(tried))
 
     @classmethod
     def when(cls, found: Iterable[When]) -> Margins:
         """What the phases of faults show."""
-        return cls(
-            phases=tuple(
-                Phase(when.fault, strike, when.lasts_s, *(strike.acts_s or (None, None, None)))
-                for when in found
-                for strike in when.strikes
-            )
-        )
+        struck = ((when, strike) for when in found for strike in when.strikes)
+        phases = (Phase(when.fault, one, when.lasts_s, *(one.acts_s or (None, None, None))) for when, one in struck)
+        return cls(phases=tuple(phases))
 
 
 MARGIN = Output("margin", "1.0", Margins, rows="situations")
@@ -292,11 +279,9 @@ class ToldCell:
     @classmethod
     def of(cls, cell: Cell, severity: SeverityClass | None) -> ToldCell:
         """What is told of a cell with its class of severity."""
-        faults = (
-            ToldFault(one, tuple(id_ for rung in one.rungs for id_ in cell.mutant_ids(one, rung)))
-            for one in cell.faults
-        )
-        return cls(cell, severity.id if severity else None, cell.default_id if cell.faults else "", tuple(faults))
+        ids = ((one, tuple(id_ for rung in one.rungs for id_ in cell.mutant_ids(one, rung))) for one in cell.faults)
+        faults = tuple(ToldFault(*each) for each in ids)
+        return cls(cell, severity.id if severity else None, cell.default_id if faults else "", faults)
 
 
 @dataclass(frozen=True)
@@ -420,10 +405,8 @@ def margin_tables(
     where = in_campaign(campaign), f" --campaign NAME{f' --grid {grid}' if grid else ''}"
     tables = []
     for fault, listed in by_fault.items():
-        least, of = (
-            lowest(listed),
-            f"Smallest over {sum(margin.known for margin in listed)} of {len(listed)} situations",
-        )
+        least = lowest(listed)
+        of = f"Smallest over {sum(margin.known for margin in listed)} of {len(listed)} situations"
         ends = {"survives": least.survives, "is seen": least.seen, "is killed": least.kills} if least else {}
         at = ", ".join(f"{_magnitude(least, end)} {what}" for what, end in ends.items() if least and end is not None)
         smallest = f"{of}: {margin_text(least)} ({at})." if least else f"{of}: none is known."
@@ -431,9 +414,8 @@ def margin_tables(
         if least and least.again:
             notes.append("Not monotone (!): magnitudes under `again` survive although a milder one is killed or seen.")
         if any(not margin.known for margin in listed):
-            notes.append(
-                "?: no requirement that the cell puts at risk is steady by ten baselines, or no sample changes."
-            )
+            unsteady = "no requirement that the cell puts at risk is steady by ten baselines"
+            notes.append(f"?: {unsteady}, or no sample changes.")
         violated = {name for margin in listed for name in margin.strong.requirements}
         for one in (one for one in requirements if one.name in violated):
             trigger = f"; trigger: {one.trigger}" if one.trigger else ""
@@ -459,11 +441,10 @@ def _seen(fault: PhasedFault, listed: Sequence[Margin], where: str, anew_in: str
         mutant = fault.at(f"{min(seen):g}{fault.unit}")
         if seeds > LARGER[-1]:
             notes.append(f"Seen, too seldom for {LARGER[-1]} seeds to decide: {at}.")
-        elif anew:
-            command = f"scaloft-fi margin{anew_in} {mutant} --seeds {seeds}"
-            notes.append(f"Seen, decided by {seeds} seeds in a campaign of its own: {at} (`{command}`).")
         else:
-            notes.append(f"Seen, decided by {seeds} seeds: {at} (`scaloft-fi margin{where} {mutant} --seeds {seeds}`).")
+            command = f"scaloft-fi margin{anew_in if anew else where} {mutant} --seeds {seeds}"
+            own = " in a campaign of its own" * anew
+            notes.append(f"Seen, decided by {seeds} seeds{own}: {at} (`{command}`).")
     return notes
 
 
@@ -574,16 +555,8 @@ def margin(
     chosen = study.grid.select(situations)
     if not situations:
         chosen = choose_situations(study.grid.choose, chosen, seeds, 0, study.space, study.grid.chosen_at).situations
-    by_fault = find(
-        study,
-        tuple(targets.values()),
-        chosen,
-        seeds,
-        campaign_folder(study, campaign),
-        options,
-        kind=_kind(operability),
-        progress=progress,
-    )
+    folder, kind = campaign_folder(study, campaign), _kind(operability)
+    by_fault = find(study, tuple(targets.values()), chosen, seeds, folder, options, kind=kind, progress=progress)
     return Answer(
         MARGIN,
         lambda: Margins.of(by_fault),
@@ -621,9 +594,7 @@ def _kind(operability: bool) -> Kind:
 
 
 MarginMutants = Annotated[Several, Option("Names of cells, or ids.", "", metavar="CELL|ID...", complete=names.mutants)]
-MarginSeeds = Annotated[
-    Seeds, Option("Seeds 0..N-1, or A to B inclusive.", type=str, metavar="N|A-B", complete=names.seeds, default="1")
-]
+MarginSeeds = Annotated[Seeds, SeedsOption("Seeds 0..N-1, or A to B inclusive.", complete=names.seeds, default="1")]
 Tolerance = Annotated[
     float | None,
     Option(
@@ -691,22 +662,19 @@ def margin_command(
     if when:
         if situations or seeds != "1" or tolerance is not None:
             raise click.UsageError("--when flies nothing and goes with no --situation, --seeds or --tolerance")
-
-        struck = when_answer(Study.open(study_folder, grid), campaign, mutants, operability=operability)
-        answer(struck, style, tables_folder)
-        return
-
-    study = study_of(study_folder, campaign, grid)
-    options.allow(study, untrusted=untrusted)
-    found = margin(
-        study,
-        campaign,
-        mutants,
-        RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),
-        situations=situations,
-        seeds=parse_seeds(seeds),
-        tolerance=tolerance,
-        operability=operability,
-        progress=Silence if quiet else Progress,
-    )
+        found = when_answer(Study.open(study_folder, grid), campaign, mutants, operability=operability)
+    else:
+        study = study_of(study_folder, campaign, grid)
+        options.allow(study, untrusted=untrusted)
+        found = margin(
+            study,
+            campaign,
+            mutants,
+            RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),
+            situations=situations,
+            seeds=parse_seeds(seeds),
+            tolerance=tolerance,
+            operability=operability,
+            progress=Silence if quiet else Progress,
+        )
     answer(found, style, tables_folder)

@@ -15,7 +15,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
-from functools import wraps
+from functools import partial, wraps
 from inspect import Parameter, cleandoc, get_annotations, signature
 from pathlib import Path
 from types import NoneType, UnionType
@@ -184,6 +184,12 @@ def _checked(_context: click.Context, _option: click.Parameter, folder: Path | N
 
 Several = str | Sequence[str]
 """One text, or several."""
+GridOption = partial(Option, metavar="NAME", complete=names.grids)
+CampaignOption = partial(Option, metavar="NAME", complete=names.campaigns)
+SeedsOption = partial(Option, type=str, metavar="N|A-B")
+SeedOption = partial(Option, metavar="S", type=click.IntRange(min=0), default=0)
+_Ratio = partial(Option, metavar="RATIO", type=click.FloatRange(0.0, 1.0))
+_Day = partial(Option, metavar="YYYY-MM-DD", type=str, check=_day)
 StudyFolder = Annotated[
     Path | None,
     Option(
@@ -195,33 +201,21 @@ StudyFolder = Annotated[
 ]
 Campaign = Annotated[
     str,
-    Option(
+    CampaignOption(
         "A folder in the study's results/campaigns/; a NAME with a / or .zip is the path of a folder or archive.",
-        metavar="NAME",
-        complete=names.campaigns,
         default=CAMPAIGN,
     ),
 ]
 FlownGrid = Annotated[
     str | None,
-    Option(
+    GridOption(
         "A grid of the study: that of sim/situations.yaml, or a file in sim/grids/, whose campaign is called NAME "
         "when --campaign names no other.",
-        "--grid",
-        metavar="NAME",
-        complete=names.grids,
         otherwise="the grid of the campaign, else that of sim/situations.yaml",
     ),
 ]
 GridOfStudy = Annotated[
-    str | None,
-    Option(
-        "A grid of the study: a file in sim/grids/.",
-        "--grid",
-        metavar="NAME",
-        complete=names.grids,
-        otherwise="that of sim/situations.yaml",
-    ),
+    str | None, GridOption("A grid of the study: a file in sim/grids/.", otherwise="that of sim/situations.yaml")
 ]
 Mutants = Annotated[Several, Option("", "", metavar="CELL|ID...", complete=names.mutants)]
 Situations = Annotated[
@@ -236,31 +230,17 @@ Situations = Annotated[
 ]
 BaselineFrom = Annotated[
     str | None,
-    Option(
-        "Add the baselines of this campaign to the pool; its platform, data and code must be the same.",
-        metavar="NAME",
-        complete=names.campaigns,
-    ),
+    CampaignOption("Add the baselines of this campaign to the pool; its platform, data and code must be the same."),
 ]
 Today = Annotated[
     date | None,
-    Option(
-        "The day by which dispositions expire; the mutation score does not depend on it.",
-        metavar="YYYY-MM-DD",
-        type=str,
-        check=_day,
-        otherwise="the system's date",
+    _Day(
+        "The day by which dispositions expire; the mutation score does not depend on it.", otherwise="the system's date"
     ),
 ]
 AsOf = Annotated[
     date | None,
-    Option(
-        "Mark the dispositions that have expired by this day.",
-        metavar="YYYY-MM-DD",
-        type=str,
-        check=_day,
-        otherwise="the last days are shown, not judged",
-    ),
+    _Day("Mark the dispositions that have expired by this day.", otherwise="the last days are shown, not judged"),
 ]
 Operability = Annotated[
     bool, Option("Margins against the operability requirements instead of the safety requirements.")
@@ -294,20 +274,13 @@ Untrusted = Annotated[
 ]
 Everything = Annotated[bool, Option("Print every mutant and every table, not only the first screen.", "--all")]
 FailUnder = Annotated[
-    float | None,
-    Option(
-        "Exit with 3 when the mutation score (0..1) is below RATIO; refused without a baseline pool.",
-        metavar="RATIO",
-        type=click.FloatRange(0.0, 1.0),
-    ),
+    float | None, _Ratio("Exit with 3 when the mutation score (0..1) is below RATIO; refused without a baseline pool.")
 ]
 FailUnderFirm = Annotated[
     float | None,
-    Option(
+    _Ratio(
         "Exit with 3 when the share (0..1) of mutants that are detected whichever one seed is left out is below "
-        "RATIO; refused without a baseline pool.",
-        metavar="RATIO",
-        type=click.FloatRange(0.0, 1.0),
+        "RATIO; refused without a baseline pool."
     ),
 ]
 TableFormat = Annotated[str, Option("How tables are printed.", "--format", type=click.Choice(FORMATS), default="table")]
@@ -642,7 +615,11 @@ class Verb(click.Command):
         found = [(heading, [by_name[name] for name in names.split()]) for heading, names in self._sections.items()]
         known = {name for _, members in found for each in members for name in each.opts}
         found.append((REST, [each for each in options if known.isdisjoint(each.opts)]))
-        return [(heading, [_record(each, ctx) for each in members]) for heading, members in found if members]
+        return [
+            (heading, [each.get_help_record(ctx) or (each.opts[0], "") for each in members])
+            for heading, members in found
+            if members
+        ]
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the sections of options."""
@@ -657,11 +634,6 @@ class Verb(click.Command):
         assert isinstance(formatter, HelpPage)
         if self.examples:
             formatter.write_examples(self.examples)
-
-
-def _record(option: click.Option, ctx: click.Context) -> tuple[str, str]:
-    names, meaning = option.get_help_record(ctx) or (option.opts[0], "")
-    return names, meaning
 
 
 def verb(

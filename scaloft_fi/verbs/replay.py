@@ -27,18 +27,9 @@ from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.judge.status import APART_M, JudgedFlight, agreement, digests, flight_of, in_step, parting_s
 from scaloft_fi.sim.log import Ending, FlightLog
 from scaloft_fi.study import Study
+from scaloft_fi.verbs import options
 from scaloft_fi.verbs.names import flights
-from scaloft_fi.verbs.options import (
-    Campaign,
-    LineFormat,
-    Option,
-    StudyFolder,
-    Untrusted,
-    allow,
-    check_writable,
-    verb,
-    write,
-)
+from scaloft_fi.verbs.options import Option, check_writable, verb, write
 from scaloft_fi.views.output import Output
 from scaloft_fi.views.picture import draw, png, scene_of, track_of
 from scaloft_fi.views.table import Format, Table, csv_text, render
@@ -445,8 +436,8 @@ ENDS = (".svg", ".png", ".mcap", ".csv")
 def replay_command(
     *,
     name: Annotated[str, Option("", "", metavar="MUTANT/SITUATION/SEED", complete=flights)],
-    study_folder: StudyFolder,
-    campaign: Campaign,
+    study_folder: options.StudyFolder,
+    campaign: options.Campaign,
     output: Annotated[
         Path | None,
         Option(
@@ -462,8 +453,8 @@ def replay_command(
             otherwise="when status, ending or violations differ",
         ),
     ],
-    untrusted: Untrusted,
-    style: LineFormat,
+    untrusted: options.Untrusted,
+    style: options.LineFormat,
 ) -> None:
     """Fly one flight again and compare its digest with the campaign's; on another platform, status and ending too.
 
@@ -476,7 +467,7 @@ def replay_command(
     study = study_of(study_folder, campaign)
     if gui and study.command:
         raise InputError("--gui shows flights of our simulator, and a command flies this study (sim/flyer.yaml)")
-    allow(study, untrusted=untrusted)
+    options.allow(study, untrusted=untrusted)
     flight = ready_to_fly(study, *named(name), say)
     flown = with_log(study, flight, fly_in_window(study, flight)) if gui else fly_with_log(study, flight)
     if style != "json":

@@ -10,7 +10,7 @@ import click
 from scaloft_fi.defaults import Seeds
 from scaloft_fi.errors import InputError
 from scaloft_fi.verbs import names, options
-from scaloft_fi.verbs.options import Option, Several, campaign_over, several, typed, verb
+from scaloft_fi.verbs.options import Option, SeedOption, SeedsOption, Several, campaign_over, several, typed, verb
 
 MOST_INVALID = 0.1
 FlownMutants = Annotated[
@@ -36,25 +36,14 @@ Choose = Annotated[
         otherwise="what the grid says, else all; with --situation all",
     ),
 ]
-ChooseSeed = Annotated[
-    int,
-    Option(
-        "Seed of the choice: another seed makes another choice of the same kind.",
-        metavar="S",
-        type=click.IntRange(min=0),
-        default=0,
-    ),
-]
+ChooseSeed = Annotated[int, SeedOption("Seed of the choice: another seed makes another choice of the same kind.")]
 FlownSeeds = Annotated[
-    Seeds | None,
-    Option("Seeds 0..N-1, or A to B inclusive.", type=str, metavar="N|A-B", complete=names.seeds, otherwise="1"),
+    Seeds | None, SeedsOption("Seeds 0..N-1, or A to B inclusive.", complete=names.seeds, otherwise="1")
 ]
 BaselineSeeds = Annotated[
     Seeds | None,
-    Option(
+    SeedsOption(
         "Seeds of the baseline pool, flown in each situation where a mutant infects, beside the mutants' own.",
-        metavar="N|A-B",
-        type=str,
         otherwise="as many as make ten",
     ),
 ]

@@ -29,12 +29,22 @@ from scaloft_fi.sim.grid import FOUND_FILE, Break, grid_names, own_name, read_fi
 from scaloft_fi.sim.stacks import claims_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import options
-from scaloft_fi.verbs.names import campaigns, grids, sought
-from scaloft_fi.verbs.options import Option, Several, answer, check_own, typed, verb
+from scaloft_fi.verbs.names import sought
+from scaloft_fi.verbs.options import (
+    CampaignOption,
+    GridOption,
+    Option,
+    SeedOption,
+    Several,
+    answer,
+    check_own,
+    typed,
+    verb,
+)
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verdict import words
 from scaloft_fi.views.output import Answer, Output
-from scaloft_fi.views.table import Table
+from scaloft_fi.views.table import Table, counted
 
 
 def breaks_table(report: finds.SeekReport, campaign: str, *, claims: bool) -> Table:
@@ -55,23 +65,18 @@ def breaks_table(report: finds.SeekReport, campaign: str, *, claims: bool) -> Ta
         f"`scaloft-fi replay baseline/{one.situation}/{one.flight} --campaign {campaign}`."
         for number, one in enumerate(report.breaks, 1)
     ]
-    beliefs = (
-        "wrong belief: the stage that was the most wrong in the last second before, and by how much."
-        if claims
-        else "wrong belief: not known, because the stack declares no claims (docs/stack.md)."
-    )
-    ended = "the budget ended the search" if report.spent else "the search came to its end"
+    known = "the stage that was the most wrong in the last second before, and by how much"
+    wrong = known if claims else "not known, because the stack declares no claims (docs/stack.md)"
     again = f"{report.again} flown again to see what the drone believed"
     notes = (
         *told,
         "violates: of the flights with fresh seeds; alike: those that do so in this way.",
-        beliefs,
+        f"wrong belief: {wrong}.",
         f"The drone broke in {report.broken} of {report.situations} situations.",
-        f"{report.used} flights in all, {report.flown} of them flown now, {again}; {ended}.",
+        f"{_flights(report)}, {again}; {_ended(report)}.",
     )
     headers = ("", "violates", "strikes", "where", "wrong belief", "alike")
-    ways = f"{len(rows)} {'way' if len(rows) == 1 else 'ways'}"
-    return Table(f"The unmutated drone breaks in {ways}", headers, rows, notes)
+    return Table(f"The unmutated drone breaks in {counted(len(rows), 'way')}", headers, rows, notes)
 
 
 def place(one: Break) -> str:
@@ -112,21 +117,22 @@ def seek_tables(report: finds.SeekReport, own: str) -> tuple[Table, Table]:
     )
     left = [one for one in report.sought if not one.shown_in]
     lacking = tuple((one.mutant, one.effort.situations, why_not(one)) for one in left)
-    ended = "the budget ended the search" if report.spent else "the search came to its end"
     shown = len(report.sought) - len(left)
+    mission = "" if report.anyhow else " and does its mission"
+    room = f"situations: flown with one seed, where the unmutated drone holds a safety requirement with room{mission}."
+    ends = room, f"{_flights(report)}; {_ended(report)}."
     return (
         Table(f"Found: {shown} of {len(report.sought)} mutants, {len(report.finds)} situations", headers, rows, notes),
-        Table(
-            f"Not found: {len(left)}",
-            ("mutant", "situations", "why"),
-            lacking,
-            (
-                "situations: flown with one seed, where the unmutated drone holds a safety requirement with room"
-                + ("." if report.anyhow else " and does its mission."),
-                f"{report.used} flights in all, {report.flown} of them flown now; {ended}.",
-            ),
-        ),
+        Table(f"Not found: {len(left)}", ("mutant", "situations", "why"), lacking, ends),
     )
+
+
+def _flights(report: finds.SeekReport) -> str:
+    return f"{report.used} flights in all, {report.flown} of them flown now"
+
+
+def _ended(report: finds.SeekReport) -> str:
+    return "the budget ended the search" if report.spent else "the search came to its end"
 
 
 def replica_table(report: finds.SeekReport) -> Table:
@@ -150,7 +156,7 @@ def replica_table(report: finds.SeekReport) -> Table:
         f"Flown on the seeds {first}, {first + 1}, ..., which nothing before used.",
         f"p: by the exact test, adjusted by Holm over all pairs here; a pair holds at alpha={report.alpha:g} or less.",
         "baseline: flights that hold the requirement by more than their spread; mission: flights that do the mission.",
-        f"{report.used} flights in all, {report.flown} of them flown now.",
+        f"{_flights(report)}.",
     )
     headers = ("mutant", "violates", "flights", "p", "baseline", "mission", "holds", "find")
     return Table(f"Replicated: {held} of {len(rows)} pairs of find and mutant hold", headers, rows, notes)
@@ -161,13 +167,11 @@ def spending(report: finds.SeekReport) -> str:
     tested = [one for one in report.sought if one.candidates]
     if not tested:
         return f"Tested on fresh seeds: no candidate; nothing of alpha={report.alpha:g} is spent."
-    candidates = sum(one.candidates for one in tested)
-    shares = sum(one.spent for one in tested)
-    most = max(one.spent for one in tested)
+    candidates, spent = sum(one.candidates for one in tested), [one.spent for one in tested]
     return (
-        f"Tested on fresh seeds: {candidates} candidate{'s' * (candidates > 1)} of {len(tested)} "
-        f"mutant{'s' * (len(tested) > 1)}, at alpha / 2, / 4, ... for the first, second, ... of a mutant: at most "
-        f"{most:.2g} of alpha={report.alpha:g} for one mutant, {shares:.2g} summed over all."
+        f"Tested on fresh seeds: {counted(candidates, 'candidate')} of {counted(len(tested), 'mutant')}, at alpha / 2, "
+        f"/ 4, ... for the first, second, ... of a mutant: at most {max(spent):.2g} of alpha={report.alpha:g} for one "
+        f"mutant, {sum(spent):.2g} summed over all."
     )
 
 
@@ -175,7 +179,7 @@ def why_not(sought: finds.Sought) -> str:
     """Why nothing was found for a mutant: the stage at which the fault stopped, and how near it came."""
     effort = sought.effort
     if sought.candidates:
-        return f"{sought.candidates} candidate{'s' * (sought.candidates > 1)} that fresh seeds did not confirm"
+        return f"{counted(sought.candidates, 'candidate')} that fresh seeds did not confirm"
     if not effort.situations:
         return "not flown"
     if not effort.reached:
@@ -374,21 +378,11 @@ SoughtMutants = Annotated[
 ]
 SearchedGrid = Annotated[
     str,
-    Option(
-        "The grid that is searched: a file in the study's sim/grids/, with free axes.",
-        metavar="NAME",
-        complete=grids,
-        default=SEARCHED,
-    ),
+    GridOption("The grid that is searched: a file in the study's sim/grids/, with free axes.", default=SEARCHED),
 ]
 Into = Annotated[
     str | None,
-    Option(
-        "The campaign that holds the flights of the search.",
-        metavar="NAME",
-        complete=campaigns,
-        otherwise="the name of the grid",
-    ),
+    CampaignOption("The campaign that holds the flights of the search.", otherwise="the name of the grid"),
 ]
 SearchBudget = Annotated[
     str | None,
@@ -398,15 +392,7 @@ SearchBudget = Annotated[
         metavar="TIME|FLIGHTS",
     ),
 ]
-SearchSeed = Annotated[
-    int,
-    Option(
-        "Seed of the search: the same seed and mutants make the same finds.",
-        metavar="S",
-        type=click.IntRange(min=0),
-        default=0,
-    ),
-]
+SearchSeed = Annotated[int, SeedOption("Seed of the search: the same seed and mutants make the same finds.")]
 Replicate = Annotated[
     bool,
     Option(

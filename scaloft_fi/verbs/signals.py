@@ -164,7 +164,6 @@ class Signals:
 
 
 FORM = Output("signals", "1.0", Signals, rows="signals")
-PER_METRE, PIXELS = "_per_m", "obstacle_pixels"
 
 
 @dataclass(frozen=True)
@@ -175,7 +174,6 @@ class Found:
         signal: name, unit and meaning.
         origin: where it comes from, in words.
         used_in: `BOTH`, `REALISED` or `TO_ASK`.
-        belief: the belief that it is; None for another.
         fact: what it can read.
     """
 
@@ -185,7 +183,6 @@ class Found:
     origin: str
     used_in: str
     fact: SignalFact
-    belief: Belief | None = None
 
 
 def signal_list(study: Study) -> Listing[ListedSignal]:
@@ -196,11 +193,9 @@ def signal_list(study: Study) -> Listing[ListedSignal]:
     """
     caps, recorded = study.caps, _recorded(study)
     listed = tuple(_listed(found, cap_of(found.name, caps), recorded) for found in _found(study))
-    formulas = (
-        "used in: the formulas of requirements.yaml; the predicates `realised` of axes, false in a flight without it"
-    )
+    formulas = "the formulas of requirements.yaml; the predicates `realised` of axes, false in a flight without it"
     notes = (
-        f"{formulas}; neither, before sim/world.yaml lists it under `signals`.",
+        f"used in: {formulas}; neither, before sim/world.yaml lists it under `signals`.",
         "`scaloft-fi signals NAME` shows one whole, with a formula.  All are sampled at 20 Hz.",
     )
     overview = OVERVIEW | ({"in the record": "recorded"} if recorded is not None else {})
@@ -214,12 +209,14 @@ def _found(study: Study) -> Iterator[Found]:
     for signal in truth_signals(world.surfaces, ()):
         seen.add(signal.name)
         found = _truth(signal, world.bodies)
-        yield replace(found, fact=replace(found.fact, most=pixels)) if signal.name == PIXELS else found
+        yield replace(found, fact=replace(found.fact, most=pixels)) if signal.name == "obstacle_pixels" else found
     for name in world.signals:
         yield _declared(name, BOTH)
     for belief, signal in zip(study.stack.beliefs, belief_signals(study.stack.beliefs), strict=True):
+        marks = belief.mark.values if belief.mark else ()
+        meaning = signal.meaning + "".join(f", {place} {word}" for place, word in enumerate(marks))
         origin = f"belief of the stack {study.stack.name}"
-        yield Found(signal.name, signal.unit, signal.meaning, origin, BOTH, _belief_fact(belief), belief)
+        yield Found(signal.name, signal.unit, meaning, origin, BOTH, _belief_fact(belief))
     seen |= {*world.signals, *study.stack.belief_names}
     for name in study.signals:
         if name not in seen:
@@ -282,9 +279,8 @@ def _passing(study: Study, known: set[str]) -> Iterator[Found]:
         if by := moved.get(name) or brought.get(name):
             fact = fact_of(name) or SignalFact(f"eventually({name} > 1)")
             fact = replace(fact, unknown=lacking.format("happening"))
-            meaning = (
-                "position of the body, world" if name in moved else MEANINGS.get(name, "as the happening notes it")
-            )
+            noted = MEANINGS.get(name, "as the happening notes it")
+            meaning = "position of the body, world" if name in moved else noted
             yield Found(name, unit_of(name), meaning, f"happening {', '.join(by)} of sim/world.yaml", REALISED, fact)
         else:
             body = name.removeprefix("clearance_").removesuffix("_m")
@@ -299,7 +295,7 @@ def unit_of(name: str) -> str:
     >>> unit_of("person_x_m"), unit_of("haze_per_m"), unit_of("landed")
     ('m', '1/m', '')
     """
-    if name.endswith(PER_METRE):
+    if name.endswith("_per_m"):
         return "1/m"
     return UNITS.get(name.rpartition("_")[2], "") if "_" in name else ""
 
@@ -323,11 +319,10 @@ def _listed(found: Found, cap: Cap | None, recorded: Mapping[str, str] | None) -
     fact, limit = found.fact, cap and f"{'at most' if cap.itself else 'less than'} {cap.most_m:g}"
     most = cap.most_m if cap else fact.most
     told = number_range(fact.least, most)
-    names = found.belief.mark.values if found.belief and found.belief.mark else ()
     return ListedSignal(
         name=found.name,
         unit=found.unit,
-        meaning=found.meaning + "".join(f", {place} {word}" for place, word in enumerate(names)),
+        meaning=found.meaning,
         origin=found.origin,
         used_in=found.used_in,
         range=told if fact.elsewhere is None else f"{told}, or {fact.elsewhere:g}",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -124,10 +125,8 @@ def next_command(
 
 def flies_seeds(mutant: MutantScore, campaign: str, grid: str = "") -> str:
     """The command that flies as many seeds as would decide an undecided mutant; the arguments of `next_command`."""
-    safety = mutant.safety
-    if not safety.anew:
-        return command(campaign, [mutant], safety.needed or 1)
-    return command("ANOTHER", [mutant], safety.needed or 1, grid=grid)
+    name, over = ("ANOTHER", grid) if mutant.safety.anew else (campaign, "")
+    return command(name, [mutant], mutant.safety.needed or 1, grid=over)
 
 
 def lacks_pool(mutant: MutantScore, lacking: Collection[str]) -> bool:
@@ -315,10 +314,10 @@ def seeds(case: Case) -> str:
 def only_unsteady(case: Case) -> str:
     """Where flights violate what the baselines of their seeds hold, if none of it is steady; empty if none do."""
     revealing = [flight for flight in case.flights if flight.revealed]
-    where: dict[str, set[str]] = {}
+    where = defaultdict[str, set[str]](set)
     for flight in revealing:
         for name in flight.revealed:
-            where.setdefault(name, set()).add(flight.outcome.situation)
+            where[name].add(flight.outcome.situation)
     unsteady = [f"{name} is {states_in_words(case.campaign.states(name, keys))}" for name, keys in where.items()]
     return f"{violate(len(revealing))}, but only where that is not steady: {'; '.join(unsteady)}." if unsteady else ""
 
@@ -383,23 +382,17 @@ def larger(case: Case) -> str:
     return f"The next rung is {case.background.stronger[0]}; {searches} for the least magnitude that is killed."
 
 
-def no_more(case: Case) -> str:
-    """Why no larger magnitude is asked for."""
-    return "its ladder ends here" if case.background.laddered else "the fault has no magnitude to raise"
-
-
 def states_in_words(states: Mapping[State, int]) -> str:
     """As in: `vacuous in 1 and red in 2 situations`."""
     present = {state: states[state] for state in State if states.get(state)}
     last = next(reversed(present.values()), 0)
-    return (
-        " and ".join(f"{state.value} in {count}" for state, count in present.items()) + f" situation{'s' * (last != 1)}"
-    )
+    told = " and ".join(f"{state.value} in {count}" for state, count in present.items())
+    return f"{told} situation{'s' * (last != 1)}"
 
 
 def in_vain(case: Case, finds: Sequence[Find]) -> str:
     """That finds were flown and did not show it; the study has changed since, or other situations drown them."""
-    names = listed(find.name for find in finds)
+    names = " and ".join(find.name for find in finds)
     flown = f"{names} {'was' if len(finds) == 1 else 'were'} flown here with as many seeds"
     return f"{flown}, and it is not detected all the same: `scaloft-fi seek {case.row.id}` seeks another situation."
 
@@ -407,11 +400,6 @@ def in_vain(case: Case, finds: Sequence[Find]) -> str:
 def in_(where: str) -> str:
     """As in: `in human & light`, `everywhere`."""
     return where if where in ("everywhere", "nowhere", "wherever tested") else f"in {where}"
-
-
-def listed(names: Iterable[str]) -> str:
-    """As in: `SR1 and SR2`."""
-    return " and ".join(names)
 
 
 def _some(keys: Sequence[str]) -> str:
@@ -559,13 +547,10 @@ def advice(mutant: MutantScore, scored: Score, background: Background | None, fi
     if not any(result.reached for result in mutant.results):
         return Advice((Next.SITUATION,), _not_reached)
     if not mutant.infected:
-        scores = {one.subject.id: one for one in scored.mutants}
-        larger = [id_ for id_ in known.stronger if id_ in scores and scores[id_].infected]
-        if larger:
-            return Advice(
-                (Next.MAGNITUDE,), lambda _: [f"it changes no sample, {larger[0]} does: too small to be seen."]
-            )
-        return Advice((Next.SITUATION,), _not_infected)
+        infecting = {one.subject.id for one in scored.mutants if one.infected}
+        larger = next((id_ for id_ in known.stronger if id_ in infecting), "")
+        small = f"it changes no sample, {larger} does: too small to be seen."
+        return Advice((Next.MAGNITUDE,), lambda _: [small]) if larger else Advice((Next.SITUATION,), _not_infected)
     if any(result.infected and result.situation in scored.lacking for result in mutant.results):
         return Advice((Next.POOL,), _not_pooled)
     if mutant.verdict is Verdict.NOT_TESTED:
@@ -637,11 +622,11 @@ def _operable(case: Case) -> Iterable[str]:
     tests = [result for result in case.score.results if result.steady_operability]
     killing = sum(bool(result.operability_kills) for result in tests)
     safety = [name for name in case.background.at_risk if name in case.campaign.safety]
-    by = listed(case.score.operability.by)
+    by = " and ".join(case.score.operability.by)
     killed = f"killed in {killing} of {counted(len(tests), 'situation')} where {by} is steady"
     return (
         f"by {by} it is detected, and {killed}; no safety requirement detects it.",
-        f"Its cell puts {listed(safety) or 'none'} at risk.",
+        f"Its cell puts {' and '.join(safety) or 'none'} at risk.",
         SILENT if safety else "Operability has a score of its own.",
         only_unsteady(case),
         margin(case),
@@ -663,10 +648,9 @@ def _not_shown(case: Case) -> Iterable[str]:
     if _astray(case):
         astray = f"it takes the drone {case.off_path_m:.2f} m off its path, and no requirement detects it."
         return astray, SILENT, lucky, margin(case)
-    missing = (
-        "a situation with less room may show it"
-        if _near(case)
-        else "a situation is missing in which what it changes matters"
-    )
-    change = larger(case) if case.background.stronger else f"{no_more(case)}: {missing}."
-    return (f"near miss: {margin(case)}", lucky, change) if _near(case) else (path(case), lucky, margin(case), change)
+    ends = "its ladder ends here" if case.background.laddered else "the fault has no magnitude to raise"
+    if _near(case):
+        change = larger(case) if case.background.stronger else f"{ends}: a situation with less room may show it."
+        return f"near miss: {margin(case)}", lucky, change
+    missing = f"{ends}: a situation is missing in which what it changes matters."
+    return path(case), lucky, margin(case), larger(case) if case.background.stronger else missing

@@ -23,7 +23,7 @@ import click
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.survivor import Disposition
-from scaloft_fi.console import PIPED, line, printable
+from scaloft_fi.console import PIPED, printable
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix, Parameter, SeverityClass, Team, worst_first
@@ -398,16 +398,12 @@ def to_text(rows: Sequence[SheetRow], *, width: int | None = None, marked: bool 
 
 def sheet_tables(rows: Sequence[SheetRow]) -> tuple[Table, ...]:
     """The findings of each deviation, survivors by class and finds where there are any, then the log."""
-    notes = {TITLE: (population(rows), "Every column: --format csv or xlsx.")}
-    return tuple(
-        Table(
-            title,
-            tuple(column.title for column in shown),
-            tuple(tuple(map(line, texts(row, shown))) for row in listed),
-            notes.get(title, ()),
-        )
-        for title, shown, listed in sections(rows, IN_TERMINAL, finds=True)
-    )
+    notes, tables = {TITLE: (population(rows), "Every column: --format csv or xlsx.")}, []
+    for title, shown, listed in sections(rows, IN_TERMINAL, finds=True):
+        headers = tuple(column.title for column in shown)
+        cells = tuple(tuple(texts(row, shown)) for row in listed)
+        tables.append(Table(title, headers, cells, notes.get(title, ())))
+    return tuple(tables)
 
 
 def to_markdown(rows: Sequence[SheetRow]) -> str:
@@ -569,12 +565,8 @@ class Worksheet(Answer):
     """
 
     def __init__(self, rows: Sequence[SheetRow], stale: Stale, warnings: Sequence[str]) -> None:
-        super().__init__(
-            WORKSHEET,
-            lambda: FilledSheet(rows, stale),
-            lambda: sheet_tables(rows),
-            warnings=(*stale.sentences, *warnings),
-        )
+        told = (*stale.sentences, *warnings)
+        super().__init__(WORKSHEET, lambda: FilledSheet(rows, stale), lambda: sheet_tables(rows), warnings=told)
         self._sheet = rows
 
     def text(self, style: str = "table") -> str:

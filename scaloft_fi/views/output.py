@@ -91,15 +91,8 @@ class Columns(dict[str, Any]):
             InputError: pyarrow is not installed.
         """
         pyarrow = needed_pyarrow()
-        types = {
-            ColumnType.WHOLE: pyarrow.int64(),
-            ColumnType.NUMBER: pyarrow.float64(),
-            ColumnType.TRUTH: pyarrow.bool_(),
-            ColumnType.TEXT: pyarrow.string(),
-            ColumnType.TEXTS: pyarrow.list_(pyarrow.string()),
-            ColumnType.NUMBERS: pyarrow.list_(pyarrow.float64()),
-            ColumnType.WHOLES: pyarrow.list_(pyarrow.int64()),
-        }
+        types = {kind: pyarrow.type_for_alias(name) for kind, name in _ARROW.items()}
+        types |= {kind: pyarrow.list_(types[each]) for kind, each in _EACH.items()}
         columns = [pyarrow.array(self[name], types[kind], from_pandas=True) for name, kind in self.types.items()]
         return pyarrow.Table.from_arrays(columns, names=list(self.types))
 
@@ -143,6 +136,8 @@ def needed_pyarrow() -> Any:
     return pyarrow
 
 
+_ARROW = {ColumnType.WHOLE: "int64", ColumnType.TRUTH: "bool", ColumnType.NUMBER: "float64", ColumnType.TEXT: "string"}
+_EACH = {ColumnType.TEXTS: ColumnType.TEXT, ColumnType.NUMBERS: ColumnType.NUMBER, ColumnType.WHOLES: ColumnType.WHOLE}
 _DTYPES = {ColumnType.WHOLE: "int64", ColumnType.TRUTH: "bool", ColumnType.NUMBER: "float64", ColumnType.TEXT: "object"}
 
 
@@ -325,11 +320,8 @@ def _shape(kind: Kind, about: str) -> Shape:
         keys = {one.key: shape_of(one.hint, one.about) for one in printed_of(kind.bare)}
         return record(about or _phrase(summary_of(kind.bare)), keys)
     if kind.bare is float and kind.infinite:
-        return {
-            "type": ["number", "string"],
-            "pattern": "^-?inf$",
-            "description": f"{about}; the text inf where it is infinite",
-        }
+        told = {"description": f"{about}; the text inf where it is infinite"}
+        return {"type": ["number", "string"], "pattern": "^-?inf$", **told}
     if kind.bare in _SCALARS:
         allowed = {"enum": list(kind.texts)} if kind.texts else {}
         return {**_SCALARS[kind.bare], **told, **allowed, **({"format": "date"} if kind.bare is date else {})}
@@ -341,13 +333,9 @@ def _shape(kind: Kind, about: str) -> Shape:
         named = {kind.listed.key: shape_of(name, kind.listed.about), **shape["properties"]}
         return listing(about, record(shape["description"], named))
     if names := kind_of(name).texts:
-        return record(about, {one: _naming(shape_of(each), one) for one in names})
+        shape = shape_of(each)  # with {} where the name stands in its description
+        return record(about, {one: {**shape, "description": shape["description"].format(one)} for one in names})
     return {"type": "object", **told, "additionalProperties": shape_of(each)}
-
-
-def _naming(shape: Shape, name: str) -> Shape:
-    """A shape whose description has a name where it has {}."""
-    return {**shape, "description": shape["description"].format(name)}
 
 
 @cache
@@ -443,14 +431,9 @@ class Output:
         """The JSON text of `record`."""
         return json_text(self.record(answer), indent=2) + "\n"
 
-    def values(self, answer: Any) -> dict[str, Any]:
-        """The plain JSON values of an answer."""
-        values: dict[str, Any] = writer_of(self.answer)(answer)
-        return values
-
     def record(self, answer: Any) -> dict[str, Any]:
         """The whole as plain JSON values, its version first."""
-        return {"version": self.version, **self.values(answer)}
+        return {"version": self.version, **writer_of(self.answer)(answer)}
 
 
 @dataclass(frozen=True)
@@ -673,7 +656,7 @@ class Answer(Mapping[str, Columns]):
 
     def record(self) -> dict[str, Any]:
         """The whole as plain JSON values: what the verb prints with `--format json`."""
-        return {"version": self._form.version, **self._values}
+        return {**self._values}
 
     def text(self, style: str = "table") -> str:
         """What the verb prints.
@@ -703,7 +686,7 @@ class Answer(Mapping[str, Columns]):
 
     @cached_property
     def _values(self) -> Mapping[str, Any]:
-        return self._form.values(self._make())
+        return self._form.record(self._make())
 
     @cached_property
     def _flat(self) -> Mapping[str, Flat]:

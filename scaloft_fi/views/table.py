@@ -15,23 +15,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache, lru_cache
 from html import escape
-from itertools import accumulate
+from itertools import accumulate, groupby
 from pathlib import Path
 
-from scaloft_fi.console import (
-    PROSE,
-    Marked,
-    Style,
-    broken,
-    coloured,
-    json_text,
-    kept_together,
-    line,
-    printable,
-    styled,
-    wrapped,
-)
-from scaloft_fi.console import width as terminal_width
+from scaloft_fi import console
+from scaloft_fi.console import PROSE, Marked, Style, broken, coloured, json_text, line, printable, styled, wrapped
 
 _MARKDOWN = re.compile(r"([\\`*_\[\]<>&|~$#])")
 _LATEX = {
@@ -191,7 +179,7 @@ def _lines(cell: str, width: int) -> int:
 @lru_cache(maxsize=100_000)
 def _words(cell: str) -> tuple[tuple[int, ...], int]:
     """Where each word of a cell ends, with the blank behind it, and the length of the longest one."""
-    lengths = list(map(len, kept_together(cell).split()))
+    lengths = list(map(len, console.kept_together(cell).split()))
     return tuple(accumulate(length + 1 for length in lengths)), max(lengths, default=0)
 
 
@@ -298,12 +286,10 @@ def ranges(numbers: Iterable[int]) -> str:
     >>> ranges([4, 0, 1, 2, 7])
     '0-2, 4, 7'
     """
-    runs: list[list[int]] = []
-    for number in sorted(numbers):
-        if runs and number == runs[-1][-1] + 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
+    # within a run, number and place rise alike
+    runs = (
+        [number for _, number in run] for _, run in groupby(enumerate(sorted(numbers)), lambda one: one[1] - one[0])
+    )
     return ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]}-{run[-1]}" for run in runs)
 
 
@@ -359,7 +345,7 @@ def render(tables: Sequence[Table], how: Format, *, width: int | None = None, ma
         told = [{"title": table.title, "rows": table.records(), "notes": list(table.notes)} for table in tables]
         return json_text(told, indent=2) + "\n"
     if how is Format.TABLE:
-        columns = terminal_width() if width is None else width
+        columns = console.width() if width is None else width
         colours = coloured() if marked is None else marked
         text = "\n".join(_text(table, columns, marked=colours) for table in tables)
         return Marked(text) if colours else text
@@ -400,10 +386,9 @@ def _cells(rows: Iterable[Sequence[TableCell]], literal: Callable[[str], str]) -
 def _text(table: Table, width: int, *, marked: bool) -> str:
     """The table for a terminal, with a blank line between its title and its body."""
     headers, rows = list(map(line, table.headers)), _cells(table.rows, line)
-    parts = [heading(line(table.title), width, marked=marked), ""]
-    parts.append(body_text(headers, rows, width, table.spare, marked=marked))
-    parts += [note(line(each), width, marked=marked) for each in table.notes]
-    return "\n".join(parts) + "\n"
+    body = body_text(headers, rows, width, table.spare, marked=marked)
+    notes = (note(line(each), width, marked=marked) for each in table.notes)
+    return "\n".join([heading(line(table.title), width, marked=marked), "", body, *notes, ""])
 
 
 def _rendered(table: Table, how: Format) -> str:

@@ -13,6 +13,7 @@ import json
 import shlex
 import zipfile
 from array import array
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -192,20 +193,14 @@ def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[s
     first = outcome.first_violation
     t_s, x, y, z = (first.t_s, first.x, first.y, first.z) if first else (None,) * 4
     row = _Flight(
-        outcome.mutant,
-        outcome.situation,
-        outcome.seed,
+        *(outcome.mutant, outcome.situation, outcome.seed),
         status if beside or outcome.invalid else WAITING,
         outcome.ending,
         tuple(reading.requirement for reading in violated),
         outcome.infected_at_s,
-        t_s,
-        x,
-        y,
-        z,
+        *(t_s, x, y, z),
         first.struck if first else "",
-        outcome.duration_s,
-        outcome.digest,
+        *(outcome.duration_s, outcome.digest),
         held=tuple(reading.requirement for reading in outcome.readings if not (reading.violated or reading.open)),
         revealed_by=(*flight.revealed, *flight.operability_revealed) if flight else (),
         violation_times_s=tuple(reading.violated_at_s or 0.0 for reading in violated),
@@ -412,9 +407,9 @@ class Dossier:
     @cached_property
     def _judged(self) -> Mapping[str, Sequence[JudgedFlight]]:
         """The flights of each mutant beside their baselines, by its id."""
-        judged: dict[str, list[JudgedFlight]] = {}
+        judged = defaultdict[str, list[JudgedFlight]](list)
         for flight in flights_of(self.outcomes):
-            judged.setdefault(flight.outcome.mutant, []).append(flight)
+            judged[flight.outcome.mutant].append(flight)
         return judged
 
     def find_told(self, mutant: MutantScore) -> str:
