@@ -111,6 +111,29 @@ class Spending:
 
 
 @dataclass(frozen=True)
+class Look:
+    """One look.
+
+    Attributes:
+        seeds: number of seeds at this look.
+        mutants: number of mutants judged at this look.
+        flights: number of their flights that the look planned.
+        detected: mutants detected.
+        undecided: mutants undecided.
+        not_detected: mutants not detected.
+        not_tested: mutants not tested.
+    """
+
+    seeds: int
+    mutants: int
+    flights: int
+    detected: int
+    undecided: int
+    not_detected: int
+    not_tested: int
+
+
+@dataclass(frozen=True)
 class Sample:
     """A mutant's flights in a situation, in the order of their seeds.
 

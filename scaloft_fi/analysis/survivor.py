@@ -14,22 +14,26 @@ from dataclasses import dataclass, field
 from datetime import date
 from enum import StrEnum
 from functools import cached_property
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
 
 from scaloft_fi.analysis.condition import condition
 from scaloft_fi.analysis.detection import Detection, Verdict
-from scaloft_fi.analysis.kill_matrix import KillMatrix, KillRow, Loss, losses, off_path_m
 from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import MutantScore, Result, Score
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.matrix import Fault, Matrix, Name, Worse, mild_to_strong, parse, split_magnitude, worse
-from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import Kind, measured_rho
+from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, unpack_track
+from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import JudgedFlight, Status, apart, flights_of
 from scaloft_fi.marks import About, Bounds, ByName
 from scaloft_fi.mutants.catalogue import realise, source_of
+
+if TYPE_CHECKING:
+    from scaloft_fi.analysis.kill_matrix import KillMatrix, KillRow
 
 
 @dataclass(frozen=True)
@@ -417,6 +421,68 @@ class CampaignFacts:
         among = {key for key in known if key in self.space.point}
         holds = {key for key in among if true(key)}
         return condition(self.space, holds, among - holds) or "nowhere"
+
+
+_T, _X, _Y, _Z = (TRACK_COLUMNS.index(name) for name in ("elapsed_s", "x_m", "y_m", "z_m"))
+
+
+@dataclass(frozen=True)
+class Loss:
+    """Robustness of a requirement in a flight beside its baseline's, in the requirement's unit.
+
+    Attributes:
+        requirement: name of the requirement.
+        situation: key of the situation.
+        seed: seed of the flight.
+        baseline: robustness of the baseline, above 0, in the requirement's unit.
+        flown: robustness of the flight, in the requirement's unit.
+    """
+
+    KEYS = ("*", "share")
+    requirement: str
+    situation: str
+    seed: int
+    baseline: float
+    flown: float
+
+    @property
+    def share(self) -> float:
+        """Share of the baseline's margin that the fault took; below 0 where it gained some."""
+        return (self.baseline - self.flown) / self.baseline
+
+
+def losses(flight: JudgedFlight, steady: Collection[str]) -> tuple[Loss, ...]:
+    """What a flight lost of each requirement, steady there, that it and its baseline held to their ends, triggered."""
+    if flight.baseline is None:
+        return ()
+    lost = []
+    for reading in flight.outcome.readings:
+        clean = flight.baseline.reading(reading.requirement)
+        if clean is not None and reading.requirement in steady and _held(reading) and _held(clean) and clean.rho > 0:
+            place = flight.outcome.situation, flight.outcome.seed
+            lost.append(Loss(reading.requirement, *place, clean.rho, reading.rho))
+    return tuple(lost)
+
+
+def _held(reading: Reading) -> bool:
+    return reading.compliance is Compliance.HELD
+
+
+def off_path_m(flight: JudgedFlight) -> float | None:
+    """How far the flight was off its baseline's path at the most [m]: second by second, to the nearest point of it.
+
+    Time does not enter: a flight that goes the same way later is not off it.  None without both trajectories.
+    """
+    flown = unpack_track(flight.outcome.track)
+    path = unpack_track(flight.baseline.track) if flight.baseline else []
+    if not flown or not path:
+        return None
+    # a published track may be thinner than a stored one
+    apart_s = flown[1][_T] - flown[0][_T] if len(flown) > 1 else 0.0
+    each = max(1, round(1 / apart_s)) if apart_s > 0 else 1
+    points, others = (np.array([[row[_X], row[_Y], row[_Z]] for row in rows]) for rows in (flown[::each], path))
+    apart = np.linalg.norm(points[:, None, :] - others[None, :, :], axis=2)
+    return float(apart.min(axis=1).max())
 
 
 @dataclass(frozen=True)

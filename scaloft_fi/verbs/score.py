@@ -13,15 +13,12 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import click
 
 from scaloft_fi.analysis.coverage import Coverage, coverage_of
-from scaloft_fi.analysis.detection import Noise, Spending, Verdict, noise_of
+from scaloft_fi.analysis.detection import Look, Noise, Spending, Verdict, noise_of
 from scaloft_fi.analysis.pool import Pair, SituationBaseline, findings
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import By, Group, Score, groups, score_of
 from scaloft_fi.analysis.survivor import Disposition, accepted_survivors, backgrounds, score_without
-from scaloft_fi.campaign.flights.fly import Flight
-from scaloft_fi.campaign.plan import Plan
-from scaloft_fi.campaign.runs.request import Look
-from scaloft_fi.campaign.runs.run import borrowed
+from scaloft_fi.campaign.store.archive import borrowed
 from scaloft_fi.console import joined, say, width, wrapped
 from scaloft_fi.errors import ExitCode, InputError
 from scaloft_fi.hazop.matrix import CellStatus
@@ -37,6 +34,8 @@ from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Format, Table, counted, render
 
 if TYPE_CHECKING:
+    from scaloft_fi.campaign.flights.fly import Flight
+    from scaloft_fi.campaign.plan import Plan
     from scaloft_fi.campaign.runs.request import FlownRun
 
 

@@ -14,10 +14,19 @@ from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import Score, score_of
-from scaloft_fi.campaign.runs.request import Remembered, remembered
-from scaloft_fi.campaign.runs.run import spending_of
 from scaloft_fi.campaign.store.archive import Archive, campaign_folder, opened
-from scaloft_fi.campaign.store.held import Held, Now, held_in, latest_in, nothing_to_show, stale_in, with_tracks
+from scaloft_fi.campaign.store.held import (
+    Held,
+    Now,
+    Remembered,
+    grown_in,
+    held_in,
+    latest_in,
+    nothing_to_show,
+    remembered,
+    stale_in,
+    with_tracks,
+)
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.hazop.matrix import cell_of
@@ -215,7 +224,7 @@ class Snapshot:
     @cached_property
     def spending(self) -> Spending:
         """How alpha is spent on the campaign's mutants."""
-        return spending_of(self.study, self.store)
+        return Spending(self.study.alpha, grown_in(self.store))
 
     @cached_property
     def platform(self) -> Mapping[str, str]:

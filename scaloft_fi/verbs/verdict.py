@@ -7,13 +7,12 @@ from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from scaloft_fi.analysis.detection import LARGER, Verdict
-from scaloft_fi.analysis.kill_matrix import KillMatrix, Loss
 from scaloft_fi.analysis.pool import LEAST, State
 from scaloft_fi.analysis.score import MutantScore, Score
-from scaloft_fi.analysis.survivor import Background, CampaignFacts, Case, Disposition
+from scaloft_fi.analysis.survivor import Background, CampaignFacts, Case, Disposition, Loss
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
@@ -23,6 +22,9 @@ from scaloft_fi.sim.grid import Evidence, Find
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.views.table import counted
+
+if TYPE_CHECKING:
+    from scaloft_fi.analysis.kill_matrix import KillMatrix
 
 MOST_NAMED = 4
 """Of more mutants than these a command leaves out the names where `run` flies the same without."""

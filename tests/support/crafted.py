@@ -13,8 +13,7 @@ from pathlib import Path
 from options import usually
 from paper_flyer import made
 
-from scaloft_fi.campaign.runs.run import remember_seeds
-from scaloft_fi.campaign.store.held import Keys, flight_named
+from scaloft_fi.campaign.store.held import Keys, flight_named, remember_seeds
 from scaloft_fi.campaign.store.platforms import fingerprint
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, pack_track

@@ -12,7 +12,7 @@ from fuzzing import edit_in
 from paper_flyer import Paper
 from printed import STUDY, Call, sentence
 
-from scaloft_fi.campaign.runs.request import remembered
+from scaloft_fi.campaign.store.held import remembered
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.sim.load import Scenario, SimConfig

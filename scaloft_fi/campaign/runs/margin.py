@@ -20,9 +20,9 @@ from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.plan import canary, plan
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.runs.run import run, spending_of
+from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.campaign.store.archive import STORE_NAME, promising
-from scaloft_fi.campaign.store.held import current_in
+from scaloft_fi.campaign.store.held import current_in, grown_in
 from scaloft_fi.campaign.store.store import read_store
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Fault, Matrix, cell_of, mild_to_strong
@@ -205,7 +205,7 @@ def find(
     with read_store(folder / STORE_NAME) as store:
         if store is not None:
             known = {outcome.name: outcome for outcome in current_in(study, store)}
-            spending = spending_of(study, store)
+            spending = Spending(study.alpha, grown_in(store))
     cells, wanted, pooled = {target.subject.cell for target in targets}, frozenset(seeds), set[Situation]()
     while True:
         judged = [one for one in known.values() if one.mutant == BASELINE or cell_of(one.mutant) in cells]

@@ -24,28 +24,19 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import count, pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.coverage import covering_array
-from scaloft_fi.analysis.detection import LOOKS, Verdict
+from scaloft_fi.analysis.detection import LOOKS, Look, Verdict
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.score import score
 from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.plan import Plan, canary, parse_mutants, plan, plan_draws
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.runs.run import (
-    Budget,
-    Report,
-    borrowed,
-    finish,
-    fly_pool,
-    opened,
-    remember_seeds,
-    run,
-    spending_of,
-)
-from scaloft_fi.campaign.store.archive import STORE_NAME, promising, remember_grid, writable
+from scaloft_fi.campaign.runs.run import Budget, Report, finish, fly_pool, opened, run
+from scaloft_fi.campaign.store.archive import STORE_NAME, borrowed, promising, remember_grid, writable
+from scaloft_fi.campaign.store.held import CHOICE, remember_seeds
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
@@ -267,10 +258,6 @@ def _count(asked: Asked) -> int:
     return most
 
 
-NOTE = "choice"
-"""Prefix of the names of choices in the campaign's store."""
-
-
 def hint() -> str:
     """The accepted forms of `--choose`, in words."""
     forms = [strategy.form for strategy in STRATEGIES.values()]
@@ -334,54 +321,7 @@ def remember_choice(study: Study, folder: Path, choice: Choice) -> None:
     promising(folder)
     with Store(writable(folder) / STORE_NAME) as store:
         remember_grid(store, study)
-        store.remember(NOTE, {"choose": choice.text, "seed": choice.seed, "pool": choice.pool, "draws": draws})
-
-
-@dataclass(frozen=True)
-class Remembered:
-    """A recorded choice of a campaign.  draws: situation key and seed of each test case, in the order of the choice."""
-
-    text: str
-    seed: int
-    pool: int
-    draws: tuple[tuple[str, int], ...]
-
-
-def remembered(store: Store) -> tuple[Remembered, ...]:
-    """The recorded choices of a campaign.
-
-    Raises:
-        InputError: a record is no choice.
-    """
-    return tuple(sorted(store.records(NOTE, _read), key=lambda one: (one.text, one.seed)))
-
-
-def _read(content: Any) -> Remembered:
-    draws = tuple((str(key), int(number)) for key, number in content["draws"])
-    return Remembered(str(content["choose"]), int(content["seed"]), int(content["pool"]), draws)
-
-
-@dataclass(frozen=True)
-class Look:
-    """One look.
-
-    Attributes:
-        seeds: number of seeds at this look.
-        mutants: number of mutants judged at this look.
-        flights: number of their flights that the look planned.
-        detected: mutants detected.
-        undecided: mutants undecided.
-        not_detected: mutants not detected.
-        not_tested: mutants not tested.
-    """
-
-    seeds: int
-    mutants: int
-    flights: int
-    detected: int
-    undecided: int
-    not_detected: int
-    not_tested: int
+        store.remember(CHOICE, {"choose": choice.text, "seed": choice.seed, "pool": choice.pool, "draws": draws})
 
 
 def run_looks(
@@ -434,8 +374,7 @@ def run_looks(
             campaign.plan(due.known)
             campaign.fly(due.known)
             flights = list(dict.fromkeys((*flights, *due.known, *fly_pool(due, campaign, Budget(None)))))
-            spending = spending_of(study, campaign.store)
-            scored = score(campaign.outcomes(flights), study.roster, study.space, spending, others)
+            scored = score(campaign.outcomes(flights), study.roster, study.space, campaign.spending, others)
             judged = {one.subject.id: one.verdict for one in (*scored.mutants, *scored.controls)}
             verdicts = {mutant: judged.get(mutant.id, Verdict.NOT_TESTED) for mutant in mutants}
             planned = sum(flight.mutant != PLACEBO for flight in due.mutants)

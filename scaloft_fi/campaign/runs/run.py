@@ -1,8 +1,5 @@
 """A run: fly the flights of the plan that the store lacks, save every outcome when it arrives, check the gates.
 
-Before it flies, each run records in the store its mutants and seeds.  A mutant with more than one record is judged by
-looks.
-
 The published log counts test cases; here a test case is a pair of situation and seed, for any subject.
 """
 
@@ -30,13 +27,20 @@ from scaloft_fi.campaign.progress import Progress, Reporter
 from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.gates import RunOptions, prove_platform
 from scaloft_fi.campaign.store import archive
-from scaloft_fi.campaign.store.held import Keys, counting_flights, current_in, flight_named
+from scaloft_fi.campaign.store.held import (
+    Keys,
+    counting_flights,
+    current_in,
+    flight_named,
+    grown_in,
+    remember_seeds,
+)
 from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim, fingerprint
 from scaloft_fi.campaign.store.store import Store, read_store
 from scaloft_fi.campaign.workers import Interrupted, Local, Workers, interruptible
 from scaloft_fi.console import json_text
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
+from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.mutant import PLACEBO
@@ -44,37 +48,6 @@ from scaloft_fi.output import write_whole
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
-
-
-def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Outcome, ...]:
-    """The baselines of `situations` in a campaign, which stays unchanged.
-
-    Raises:
-        InputError: there is no such campaign, it was flown on another platform, some of its baselines were flown with
-            other data or code, or a situation has no baseline.
-    """
-    folder = archive.campaign_folder(study, campaign)
-    place, keys = f"--baseline-from={campaign!r}", Keys(study)
-    with Store(archive.existing(folder), create=False) as store:
-        theirs = archive.with_grid(study, store).grid
-        if theirs.name != study.grid.name:
-            raise InputError(f"{place} was flown over grid {theirs.name!r}, not over grid {study.grid.name!r}")
-        wanted = dict.fromkeys(situations)
-        flown = {f.key: f for f in store.flights() if f.mutant == BASELINE and f.situation in wanted}
-        flights = [Flight(None, study.grid.situation(f.situation), f.seed) for f in flown.values()]
-        now = {keys.key(flight): flight for flight in flights}
-        lent = tuple(outcome for outcome in store.outcomes(now) if not outcome.invalid)
-        changed = Platforms(store).unproved(fingerprint(), lent, only_bits=True)
-    if changed:
-        raise InputError(f"{place} was flown on another platform, its digests may differ: {'; '.join(changed)}")
-    stale = [flight for key, flight in now.items() if key not in flown]
-    if stale:
-        raise InputError(f"{place}: {stale[0].name} was flown with other data or code; fly it again there")
-    missing = [situation for situation in wanted if situation not in {outcome.situation for outcome in lent}]
-    if missing:
-        raise InputError(f"{place} has no baseline of {missing[0]}; fly it there with `run --baseline-seeds`")
-    return lent
-
 
 Item = TypeVar("Item")
 
@@ -194,36 +167,6 @@ def interleaved(
     return [item for _, _, item in sorted(placed, key=lambda entry: entry[:2])]
 
 
-NOTE = "asked"
-"""Prefix of the names of these notes."""
-
-
-def remember_seeds(store: Store, mutants: Iterable[str], seeds: Iterable[int]) -> None:
-    """Record mutants and seeds of a run; a mutant is skipped if an earlier record has all of these seeds.
-
-    Raises:
-        InputError: the store cannot be written.
-    """
-    wanted, known = frozenset(seeds), _asked(store)
-    news = sorted({mutant for mutant in mutants if not any(wanted <= before for before in known.get(mutant, ()))})
-    if news:
-        store.remember(NOTE, {"seeds": sorted(wanted), "mutants": news})
-
-
-def spending_of(study: Study, store: Store) -> Spending:
-    """The spending of alpha on the mutants of a store."""
-    return Spending(study.alpha, frozenset(mutant for mutant, seeds in _asked(store).items() if len(seeds) > 1))
-
-
-def _asked(store: Store) -> dict[str, set[frozenset[int]]]:
-    """The recorded sets of seeds by mutant."""
-    asked: dict[str, set[frozenset[int]]] = {}
-    for mutants, seeds in store.records(NOTE, lambda one: (list(map(str, one["mutants"])), one["seeds"])):
-        for mutant in mutants:
-            asked.setdefault(mutant, set()).add(frozenset(map(int, seeds)))
-    return asked
-
-
 def mission_log(
     outcomes: Iterable[Outcome], roster: Roster, space: Space, planned: int | None = None
 ) -> dict[str, Any]:
@@ -320,6 +263,11 @@ class Run:
         self.reporter = Reporter(self.study, progress, log, share=self._shares, warnings=warns)
         self._keys, self._ours, self._platforms = Keys(self.study), fingerprint(), Platforms(self.store)
         self._planned, self._expected, self._claimed = Plan((), (), None), set[Situation](), set[Pair]()
+
+    @property
+    def spending(self) -> Spending:
+        """The spending of alpha on the mutants of the campaign."""
+        return Spending(self.study.alpha, grown_in(self.store))
 
     def prepare(self) -> None:
         """Prepare this process for flights; processes that are forked from it inherit that."""
@@ -426,7 +374,7 @@ class Run:
             repeats=self.repeats,
             max_invalid=self.options.max_invalid,
             deterministic=self.study.stack.deterministic,
-            spending=spending_of(self.study, self.store),
+            spending=self.spending,
         )
 
     def raise_if_stopped(self, saved: str) -> None:
@@ -573,7 +521,7 @@ def _fly(planned: Plan, campaign: Run, budget: Budget) -> Report:
     campaign.reporter.progress.stored = lambda: (
         campaign.study,
         current_in(campaign.study, campaign.store),
-        spending_of(campaign.study, campaign.store),
+        campaign.spending,
     )
     campaign.announce_pool(planned)
     one_by_one = partial(campaign.arrange, jobs=1)  # batches for one process
@@ -603,7 +551,7 @@ def finish(campaign: Run, planned: Plan, flights: Sequence[Flight], left: tuple[
     outcomes = campaign.outcomes((*flights, *([canary] if canary else [])))
     write_log(campaign.study, campaign.folder, current_in(campaign.study, campaign.store))
     mixture = Platforms(campaign.store).mixture(outcomes)
-    return Report(outcomes, campaign.flown, left, spending_of(campaign.study, campaign.store), mixture)
+    return Report(outcomes, campaign.flown, left, campaign.spending, mixture)
 
 
 def fly_pool(planned: Plan, campaign: Run, budget: Budget) -> tuple[Flight, ...]:

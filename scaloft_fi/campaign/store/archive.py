@@ -28,8 +28,10 @@ import numpy as np
 
 from scaloft_fi import document
 from scaloft_fi.apart import most_unpacked, read_apart
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.store import record
 from scaloft_fi.campaign.store.held import Keys, flight_named
+from scaloft_fi.campaign.store.platforms import Platforms, fingerprint
 from scaloft_fi.campaign.store.record import BadCellError, Cell, Origin, Planned, TooLargeError, decoded, most_flights
 from scaloft_fi.campaign.store.store import CHUNK, NOTE, FlownFlight, Stands, Store, read_store
 from scaloft_fi.document import FILE_BYTES, is_file, is_folder, read_bytes
@@ -727,3 +729,33 @@ def _name(content: object) -> str:
     if not isinstance(content, str):
         raise TypeError("a name is a text")
     return content
+
+
+def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Outcome, ...]:
+    """The baselines of `situations` in a campaign, which stays unchanged.
+
+    Raises:
+        InputError: there is no such campaign, it was flown on another platform, some of its baselines were flown with
+            other data or code, or a situation has no baseline.
+    """
+    folder = campaign_folder(study, campaign)
+    place, keys = f"--baseline-from={campaign!r}", Keys(study)
+    with Store(existing(folder), create=False) as store:
+        theirs = with_grid(study, store).grid
+        if theirs.name != study.grid.name:
+            raise InputError(f"{place} was flown over grid {theirs.name!r}, not over grid {study.grid.name!r}")
+        wanted = dict.fromkeys(situations)
+        flown = {f.key: f for f in store.flights() if f.mutant == BASELINE and f.situation in wanted}
+        flights = [Flight(None, study.grid.situation(f.situation), f.seed) for f in flown.values()]
+        now = {keys.key(flight): flight for flight in flights}
+        lent = tuple(outcome for outcome in store.outcomes(now) if not outcome.invalid)
+        changed = Platforms(store).unproved(fingerprint(), lent, only_bits=True)
+    if changed:
+        raise InputError(f"{place} was flown on another platform, its digests may differ: {'; '.join(changed)}")
+    stale = [flight for key, flight in now.items() if key not in flown]
+    if stale:
+        raise InputError(f"{place}: {stale[0].name} was flown with other data or code; fly it again there")
+    missing = [situation for situation in wanted if situation not in {outcome.situation for outcome in lent}]
+    if missing:
+        raise InputError(f"{place} has no baseline of {missing[0]}; fly it there with `run --baseline-seeds`")
+    return lent

@@ -1,6 +1,9 @@
 """The current and the stale outcomes of a campaign, by the keys of their flights.
 
 An outcome is current if its flight has the same key in the study as it is now; otherwise it is stale, for a reason.
+
+Before it flies, each run records its mutants and seeds, and the situations that it chose.  A mutant with more than one
+record is judged by looks.
 """
 
 from __future__ import annotations
@@ -325,3 +328,57 @@ def with_tracks(
         return replace(outcome, track=found.track)
 
     return tuple(tracked(outcome) for outcome in outcomes)
+
+
+ASKED, CHOICE = "asked", "choice"
+"""Prefixes of the names of the notes that runs leave: mutants with seeds, choices of situations."""
+
+
+def remember_seeds(store: Store, mutants: Iterable[str], seeds: Iterable[int]) -> None:
+    """Record mutants and seeds of a run; a mutant is skipped if an earlier record has all of these seeds.
+
+    Raises:
+        InputError: the store cannot be written.
+    """
+    wanted, known = frozenset(seeds), _asked(store)
+    news = sorted({mutant for mutant in mutants if not any(wanted <= before for before in known.get(mutant, ()))})
+    if news:
+        store.remember(ASKED, {"seeds": sorted(wanted), "mutants": news})
+
+
+def grown_in(store: Store) -> frozenset[str]:
+    """The mutants that runs asked to fly with more than one set of seeds."""
+    return frozenset(mutant for mutant, seeds in _asked(store).items() if len(seeds) > 1)
+
+
+def _asked(store: Store) -> dict[str, set[frozenset[int]]]:
+    """The recorded sets of seeds by mutant."""
+    asked: dict[str, set[frozenset[int]]] = {}
+    for mutants, seeds in store.records(ASKED, lambda one: (list(map(str, one["mutants"])), one["seeds"])):
+        for mutant in mutants:
+            asked.setdefault(mutant, set()).add(frozenset(map(int, seeds)))
+    return asked
+
+
+@dataclass(frozen=True)
+class Remembered:
+    """A recorded choice of a campaign.  draws: situation key and seed of each test case, in the order of the choice."""
+
+    text: str
+    seed: int
+    pool: int
+    draws: tuple[tuple[str, int], ...]
+
+
+def remembered(store: Store) -> tuple[Remembered, ...]:
+    """The recorded choices of a campaign.
+
+    Raises:
+        InputError: a record is no choice.
+    """
+    return tuple(sorted(store.records(CHOICE, _read), key=lambda one: (one.text, one.seed)))
+
+
+def _read(content: Any) -> Remembered:
+    draws = tuple((str(key), int(number)) for key, number in content["draws"])
+    return Remembered(str(content["choose"]), int(content["seed"]), int(content["pool"]), draws)

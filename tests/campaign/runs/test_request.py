@@ -15,14 +15,15 @@ from hypothesis import strategies as st
 from running import LATE, MORE, Runs, asked, interrupting, red, same
 
 from scaloft_fi.analysis.coverage import t_way
-from scaloft_fi.analysis.detection import LOOKS, Verdict
+from scaloft_fi.analysis.detection import LOOKS, Look, Verdict
 from scaloft_fi.analysis.score import score
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.progress import Silence
 from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.runs.request import Choice, Look, choose_situations, remember_choice, remembered, run_looks
+from scaloft_fi.campaign.runs.request import Choice, choose_situations, remember_choice, run_looks
 from scaloft_fi.campaign.runs.run import Report
 from scaloft_fi.campaign.store.archive import STORE_NAME
+from scaloft_fi.campaign.store.held import remembered
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers import Interrupted
 from scaloft_fi.errors import GateError, InputError

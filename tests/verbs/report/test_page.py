@@ -22,9 +22,8 @@ from pages import embedded, unpacked
 from papers import HOSTILE, MUTANTS, campaign, column, evidence_of, jitter
 from printed import Call
 
-from scaloft_fi.campaign.runs.run import remember_seeds
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.campaign.store.held import Keys, flight_named
+from scaloft_fi.campaign.store.held import Keys, flight_named, remember_seeds
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.console import all_printable, printable
 from scaloft_fi.errors import InputError
