@@ -25,25 +25,10 @@ if TYPE_CHECKING:
     from scaloft_fi.verbs.worksheet import Worksheet
     from scaloft_fi.views.output import Answer, Columns, ColumnType
 
-__all__ = [
-    "Answer",
-    "CampaignScore",
-    "ColumnType",
-    "Columns",
-    "Figure",
-    "FlownFlight",
-    "GateError",
-    "InputError",
-    "Interrupted",
-    "Log",
-    "OpenCampaign",
-    "OpenStudy",
-    "Ratio",
-    "ScaloftError",
-    "Worksheet",
-    "__version__",
-    "open",
-]
+# a study, its campaigns and flights; what they answer; what they raise
+__all__ = ["CampaignScore", "Figure", "FlownFlight", "Log", "OpenCampaign", "OpenStudy", "__version__", "open"]
+__all__ += ["Answer", "ColumnType", "Columns", "Ratio", "Worksheet"]
+__all__ += ["GateError", "InputError", "Interrupted", "ScaloftError"]
 
 _LATE = {
     name: f"scaloft_fi.{module}"

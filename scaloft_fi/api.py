@@ -98,104 +98,27 @@ LATE = {
 """Where the names are that no flight needs, or that bring the compiler or a table library; imported by whoever asks for
 one of them, so that the keys of a plugin's flights leave the rest out."""
 
-__all__ = [
-    "ANYTHING",
-    "BORDERS",
-    "HAPPENINGS",
-    "IMAGE",
-    "LAYOUTS",
-    "NUMBERS",
-    "ROLES",
-    "SENSORS",
-    "STAMP",
-    "STEP_HZ",
-    "STEP_S",
-    "TICK_HZ",
-    "TICK_S",
-    "Array",
-    "Arrival",
-    "Asked",
-    "Axis",
-    "Belief",
-    "BorderError",
-    "Bounds",
-    "CameraInfo",
-    "Choices",
-    "Claim",
-    "Codec",
-    "Command",
-    "Component",
-    "Count",
-    "Declaration",
-    "Degrees",
-    "Dossier",
-    "Effect",
-    "Ends",
-    "Example",
-    "Examples",
-    "Factor",
-    "Facts",
-    "FastPath",
-    "FlightSetting",
-    "HappeningKind",
-    "Hold",
-    "Image",
-    "Instant",
-    "Land",
-    "Layout",
-    "LinesBorder",
-    "Mark",
-    "Metres",
-    "Moment",
-    "Need",
-    "NotNegative",
-    "Number",
-    "NumericField",
-    "OperatorCheck",
-    "Pattern",
-    "Period",
-    "PlainStack",
-    "PlainWire",
-    "Point",
-    "Positive",
-    "Processes",
-    "Range",
-    "Role",
-    "Seam",
-    "Seconds",
-    "SensorKind",
-    "Share",
-    "Size",
-    "SpeedLimit",
-    "Stack",
-    "StackCheck",
-    "Stamp",
-    "Study",
-    "Surroundings",
-    "Table",
-    "Tap",
-    "TapContext",
-    "Task",
-    "Topic",
-    "Vector",
-    "Windows",
-    "Wire",
-    "check_operator",
-    "check_stack",
-    "declare_claims",
-    "declare_stack",
-    "export_format",
-    "layout_of",
-    "messages",
-    "on_each",
-    "operator",
-    "operators_of",
-    "sample_in",
-    "signal",
-    "strategy",
-    "the",
-    "within",
-]
+# for operators
+__all__ = ["ANYTHING", "IMAGE", "NUMBERS", "STAMP", "Axis", "Component", "Degrees", "Example", "Factor", "Facts"]
+__all__ += ["Hold", "Metres", "Need", "Number", "NumericField", "OperatorCheck", "Period", "Range", "Seconds"]
+__all__ += ["Share", "Tap", "TapContext", "Windows", "check_operator", "on_each", "operator", "operators_of", "the"]
+__all__ += ["within"]
+# for settings
+__all__ += ["Bounds", "Choices", "Count", "Examples", "NotNegative", "Pattern", "Positive", "Size"]
+# for stacks
+__all__ += ["STEP_HZ", "STEP_S", "TICK_HZ", "TICK_S", "Belief", "Claim", "Declaration", "FastPath", "Instant", "Mark"]
+__all__ += ["PlainStack", "PlainWire", "Seam", "SpeedLimit", "Stack", "StackCheck", "Task", "Wire", "check_stack"]
+__all__ += ["declare_claims", "declare_stack"]
+# for samples and their noise
+__all__ += ["Array", "Image", "Point", "Stamp", "Table", "Vector", "messages"]
+# for worlds, sensors and signals
+__all__ += ["HAPPENINGS", "ROLES", "SENSORS", "Effect", "FlightSetting", "HappeningKind", "Moment", "Role"]
+__all__ += ["SensorKind", "Surroundings", "signal"]
+# for stages and simulators outside
+__all__ += ["BORDERS", "LAYOUTS", "Arrival", "BorderError", "CameraInfo", "Codec", "Command", "Ends", "Land"]
+__all__ += ["Layout", "LinesBorder", "Processes", "Topic", "layout_of", "sample_in"]
+# for campaigns and exports
+__all__ += ["Asked", "Dossier", "Study", "export_format", "strategy"]
 
 
 def __getattr__(name: str) -> Any:
