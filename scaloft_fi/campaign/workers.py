@@ -30,17 +30,9 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, Protocol
 
+from scaloft_fi.campaign import processes
 from scaloft_fi.campaign.flights.fly import Batch, Flyer, Worker, left_of, lost
-from scaloft_fi.campaign.processes import (
-    ATTEMPTS,
-    HANGUP,
-    WORKER_PATIENCE_S,
-    ProcessPool,
-    Work,
-    cores,
-    forked,
-    started_clean,
-)
+from scaloft_fi.campaign.processes import ProcessPool, Work
 from scaloft_fi.campaign.store.archive import study_files
 from scaloft_fi.campaign.store.platforms import differences, fingerprint
 from scaloft_fi.document import read_bytes
@@ -132,7 +124,7 @@ def interruptible(stopped: threading.Event) -> Iterator[None]:
                 raise KeyboardInterrupt
             before[number](number, frame)
 
-    hangup = [number for number in HANGUP if signal.getsignal(number) != signal.SIG_IGN]
+    hangup = [number for number in processes.HANGUP if signal.getsignal(number) != signal.SIG_IGN]
     for number in (signal.SIGINT, signal.SIGTERM, *hangup):
         before[number] = signal.getsignal(number)
         signal.signal(number, handle)
@@ -205,8 +197,8 @@ class Local:
             left=left_of,
             lost=lost,
             stop=stop,
-            patience_s=max(WORKER_PATIENCE_S, (ATTEMPTS + 1) * limit_s),
-            start=started_clean if self.clean else forked,
+            patience_s=max(processes.WORKER_PATIENCE_S, (processes.ATTEMPTS + 1) * limit_s),
+            start=processes.started_clean if self.clean else processes.forked,
         ) as pool:
 
             def prepare() -> None:
@@ -302,7 +294,7 @@ def executor_named(name: str, jobs: int | None, certificates: Path | None = None
     if name == LOCAL:
         if certificates is not None:
             raise InputError(f"--cluster-security={certificates} is for --executor=dask://HOST:PORT")
-        return Local(jobs or cores())
+        return Local(jobs or processes.cores())
     match = _DASK.fullmatch(name)
     if match is None:
         raise InputError(f"--executor={name!r} must be 'local' or 'dask://HOST:PORT', the address of a Dask scheduler")
@@ -412,8 +404,8 @@ def fly_batch(name: str, grid: str | None, flyer: Flyer, batch: Batch) -> list[O
     if expiry is not None:
         expiry.cancel()
     if pool is None:
-        work = LateWorker(folder, grid, flyer)
-        pool = ProcessPool(work, 1, left=left_of, lost=lost, stop=_unwanted, patient=False, start=started_clean)
+        work, start = LateWorker(folder, grid, flyer), processes.started_clean
+        pool = ProcessPool(work, 1, left=left_of, lost=lost, stop=_unwanted, patient=False, start=start)
     try:
         flown = list(pool.map([batch]))
     except BaseException:

@@ -8,19 +8,10 @@ from pathlib import Path
 
 from scaloft_fi.campaign.plan import held_requirements
 from scaloft_fi.campaign.runs.run import write_log
+from scaloft_fi.campaign.store import platforms
 from scaloft_fi.campaign.store.archive import STORE_NAME, existing, writable
 from scaloft_fi.campaign.store.held import current_in
-from scaloft_fi.campaign.store.platforms import (
-    Pair,
-    Platform,
-    Platforms,
-    claim,
-    differences,
-    fingerprint,
-    is_pair_note,
-    pair_of,
-    set_apart,
-)
+from scaloft_fi.campaign.store.platforms import Pair, Platform, Platforms, pair_of
 from scaloft_fi.campaign.store.record import Planned
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import GateError
@@ -72,16 +63,16 @@ def merge(study: Study, folder: Path, sources: Sequence[Path], *, same_platform:
             with Store(path, create=False) as source:
                 known += len(joined.rows.keys() & {flight.key for flight in source.flights()})
                 warnings += joined.join(source, path)
-                plans += [*source.planned(), *set_apart(source)]
+                plans += [*source.planned(), *platforms.set_apart(source)]
                 notes |= source.notes()
         dropped = _spare_canaries(study, joined.rows, plans)
-        target.set_meta(joined.own or fingerprint())
-        target.set_notes({name: text for name, text in notes.items() if not is_pair_note(name)})
+        target.set_meta(joined.own or platforms.fingerprint())
+        target.set_notes({name: text for name, text in notes.items() if not platforms.is_pair_note(name)})
         target.plan(flight for flight in plans if flight.key not in dropped)
         now = Platforms(target)  # the platforms of the pairs of situation and seed
         for theirs in {tuple(sorted(platform.items())): platform for platform in joined.pairs.values()}.values():
             pairs = [pair for pair, platform in joined.pairs.items() if platform == theirs]
-            claim(target, [pair for pair in pairs if not now.equal(now.of(pair), theirs)], theirs)
+            platforms.claim(target, [pair for pair in pairs if not now.equal(now.of(pair), theirs)], theirs)
         for path in stores:
             with Store(path, create=False) as source:
                 keys = [key for key, where in joined.taken.items() if where == path and key not in dropped]
@@ -106,7 +97,7 @@ class _Joined:
         self._noisy = not study.stack.deterministic
         self._known = Platforms(target)
         self.own = self._known.own
-        self._apart = {flight.key for flight in set_apart(target)}
+        self._apart = {flight.key for flight in platforms.set_apart(target)}
         self._current = {outcome.name: outcome for outcome in current_in(study, target)}
         self.pairs = {pair_of(o): self._known.of(pair_of(o)) for o in self._current.values() if not o.invalid}
 
@@ -121,7 +112,8 @@ class _Joined:
         Raises:
             GateError: a flight has other digests on one platform, or other facts on two.
         """
-        rows, known, apart = dict(source.keyed()), Platforms(source), {flight.key for flight in set_apart(source)}
+        rows, known = dict(source.keyed()), Platforms(source)
+        apart = {flight.key for flight in platforms.set_apart(source)}
         self._apart |= apart
         self.own = self.own or known.own
         pairs = {pair_of(o): known.of(pair_of(o)) for key, o in rows.items() if not o.invalid and key not in apart}
@@ -171,7 +163,7 @@ class _Joined:
         """Compare the flights of a store with those of other platforms that the merged campaign has."""
         flown = [(self.own, theirs) for theirs, _ in known.by_platform(current)]
         flown += [(self.pairs[pair], theirs) for pair, theirs in other.items()]
-        changed = {", ".join(differences(ours, theirs)) for ours, theirs in flown} - {""}
+        changed = {", ".join(platforms.differences(ours, theirs)) for ours, theirs in flown} - {""}
         if not changed:
             return []
         compared = agreement([outcome for outcome in current if pair_of(outcome) in other], self._current.values())

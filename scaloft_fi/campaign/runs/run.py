@@ -26,15 +26,8 @@ from scaloft_fi.campaign.plan import Plan, alone, canary_flight, infects, togeth
 from scaloft_fi.campaign.progress import Progress, Reporter
 from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.gates import RunOptions, prove_platform
-from scaloft_fi.campaign.store import archive
-from scaloft_fi.campaign.store.held import (
-    Keys,
-    counting_flights,
-    current_in,
-    flight_named,
-    grown_in,
-    remember_seeds,
-)
+from scaloft_fi.campaign.store import archive, held
+from scaloft_fi.campaign.store.held import Keys, counting_flights, current_in, flight_named
 from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim, fingerprint
 from scaloft_fi.campaign.store.store import Store, read_store
 from scaloft_fi.campaign.workers import Interrupted, Local, Workers, interruptible
@@ -267,7 +260,7 @@ class Run:
     @property
     def spending(self) -> Spending:
         """The spending of alpha on the mutants of the campaign."""
-        return Spending(self.study.alpha, grown_in(self.store))
+        return Spending(self.study.alpha, held.grown_in(self.store))
 
     def prepare(self) -> None:
         """Prepare this process for flights; processes that are forked from it inherit that."""
@@ -515,7 +508,7 @@ def run(
 def _fly(planned: Plan, campaign: Run, budget: Budget) -> Report:
     """Fly until the plan is complete, the budget is used up or the user stops the run."""
     flights = planned.known
-    remember_seeds(campaign.store, (flight.subject.id for flight in planned.mutants), planned.seeds)
+    held.remember_seeds(campaign.store, (flight.subject.id for flight in planned.mutants), planned.seeds)
     campaign.plan(flights)
     campaign.reporter.progress.most_s = lambda: budget.left_s
     campaign.reporter.progress.stored = lambda: (

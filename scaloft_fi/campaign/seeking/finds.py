@@ -23,18 +23,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import yaml
 
-from scaloft_fi.analysis.seeking import (
-    POOL,
-    SEEDS,
-    Effort,
-    Place,
-    Replica,
-    distance,
-    effort_of,
-    is_of_use,
-    replicas,
-    shown_by,
-)
+from scaloft_fi.analysis import seeking
+from scaloft_fi.analysis.seeking import Effort, Place, Replica, replicas
 from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
@@ -354,19 +344,19 @@ class SearchFlights:
         of_use = [
             one
             for one in baselines
-            if one.name not in self._known or is_of_use(self._known[one.name], anyhow=self.anyhow)
+            if one.name not in self._known or seeking.is_of_use(self._known[one.name], anyhow=self.anyhow)
         ]
         theirs = (Flight(mutant, one.situation, one.seed) for one in of_use for mutant in mutants)
         self.fly([*baselines, *theirs])
 
     def distance(self, mutant: Mutant, situation: Situation) -> float:
         """How far a situation is from showing a mutant, with the first seed of the search."""
-        return distance(*self._pair(mutant, situation, SEEN_ON[0]), anyhow=self.anyhow)
+        return seeking.distance(*self._pair(mutant, situation, SEEN_ON[0]), anyhow=self.anyhow)
 
     def shown_by(self, mutant: Mutant, situation: Situation) -> tuple[str, ...]:
         """The requirements by which a situation shows a mutant with every seed of the search."""
         pairs = (self._pair(mutant, situation, seed) for seed in SEEN_ON)
-        first, *others = (shown_by(*pair, anyhow=self.anyhow) for pair in pairs)
+        first, *others = (seeking.shown_by(*pair, anyhow=self.anyhow) for pair in pairs)
         return tuple(name for name in first if all(name in names for names in others))
 
     def candidate(self, mutant: Mutant, situation: Situation) -> int:
@@ -391,7 +381,7 @@ class SearchFlights:
                 by_subject.setdefault(outcome.mutant, {})[outcome.situation] = outcome
         baselines = by_subject.pop(BASELINE, {})
         return {
-            mutant: effort_of(flights.values(), baselines, anyhow=self.anyhow) for mutant, flights in by_subject.items()
+            mutant: seeking.effort_of(own.values(), baselines, anyhow=self.anyhow) for mutant, own in by_subject.items()
         }
 
     def _pair(self, mutant: Mutant, situation: Situation, seed: int) -> tuple[Outcome | None, Outcome | None]:
@@ -585,14 +575,14 @@ def replicate(
     with searching(study, folder, options, progress=progress, flyer=flyer, first=begun[:1]) as campaign:
         number = _begin(campaign.store, {find.name: list(ask[find.name]) for find in asked}, _block(finds))
         first = FRESH + BLOCK * number
-        flights = SearchFlights(campaign, Allowance(), anyhow=anyhow)
+        seeds, flights = range(first, first + seeking.SEEDS), SearchFlights(campaign, Allowance(), anyhow=anyhow)
         progress.stage = f"{sum(map(len, ask.values()))} pairs of find and mutant, seeds from {first}"
         pools = {
-            situation: [Flight(None, situation, first + seed) for seed in range(POOL)]
+            situation: [Flight(None, situation, first + seed) for seed in range(seeking.POOL)]
             for situation in situations.values()
         }
         pairs: dict[Place, list[Flight]] = {
-            (find.name, mutant): [Flight(mutants[mutant], situations[find.name], first + seed) for seed in range(SEEDS)]
+            (find.name, mutant): [Flight(mutants[mutant], situations[find.name], seed) for seed in seeds]
             for find in asked
             for mutant in ask[find.name]
         }

@@ -22,18 +22,8 @@ from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Run
-from scaloft_fi.campaign.seeking.finds import (
-    NAMED,
-    SEEN_ON,
-    Allowance,
-    SearchFlights,
-    SeekReport,
-    Sought,
-    SpentError,
-    Unnamed,
-    searching,
-    words_of,
-)
+from scaloft_fi.campaign.seeking import finds
+from scaloft_fi.campaign.seeking.finds import SEEN_ON, SearchFlights, SeekReport, Sought, SpentError
 from scaloft_fi.campaign.seeking.proposals import MakeProposer, Opening, Proposal, Proposals, Proposer, flyable, opening
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.sim.grid import Evidence, Find
@@ -214,10 +204,10 @@ def seek(
     options: RunOptions | None = None,
     *,
     seed: int,
-    allowance: Allowance,
+    allowance: finds.Allowance,
     progress: Progress,
     save: Callable[[Sequence[Find]], None],
-    unnamed: Unnamed | None = None,
+    unnamed: finds.Unnamed | None = None,
     flyer: Flyer | None = None,
     proposer: MakeProposer = Proposals,
     first: Opening = opening,
@@ -250,7 +240,7 @@ def seek(
     quests = [Quest(mutant, proposer(study.grid, possible, seed, mutant.id), shrinks=shrinks) for mutant in mutants]
     opened_with = list(first(study.grid, seed, possible))
     flown_first = [Flight(None, one.situation, SEEN_ON[0]) for one in opened_with]
-    with searching(study, folder, options, progress=progress, flyer=flyer, first=flown_first[:1]) as campaign:
+    with finds.searching(study, folder, options, progress=progress, flyer=flyer, first=flown_first[:1]) as campaign:
         search = _Search(campaign, quests, seed, SearchFlights(campaign, allowance, anyhow=anyhow), save)
         spent = False
         if unnamed is not None:
@@ -362,13 +352,13 @@ class _Search:
             shows |= {other.mutant.id: told} if told is not None else {}
         self._note(quest, situation, shows)
         others = f", and {len(shows) - 1} others" if len(shows) > 1 else ""
-        words = ", ".join(words_of(situation, self._grid)) or "the benign situation"
+        words = ", ".join(finds.words_of(situation, self._grid)) or "the benign situation"
         self.campaign.reporter.progress.line(f"found: {situation.key} ({words}) shows {quest.mutant.id}{others}")
 
     def _note(self, quest: Quest, situation: Situation, shows: dict[str, Evidence]) -> None:
         """Record a find, and save all finds."""
-        name = NAMED + quest.mutant.id
-        find = Find(name, situation.key, words_of(situation, self._grid), quest.mutant.id, dict(shows), self.seed)
+        name = finds.NAMED + quest.mutant.id
+        find = Find(name, situation.key, finds.words_of(situation, self._grid), quest.mutant.id, dict(shows), self.seed)
         self.finds = [*(one for one in self.finds if one.name != name), find]
         self.save(self.finds)
 
