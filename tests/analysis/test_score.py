@@ -47,7 +47,6 @@ def test_kills_are_steady_pairs_where_most_flights_of_a_detected_mutant_violate(
     assert (late.kill_rate, late.kill_rate_flown) == (Ratio(3, 3), Ratio(3, 5))
     assert dict(late.requirements) == {"SR2": Ratio(3, 3)}
     assert (late.verdict, late.status) == (Verdict.DETECTED, Status.REVEALED)
-    assert late.first is not None
     assert (late.first.requirement, late.first.t_s, late.first.situation) == ("SR2", 12.0, HUMAN[0])
     assert (goal.verdict, goal.kills, goal.kill_rate) == (Verdict.NOT_DETECTED, (), Ratio(0, 4))
     assert goal.operability.detected

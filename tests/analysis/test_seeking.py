@@ -123,7 +123,6 @@ def test_the_shares_of_all_candidates_sum_to_alpha():
 def test_as_many_seeds_are_flown_as_decide_though_one_flight_does_not_violate(candidate):
     share, held = share_of(0.01, candidate), Pool.of(pool(HERE))
     seeds = seeds_for(held, HERE, ("SR2",), share)
-    assert seeds is not None
     assert seeds >= FEWEST
     for flights, decides in ((seeds, True), (seeds - 1, False)):
         sample = Sample(HERE, ((), *((("SR2",),) * (flights - 1))), infected=True)
@@ -139,7 +138,6 @@ def test_more_seeds_than_allowed_are_no_candidate():
 def test_the_evidence_is_the_scores_own_test():
     baselines = with_rho(pool(HERE), [0.3] * 10)
     told = confirmed(mutant(6, 6), baselines, ("SR2",), 1, 0.005)
-    assert told is not None
     assert (told.requirement, told.violated, told.flights, told.baselines) == ("SR2", 6, 6, 10)
     violated = tuple(("SR2",) for _ in range(6))
     judged = detect("", [Sample(HERE, violated, True)], Pool.of(baselines), Spending(0.005), Kind.SAFETY)

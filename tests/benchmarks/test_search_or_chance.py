@@ -210,7 +210,6 @@ def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Stu
         assert len(search.opening) == OPENING
         assert late.shown_in in search.opening  # nothing is shrunk
         assert 0 < late.after <= search.used
-        assert late.evidence is not None
         assert late.evidence.p <= late.evidence.alpha
     used = sum(one.used for one in block.searches.values())
     assert len(set(block.flights)) == len(block.flights) < used

@@ -56,8 +56,7 @@ class Tape:
 
 @pytest.fixture(scope="module")
 def make_study() -> Callable[..., None]:
-    made: Callable[..., None] = run_path(str(EXAMPLE / "make_study.py"))["make_study"]
-    return made
+    return run_path(str(EXAMPLE / "make_study.py"))["make_study"]
 
 
 @pytest.fixture

@@ -85,7 +85,6 @@ EVERYWHERE = sorted(
 def tap_on(name: str, seam: str) -> Any:
     operator = OPERATORS[name]
     arguments = arguments_on(operator, seam)
-    assert arguments is not None
     rng = np.random.Generator(np.random.Philox(7))
     declared = REFERENCE.by_name[seam]
     facts = replace(operator.example.facts, duration_s=1.0)
@@ -359,7 +358,6 @@ def test_the_inserted_waypoint_keeps_its_clearance_from_the_wall(clearance_m: fl
     operator = OPERATORS["insert_near_wall"]
     tap = operator.tap(TapContext(0.05, np.random.default_rng(0)), {"clearance_m": clearance_m})
     route = tap(0.0, Route(((0.0, 7.0, 1.65), (0.0, 0.0, 1.65))))
-    assert route is not None
     assert abs(1.5 - (route.points[0][0] + 0.235) - clearance_m) < 1e-9
 
 

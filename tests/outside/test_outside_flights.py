@@ -126,8 +126,7 @@ for message in border:
 
 @pytest.fixture(scope="module")
 def make_study() -> Callable[..., None]:
-    made: Callable[..., None] = run_path(str(EXAMPLE / "make_study.py"))["make_study"]
-    return made
+    return run_path(str(EXAMPLE / "make_study.py"))["make_study"]
 
 
 @pytest.fixture(scope="module")

@@ -138,7 +138,6 @@ def flying(tmp_path: Path, mark: str) -> Iterator[subprocess.Popen[str]]:
 
 @pytest.mark.parametrize("victim", ["flying process", "guard", "process", "orphan"])
 def test_whatever_is_killed_nothing_is_left(flying: subprocess.Popen[str], mark: str, victim: str):
-    assert flying.stdout is not None
     guard = int(flying.stdout.readline())
     assert soon(lambda: len(marked(mark)) == 3 and len(below(guard, mark)) == 2)
     process, orphan = below(guard, mark)

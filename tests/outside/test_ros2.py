@@ -36,8 +36,7 @@ def told(python: str) -> dict[str, Any]:
     script = ROOT / "tests" / "support" / "ros2_border.py"
     done = subprocess.run([python, script], capture_output=True, text=True, timeout=LIMIT_S, check=False)
     assert done.returncode == 0, done.stderr
-    read: dict[str, Any] = json.loads(done.stdout)
-    return read
+    return json.loads(done.stdout)
 
 
 @pytest.mark.release
@@ -85,12 +84,9 @@ def test_nonsense_is_refused_with_a_sentence_and_a_flood_is_bounded(told: dict[s
 
 def test_domains_are_held_until_they_are_given_back():
     first, second = take_domain(), take_domain()
-    assert first is not None
-    assert second is not None
     assert first.number != second.number
     first.close()
     again = take_domain()
-    assert again is not None
     assert again.number == first.number
     again.close()
     second.close()

@@ -75,8 +75,7 @@ def _short(text: str) -> str:
 
 def recorded() -> dict[str, list[object]]:
     """The record, by command."""
-    record: dict[str, list[object]] = json.loads(gzip.decompress(RECORD.read_bytes()))
-    return record
+    return json.loads(gzip.decompress(RECORD.read_bytes()))
 
 
 def differences(every: int) -> tuple[int, list[str]]:

@@ -99,8 +99,7 @@ CLEAN = ("baseline", "PLACEBO")
 def exported(evidence: Evidence) -> list[Row]:
     """The rows of `export --format json`."""
     study = evidence.study
-    found: list[Row] = json.loads(to_json(export_rows(evidence.outcomes, study.roster, study.space)))
-    return found
+    return json.loads(to_json(export_rows(evidence.outcomes, study.roster, study.space)))
 
 
 def states_of(rows: list[Row]) -> dict[tuple[str, str], str]:

@@ -50,8 +50,7 @@ class Runs:
 
     def folder(self, name: str = "c") -> Path:
         """The folder of a campaign."""
-        folder: Path = self.study.folder / name
-        return folder
+        return self.study.folder / name
 
     def store(self, name: str = "c", *, create: bool = False) -> Store:
         """The store of a campaign."""

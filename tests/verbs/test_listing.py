@@ -113,8 +113,6 @@ def listed(capsys: pytest.CaptureFixture[str], verb: str, *words: str | Path) ->
 def script(path: Path) -> Any:
     """A script of the examples as a module."""
     spec = util.spec_from_file_location(path.stem, path)
-    assert spec is not None
-    assert spec.loader is not None
     module = util.module_from_spec(spec)
     sys.modules[path.stem] = module
     spec.loader.exec_module(module)

@@ -323,8 +323,7 @@ def ranged(copy: Path) -> Path:
 
 
 def rows_of(call: Call, study: Path) -> list[dict[str, object]]:
-    rows: list[dict[str, object]] = json.loads(call("export", study=study).stdout)
-    return rows
+    return json.loads(call("export", study=study).stdout)
 
 
 def test_drawn_situations_come_back_from_the_store_by_their_keys(call: Call, ranged: Path, tmp_path: Path):

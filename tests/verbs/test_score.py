@@ -153,7 +153,6 @@ def test_the_baselines_findings_name_the_first_violation_and_what_stayed_open():
     (dark,) = findings(flown, GRID)
     assert (dark.situation, dark.flown, dark.red, dark.violated) == (DARK, 3, 2, ("SR1",))
     assert dark.open == ("SR2", "SR2-literal", "OP1")
-    assert dark.first is not None
     assert (dark.first[0].t_s, dark.first[1]) == (28.0, 1)
 
 

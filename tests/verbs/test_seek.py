@@ -145,7 +145,6 @@ def test_what_breaks_the_unmutated_drone_is_printed_and_written(
     assert found["name"] == "breaks-SR2-person-home_to_corner-near_corner-person_detection"
     assert f"found: {found['name']}: {found['situation']} (human, cruise speed " in done.stderr
     written = read_finds(copy / "sim")
-    assert written is not None
     assert [one.situation for one in written.breaks] == [found["situation"]]
     assert no_terms(call("seek", *words, "--quiet", "--format", "markdown", study=copy).stdout) == []
     again = call("seek", *words, "--quiet", study=copy)
@@ -188,7 +187,6 @@ def test_finds_are_replicated_and_what_does_not_hold_leaves(ruled: Ruled, call: 
     assert [(one["mutant"], one["holds"]) for one in told["replicas"]] == [(LATE, True), (MORE, False)]
     assert told["first"] == 100_000
     written = read_finds(copy / "sim")
-    assert written is not None
     assert [find.name for find in written.finds] == [f"shows-{LATE}"]
     again = call("seek", "--replicate", "LATE-human", "--jobs", "1", "--quiet", study=copy)
     screen = " ".join(again.stdout.split())

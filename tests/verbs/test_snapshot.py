@@ -119,8 +119,7 @@ def test_what_no_longer_counts_is_told_by_every_verb_until_the_command_has_flown
 @pytest.mark.parametrize("seeds", [(), ("--seeds", "4-5", "--baseline-seeds", "12")])
 def test_the_command_flies_stale_baselines_with_all_their_seeds(call: Call, copy: Path, seeds: tuple[str, ...]):
     def status() -> dict[str, Any]:
-        told: dict[str, Any] = json.loads(call("status", "--format", "json", study=copy).stdout)
-        return told
+        return json.loads(call("status", "--format", "json", study=copy).stdout)
 
     call(*LATE, *seeds, study=copy)
     flights = status()["counted"]

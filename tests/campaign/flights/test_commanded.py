@@ -181,7 +181,6 @@ def test_a_requirement_may_use_a_signal_that_only_the_record_has(folder: Path):
         file.write("  dust: {column: x}\n")
     _edit(folder / "sim" / "requirements.yaml", "always(clearance_m > 0)", "always(clearance_m > 0 and dust < 0.5)")
     (outcome,) = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0")
-    assert outcome.first_violation is not None
     assert outcome.first_violation.t_s == 2.55  # at 0.5 exactly its robustness is 0, which is no violation
 
 

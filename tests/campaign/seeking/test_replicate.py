@@ -80,11 +80,9 @@ def test_what_does_not_hold_leaves_and_the_find_takes_the_name_of_what_does(stud
     kept = holding([find, left], report.replicas)
     keep(study.folder / "sim", "small", kept)
     written = read_finds(study.folder / "sim")
-    assert written is not None
     assert [(one.name, one.mutant, list(one.shows)) for one in written.finds] == [(f"shows-{LATE}", LATE, [LATE])]
     assert written.breaks == (BAR,)
     told = written.finds[0].shows[LATE].again
-    assert told is not None
     assert (told.seed, told.violated, told.flights, told.baselines) == (FRESH, SEEDS, SEEDS, POOL)
     assert told.p == pytest.approx(report.replicas[1].again.p, rel=1e-3)
 

@@ -124,7 +124,6 @@ def test_a_writer_killed_in_the_middle_loses_nothing_that_was_put(tmp_path: Path
     with subprocess.Popen(
         [sys.executable, "-c", textwrap.dedent(script)], stdout=subprocess.PIPE, text=True, env=environment
     ) as writer:
-        assert writer.stdout is not None
         done = [int(writer.stdout.readline()) for _ in range(20)]
         writer.send_signal(signal.SIGKILL)
         done += [int(line) for line in writer.stdout if line.endswith("\n")]
@@ -285,8 +284,7 @@ def _stored(row: Record) -> Record:
     with closing(sqlite3.connect(":memory:")) as connection:
         connection.execute(f"CREATE TABLE t ({', '.join(f'{name} {cell.sql}' for name, cell in COLUMNS.items())})")
         connection.execute(f"INSERT INTO t VALUES ({', '.join('?' * len(row))})", row)
-        stored: Record = connection.execute("SELECT * FROM t").fetchone()
-        return stored
+        return connection.execute("SELECT * FROM t").fetchone()
 
 
 @given(campaigns(), st.binary(max_size=40))

@@ -93,8 +93,7 @@ def text(evidence: Evidence) -> str:
 @pytest.fixture(scope="session")
 def told(text: str) -> dict[str, Any]:
     """The figures of that page."""
-    figures: dict[str, Any] = embedded(text, "figures")
-    return figures
+    return embedded(text, "figures")
 
 
 @pytest.fixture(scope="session")

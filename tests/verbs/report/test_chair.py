@@ -219,7 +219,6 @@ def test_on_a_narrow_screen_a_value_says_what_it_is(visit: Opened):
     cell = page.locator('#hazop td[data-cell="LATE-human"]')
     assert page.evaluate("node => getComputedStyle(node, '::before').content", cell.element_handle()) == '"LATE"'
     box = cell.bounding_box()
-    assert box is not None
     assert box["x"] + box["width"] <= 390
     assert page.evaluate("document.documentElement.scrollWidth") == 390
 
