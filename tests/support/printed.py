@@ -39,6 +39,12 @@ def sentence(result: Result) -> str:
     return line
 
 
+def told_by(done: Result) -> str:
+    """What a verb printed that has ended well."""
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
 def run(*words: str | Path) -> int:
     """The exit code of the command, called in this process, with the streams of the test."""
     with pytest.raises(SystemExit) as left:

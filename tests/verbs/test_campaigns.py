@@ -10,7 +10,7 @@ from pathlib import Path
 
 from builders import GRID, ROSTER, campaigns, outcome
 from hypothesis import given
-from printed import STUDY, Call
+from printed import STUDY, Call, told_by
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.platforms import claim
@@ -27,8 +27,7 @@ WORDS = ("--mutant", "LATE-human", "--situation", "T0O0W0D?H?", "--quiet")
 def _shards(call: Call, folder: Path) -> list[str]:
     names = [f"{folder}/{k}" for k in (1, 2)]
     for k, name in enumerate(names, 1):
-        result = call("run", *WORDS, "--shard", f"{k}/2", "--campaign", name, campaign=False)
-        assert result.exit_code == 0, result.output
+        told_by(call("run", *WORDS, "--shard", f"{k}/2", "--campaign", name, campaign=False))
     return names
 
 
@@ -43,9 +42,8 @@ def test_two_shards_merged_export_the_bytes_of_the_undivided_run(call: Call, tmp
 
 def test_diff_prints_what_only_one_of_two_campaigns_has(call: Call, tmp_path: Path):
     first, second = _shards(call, tmp_path)
-    result = call("diff", first, second, campaign=False)
-    assert result.exit_code == 0
-    assert "0 flights are the same bit for bit" in result.stdout.replace("\n", " ")
+    result = told_by(call("diff", first, second, campaign=False))
+    assert "0 flights are the same bit for bit" in result.replace("\n", " ")
     assert "0 differ" in call("diff", first, first, campaign=False).stdout.replace("\n", " ")
 
 

@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 from jsonschema import Draft202012Validator, ValidationError
 from options import usually
-from printed import READERS, STUDY, Call, no_terms, of_form, one_table, sentence
+from printed import READERS, STUDY, Call, no_terms, of_form, one_table, sentence, told_by
 
 import scaloft_fi
 from scaloft_fi.analysis.score import By
@@ -23,9 +23,7 @@ from scaloft_fi.reference import output_of
 
 @pytest.mark.parametrize("words", READERS, ids=" ".join)
 def test_json_has_the_form_that_the_verb_declares_and_csv_is_one_table(told: Call, words: tuple[str, ...]):
-    done = told(*words, "--format", "json")
-    assert done.exit_code == 0, done.output
-    assert of_form(words[0], done.stdout)["version"] == output_of(words[0]).version
+    assert of_form(words[0], told_by(told(*words, "--format", "json")))["version"] == output_of(words[0]).version
     text = told(*words, "--format", "csv").stdout
     assert one_table(text) or words[0] == "diff"
     assert not text.startswith("#")
@@ -139,10 +137,9 @@ def test_a_script_that_asks_wrongly_gets_one_sentence(
 
 def test_every_table_of_the_score_is_a_file_with_the_numbers_of_the_json(told: Call, tmp_path: Path):
     whole = json.loads(told("score", "--by", "axis", "--format", "json").stdout)
-    done = told("score", "--by", "axis", "--format", "csv", "--tables", str(tmp_path / "new" / "tables"))
-    assert done.exit_code == 0, done.output
+    done = told_by(told("score", "--by", "axis", "--format", "csv", "--tables", str(tmp_path / "new" / "tables")))
     files = {path.stem: path.read_text(encoding="utf-8") for path in (tmp_path / "new" / "tables").iterdir()}
-    assert done.stdout == files["mutants"]
+    assert done == files["mutants"]
     tables = {name: one_table(text) for name, text in files.items()}
     for name in ("mutants", "controls", "pairs", "baseline", "groups"):
         assert len(tables[name]) == len(whole[name])

@@ -13,7 +13,7 @@ import pytest
 import records
 from click.testing import CliRunner, Result
 from mcap.reader import make_reader
-from printed import STUDY, Call, no_terms, of_form
+from printed import STUDY, Call, no_terms, of_form, told_by
 from studies import copied
 
 from scaloft_fi.campaign.flights.command import judged_record, known_of, mapping_of
@@ -191,9 +191,8 @@ def a_record(folder: Path, **last: float) -> Path:
 
 
 def test_a_violation_is_a_finding_with_time_and_place_and_the_exit_code_is_0(tmp_path: Path):
-    done = judge(a_record(tmp_path, clearance_m=-0.001, x_m=3.5), "--format", "json")
-    assert done.exit_code == 0
-    rows = {row["requirement"]: row for row in of_form("judge", done.stdout)["readings"]}
+    done = told_by(judge(a_record(tmp_path, clearance_m=-0.001, x_m=3.5), "--format", "json"))
+    rows = {row["requirement"]: row for row in of_form("judge", done)["readings"]}
     assert (rows["SR1"]["verdict"], rows["SR1"]["violated_at_s"], rows["SR1"]["x"]) == ("violated", 2.0, 3.5)
     assert (rows["SR1"]["robustness"], rows["SR2"]["verdict"], rows["SR2"]["robustness"]) == (-0.001, "open", None)
 

@@ -10,7 +10,7 @@ import pytest
 from builders import with_range
 from fuzzing import edit_in
 from paper_flyer import Paper
-from printed import STUDY, Call, sentence
+from printed import STUDY, Call, sentence, told_by
 
 from scaloft_fi.campaign.store.held import remembered
 from scaloft_fi.campaign.store.store import Store
@@ -55,8 +55,7 @@ def test_the_same_command_in_any_number_of_jobs_exports_the_same_bytes(call: Cal
     exports = []
     for name, jobs in (("one", "1"), ("two", "2"), ("two", "1")):
         words = ("--campaign", str(tmp_path / name / "c"))
-        flown = call("run", "--mutant", "LATE-human*", "--jobs", jobs, "--quiet", *words, campaign=False)
-        assert flown.exit_code == 0, flown.output
+        told_by(call("run", "--mutant", "LATE-human*", "--jobs", jobs, "--quiet", *words, campaign=False))
         exports.append(call("export", *words, campaign=False).stdout)
     assert exports[0] == exports[1] == exports[2]
 
@@ -88,11 +87,10 @@ def test_an_edited_number_flies_again_and_an_edited_comment_does_not(call: Call,
 
 
 def test_chosen_situations_are_flown_and_the_choice_is_kept(call: Call, tmp_path: Path):
-    done = call(
-        "run", "--mutant", "LATE-human", "--choose", "2-way", "--choose-seed", "1", "--quiet", "--format", "json"
+    done = told_by(
+        call("run", "--mutant", "LATE-human", "--choose", "2-way", "--choose-seed", "1", "--quiet", "--format", "json")
     )
-    assert done.exit_code == 0
-    covered = json.loads(done.stdout)["coverage"]
+    covered = json.loads(done)["coverage"]
     assert (covered["situations"]["part"], covered["draws"] - covered["pool"]) == (6, 6)
     assert covered["t_way"]["2"]["part"] == 40
     with Store(tmp_path / "campaign" / "outcomes.sqlite", create=False) as store:
@@ -102,9 +100,7 @@ def test_chosen_situations_are_flown_and_the_choice_is_kept(call: Call, tmp_path
 def test_a_run_whose_time_is_up_names_what_it_left(call: Call, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("scaloft_fi.campaign.runs.run.Budget.left_s", 0.0)
     words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--budget", "1h", "--quiet")
-    result = call(*words, "--format", "json")
-    assert result.exit_code == 0, result.output
-    left = json.loads(result.stdout)["unflown"]
+    left = json.loads(told_by(call(*words, "--format", "json")))["unflown"]
     assert {"by": "parameter", "name": "human", "planned": 2, "flown": 0, "not_flown": 2} in left
     assert "6 of 6 planned flights were not flown" in call(*words).stdout
     assert "planned, not flown" in call("status").stdout
@@ -118,9 +114,7 @@ def test_the_declared_share_of_invalid_flights_is_an_option(call: Call, paper: P
 
 def test_sequential_looks_fly_on_what_is_undecided_and_print_how_it_went(call: Call):
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
-    result = call("run", *words, "--sequential", "--format", "json")
-    assert result.exit_code == 0, result.output
-    first, *_ = json.loads(result.stdout)["looks"]
+    first, *_ = json.loads(told_by(call("run", *words, "--sequential", "--format", "json")))["looks"]
     assert (first["seeds"], first["mutants"], first["flights"]) == (1, 1, 2)
     assert "Looks" in call("run", *words, "--sequential").stdout
 
@@ -229,12 +223,10 @@ def flown(call: Call, study: Path, *words: str) -> set[str]:
 
 
 def test_a_run_flies_what_the_grid_chooses_and_the_verbs_that_read_know_the_grid(call: Call, study: Path):
-    done = call("run", "--grid", "light", *WORDS, study=study)
-    assert done.exit_code == 0, done.stderr
+    told_by(call("run", "--grid", "light", *WORDS, study=study))
     assert flown(call, study) == {"L0", "L1"}
     for verb in ("score", "coverage", "status", "kills", "worksheet", "dispositions"):
-        told = call(verb, study=study)
-        assert told.exit_code == 0, verb
+        told_by(call(verb, study=study))
     record = json.loads(call("score", "--format", "json", study=study).stdout)
     assert (record["coverage"]["situations"]["part"], record["coverage"]["situations"]["whole"]) == (2, 3)
     page = call("report", "--output", str(study.parent / "page.html"), study=study)
@@ -258,8 +250,7 @@ def test_a_choice_or_a_situation_of_the_user_goes_before_that_of_the_grid(call: 
 
 
 def test_a_further_grid_has_a_campaign_of_its_own_name(call: Call, study: Path):
-    done = call("run", "--grid", "light", *WORDS, study=study, campaign=False)
-    assert done.exit_code == 0, done.stderr
+    told_by(call("run", "--grid", "light", *WORDS, study=study, campaign=False))
     assert (study / "results" / "campaigns" / "light" / "outcomes.sqlite").is_file()
     assert flown(call, study, "--campaign", "light") == {"L0", "L1"}
     assert call("run", "--grid", "paper", *WORDS, study=study, campaign=False).exit_code == 0
@@ -289,8 +280,7 @@ def test_a_campaign_whose_grid_the_study_lacks_is_one_sentence(call: Call, study
 
 
 def test_a_margin_flies_what_the_grid_chooses(call: Call, study: Path):
-    done = call("margin", "LATE-human", "--grid", "light", "--quiet", study=study)
-    assert done.exit_code == 0, done.stderr
+    told_by(call("margin", "LATE-human", "--grid", "light", "--quiet", study=study))
     assert flown(call, study) == {"L0", "L1"}
     told = sentence(call("margin", "LATE-human", "--when", "--grid", "nope", study=study))
     assert "--grid='nope' must be the name of a grid of the study" in told
@@ -328,9 +318,7 @@ def rows_of(call: Call, study: Path) -> list[dict[str, object]]:
 
 def test_drawn_situations_come_back_from_the_store_by_their_keys(call: Call, ranged: Path, tmp_path: Path):
     chosen = (*LATE, "--situation", "C?T0O0*D0H1", "--choose", "sobol:6", "--format", "json")
-    done = call("run", *chosen, study=ranged)
-    assert done.exit_code == 0
-    record = json.loads(done.stdout)
+    record = json.loads(told_by(call("run", *chosen, study=ranged)))
     rows = rows_of(call, ranged)
     keys = list(dict.fromkeys(str(row["situation"]) for row in rows if row["mutant"] == "LATE-human@3s"))
     assert len(keys) == 6
@@ -350,8 +338,7 @@ def test_drawn_situations_come_back_from_the_store_by_their_keys(call: Call, ran
     for verb in ("status", "coverage", "worksheet", "dispositions"):
         assert call(verb, study=ranged).exit_code == 0
     for style in ("csv", "sace", "junit"):
-        told = call("export", "--format", style, study=ranged)
-        assert told.exit_code == 0, style
+        told_by(call("export", "--format", style, study=ranged))
     page = tmp_path / "page.html"
     assert call("report", "--output", str(page), study=ranged).exit_code == 0
     assert keys[0] in page.read_text(encoding="utf-8")
@@ -387,8 +374,7 @@ def test_shards_of_a_drawn_choice_merge_into_the_whole(call: Call, ranged: Path,
     words = (*LATE, "--situation", "C?T0O0*D0H1", "--choose", "random:3", "--baseline-seeds", "1")
     parts = [str(tmp_path / part) for part in ("one", "two")]
     for number, part in enumerate(parts, start=1):
-        done = call("run", *words, "--shard", f"{number}/2", "--campaign", part, study=ranged, campaign=False)
-        assert done.exit_code == 0
+        told_by(call("run", *words, "--shard", f"{number}/2", "--campaign", part, study=ranged, campaign=False))
     assert call("merge", *parts, study=ranged).exit_code == 0
     merged = rows_of(call, ranged)
     call("run", *words, "--campaign", str(tmp_path / "whole"), study=ranged, campaign=False)
@@ -402,9 +388,8 @@ def test_shards_of_a_drawn_choice_merge_into_the_whole(call: Call, ranged: Path,
 
 def test_margins_and_dispositions_take_drawn_situations(call: Call, ranged: Path):
     key = "C2=0.871T0O0W0D0H1"
-    done = call("margin", "LATE-human", "--situation", key, "--quiet", study=ranged)
-    assert done.exit_code == 0
-    assert key in done.stdout
+    done = told_by(call("margin", "LATE-human", "--situation", key, "--quiet", study=ranged))
+    assert key in done
     path = ranged / "hazop" / "dispositions.yaml"
     entry = "LATE-human: {status: accepted, owner: A. Nyone, reason: harmless, expires: 2999-01-01, situations: [%s]}"
     path.write_text(entry % key, encoding="utf-8")

@@ -11,7 +11,7 @@ import pytest
 from click.testing import Result
 from finding import SMALL, Ruled, fast, flies, found
 from pages import embedded
-from printed import Call, no_terms, of_form, sentence
+from printed import Call, no_terms, of_form, sentence, told_by
 
 import scaloft_fi
 from scaloft_fi.analysis.seeking import Breach, Effort, Signature
@@ -49,9 +49,8 @@ def test_a_find_is_printed_written_and_flown_beside_the_papers_situations(sought
     assert f"found: {find['situation']} (human, cruise speed " in sought.stderr
     assert (copy / "sim" / "found.yaml").exists()
     words = ("--grid", "paper+found", "--mutant", "LATE-human", "--seeds", "3", "--jobs", "1", "--quiet")
-    done = call("run", *words, "--situation", "shows-LATE-human@3s", "--situation", "T0O0W0D0H1", study=copy)
-    assert done.exit_code == 0, done.output
-    screen = " ".join(done.stdout.split())
+    done = told_by(call("run", *words, "--situation", "shows-LATE-human@3s", "--situation", "T0O0W0D0H1", study=copy))
+    screen = " ".join(done.split())
     assert "shown by your safety requirements, not firmly: hangs on a seed. Selected: 1 situation was found" in screen
     record = json.loads(call("score", "--format", "json", study=copy).stdout)
     assert record["selected"] == [find["situation"]]
@@ -154,8 +153,7 @@ def test_what_breaks_the_unmutated_drone_is_printed_and_written(
     assert f"`scaloft-fi replay baseline/{found['situation']}/0 --campaign where`" in table
     assert ", 0 of them flown now, " in table
     words = ("--mutant", "LATE-human", "--situation", found["name"], "--situation", "T0D0H0", "--jobs", "1", "--quiet")
-    flown = call("run", "--grid", "small", *words, study=copy)
-    assert flown.exit_code == 0, flown.output
+    told_by(call("run", "--grid", "small", *words, study=copy))
     assert json.loads(call("score", "--format", "json", study=copy).stdout)["selected"] == [found["situation"]]
 
 
@@ -181,9 +179,7 @@ def test_a_study_without_the_grid_that_is_searched_by_default_is_told_to_write_o
 
 def test_finds_are_replicated_and_what_does_not_hold_leaves(ruled: Ruled, call: Call, copy: Path):
     saver(copy / "sim", "search")([found(LATE, "T0O0W0D0H1Cs=0.9"), found(MORE, "T0O0W0D0H0Cs=0.9")])
-    done = call("seek", "--replicate", "--jobs", "1", "--format", "json", study=copy)
-    assert done.exit_code == 0, done.output
-    told = of_form("seek", done.stdout)
+    told = of_form("seek", told_by(call("seek", "--replicate", "--jobs", "1", "--format", "json", study=copy)))
     assert [(one["mutant"], one["holds"]) for one in told["replicas"]] == [(LATE, True), (MORE, False)]
     assert told["first"] == 100_000
     written = read_finds(copy / "sim")

@@ -20,7 +20,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pages import embedded, unpacked
 from papers import HOSTILE, MUTANTS, campaign, column, evidence_of, jitter
-from printed import Call
+from printed import Call, told_by
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import Keys, flight_named, remember_seeds
@@ -347,10 +347,9 @@ def _figures(path: Path) -> dict[str, object]:
 
 def test_the_page_of_a_campaign_is_written_into_its_folder_and_says_what_score_says(call: Call, tmp_path: Path):
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
-    result = call("report")
-    assert result.exit_code == 0, result.output
+    result = told_by(call("report"))
     path = tmp_path / "campaign" / "report.html"
-    assert result.stdout == f"report: {path} ({len(path.read_bytes()) / 1e6:.1f} MB)\n"
+    assert result == f"report: {path} ({len(path.read_bytes()) / 1e6:.1f} MB)\n"
     told = _figures(path)
     scored = json.loads(call("score", "--format", "json").stdout)
     ratios = {ratio["name"]: ratio for ratio in told["ratios"]}  # type: ignore[attr-defined]
