@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from paper_flyer import Whole
 from studies import copied
 
+from scaloft_fi.analysis.seeking import Breach, Signature
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
@@ -97,6 +98,19 @@ def found(mutant: str, situation: str = "T0O0W0D0H2Cs=0.8", *, others: tuple[str
     evidence = Evidence("SR2", 1, 0.00025, 0.005, 6, 6, struck, 10, 10, 0.071, 0.02, 10)
     shows = dict.fromkeys((mutant, *others), evidence)
     return Find(f"shows-{mutant}", situation, ("human walks", "cruise speed 0.8 m/s"), mutant, shows, 0)
+
+
+PLACE = (0.0, 1.0, 1.6)
+"""Where violations of this drone are [m]."""
+
+
+def breached(violations: Sequence[Violation], belief: str = "", leg: str = "home to corner") -> tuple[Breach, ...]:
+    """The ways in which these violations near the corner break the drone, all with this wrong belief."""
+    wrong = (1.5, "m") if belief else (0.0, "")
+    ways = [Signature(one.requirement, one.struck, leg, "corner", belief) for one in violations]
+    return tuple(
+        Breach(way, (way.requirement,), one.t_s, PLACE, *wrong) for way, one in zip(ways, violations, strict=True)
+    )
 
 
 BAR = Break(

@@ -31,6 +31,22 @@ def quiet() -> Progress:
     return Progress(stream=io.StringIO())
 
 
+class PowerError(Exception):
+    """The power failed."""
+
+
+def dying(at: int, error: type[Exception] | Exception = PowerError) -> Progress:
+    """A display of a run that dies when so many flights are done."""
+
+    class Dying(Progress):
+        def advance(self) -> None:
+            super().advance()
+            if self.done == at:
+                raise error
+
+    return Dying(stream=io.StringIO())
+
+
 def asked(study: Any, seeds: Sequence[int] = (0,), names: Sequence[str] = (LATE,), canary: str = CONTROL) -> Plan:
     """Mutants in all situations of the study, with a canary unless its name is empty."""
     mutants = [realise(study.matrix, name) for name in names]

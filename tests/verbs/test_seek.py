@@ -4,24 +4,20 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 from click.testing import Result
-from finding import SMALL, Ruled, fast, flies, found
+from finding import SMALL, Ruled, breached, fast, flies, found
 from pages import embedded
 from printed import Call, no_terms, of_form, sentence, told_by
 
 import scaloft_fi
-from scaloft_fi.analysis.seeking import Breach, Effort, Signature
-from scaloft_fi.campaign.flights.fly import Flight
+from scaloft_fi.analysis.seeking import Effort
 from scaloft_fi.campaign.seeking.finds import SeekReport, Sought, anew, interrupted, saver
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.judge.outcome import Violation
 from scaloft_fi.sim.grid import read_finds
-from scaloft_fi.study import Study
 from scaloft_fi.verbs.seek import seek_tables, why_not
 from scaloft_fi.views.table import Format, render
 
@@ -129,12 +125,8 @@ def test_verbs_that_read_tell_of_the_find_and_its_flights_take_its_place(ruled: 
 def test_what_breaks_the_unmutated_drone_is_printed_and_written(
     ruled: Ruled, call: Call, copy: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    def recalled(_study: Study, _flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
-        names = tuple(one.requirement for one in violations)
-        way = Signature(names[0], violations[0].struck, "home to corner", "corner", "person detection")
-        return (Breach(way, names, violations[0].t_s, (0.0, 1.0, 1.6), 1.5, "m"),)
-
-    monkeypatch.setattr("scaloft_fi.campaign.seeking.breaks.recalled", recalled)
+    told = "scaloft_fi.campaign.seeking.breaks.recalled"
+    monkeypatch.setattr(told, lambda _study, _flight, violations: breached(violations, "person detection"))
     ruled.baseline = fast
     (copy / "sim" / "grids" / "small.yaml").write_text(SMALL, encoding="utf-8")
     words = ("baseline", "--grid", "small", "--into", "where", "--budget", "70flights", "--jobs", "1")

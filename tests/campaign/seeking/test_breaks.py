@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
-from finding import Ruled, everywhere, number, small_study
+from finding import Ruled, breached, everywhere, number, small_study
+from running import PowerError, dying, quiet
 
 from scaloft_fi.analysis.pool import LEAST
-from scaloft_fi.analysis.seeking import WORST, Breach, Signature
+from scaloft_fi.analysis.seeking import WORST, Breach
 from scaloft_fi.campaign.flights.fly import Flight
-from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.seeking.breaks import seek_breaks
 from scaloft_fi.campaign.seeking.finds import SEEN_ON, Allowance, SeekReport
@@ -37,18 +36,7 @@ def robustness(situation: Situation) -> float:
 def ways(study: Study, flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
     """In the dark the person is missed; with speed no belief is wrong; missions that turn fail on another leg."""
     leg = ("home to corner", "corner to end")[flight.situation["T"]]
-    belief = "person detection" if flight.situation["D"] == 1 else ""
-    return tuple(
-        Breach(
-            Signature(one.requirement, one.struck, leg, "corner", belief),
-            (one.requirement,),
-            one.t_s,
-            (0.0, 1.0, 1.6),
-            1.5 if belief else 0.0,
-            "m" if belief else "",
-        )
-        for one in violations
-    )
+    return breached(violations, "person detection" if flight.situation["D"] == 1 else "", leg)
 
 
 Search = Callable[..., tuple[SeekReport, list[Break]]]
@@ -73,7 +61,7 @@ def search(study: Study) -> Search:
             RunOptions(jobs=more.get("jobs", 1)),
             seed=seed,
             allowance=Allowance.parse(more.get("budget", "150flights")),
-            progress=more.get("progress", Progress(stream=io.StringIO())),
+            progress=more.get("progress", quiet()),
             save=save,
             flyer=flyer,
             recall=more.get("recall", ways),
@@ -182,11 +170,8 @@ def test_more_than_half_of_the_fresh_seeds_must_violate(
             red = flight.seed in SEEN_ON or flight.seed < reds
             return Ruled(self.path, baseline=lambda _: -0.2 if red else 0.4)(study, flight)
 
-    def one_way(_study: Study, _flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
-        way = Signature("SR2", "person", "home to corner", "corner", "")
-        return tuple(Breach(way, ("SR2",), one.t_s, (0.0, 1.0, 1.6), 0.0, "") for one in violations)
-
-    report, _ = search(tmp_path, Lucky(tmp_path / "flown.txt"), budget="50flights", recall=one_way)
+    lucky = Lucky(tmp_path / "flown.txt")
+    report, _ = search(tmp_path, lucky, budget="50flights", recall=lambda _study, _flight, told: breached(told))
     assert [one.violated for one in report.breaks] == ([] if violated is None else [violated])
 
 
@@ -196,8 +181,7 @@ def test_three_of_the_fresh_seeds_must_do_so_in_the_same_way(
 ):
     def by_seed(_study: Study, flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
         usual = flight.seed in SEEN_ON or flight.seed >= LEAST - same
-        way = Signature("SR2", "person", "home to corner", "corner", "person" if usual else f"{flight.seed}")
-        return tuple(Breach(way, ("SR2",), one.t_s, (0.0, 1.0, 1.6), 1.0, "m") for one in violations)
+        return breached(violations, "person" if usual else f"{flight.seed}")
 
     flyer.baseline = everywhere
     report, _ = search(tmp_path, flyer, budget="60flights", recall=by_seed)
@@ -207,9 +191,7 @@ def test_three_of_the_fresh_seeds_must_do_so_in_the_same_way(
 
 def test_shrinking_keeps_the_signature(search: Search, tmp_path: Path, flyer: Ruled):
     def by_speed(_study: Study, flight: Flight, violations: Sequence[Violation]) -> tuple[Breach, ...]:
-        belief = "velocity" if number(flight.situation, "Cs", 0.5) >= 0.8 else "person"
-        way = Signature("SR2", "person", "home to corner", "corner", belief)
-        return tuple(Breach(way, ("SR2",), one.t_s, (0.0, 1.0, 1.6), 1.0, "m") for one in violations)
+        return breached(violations, "velocity" if number(flight.situation, "Cs", 0.5) >= 0.8 else "person")
 
     flyer.baseline = everywhere
     report, _ = search(tmp_path, flyer, budget="100flights", recall=by_speed)
@@ -226,19 +208,9 @@ def test_the_same_seed_makes_the_same_finds_whatever_the_jobs(
     assert search(tmp_path / "d", flyer, seed=1)[0].breaks != whole.report.breaks
 
 
-class PowerError(Exception):
-    """The power failed."""
-
-
 def test_a_search_that_dies_goes_on_where_it_stopped(whole: Whole, search: Search, tmp_path: Path, flyer: Ruled):
-    class Dying(Progress):
-        def advance(self) -> None:
-            super().advance()
-            if self.done == 60:
-                raise PowerError
-
     with pytest.raises(PowerError):
-        search(tmp_path, flyer, progress=Dying(stream=io.StringIO()))
+        search(tmp_path, flyer, progress=dying(60))
     resumed, saved = search(tmp_path, flyer)
     assert resumed.breaks == whole.report.breaks == tuple(saved)
     assert resumed.used == whole.report.used

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 
 import pytest
 from finding import BAR, Ruled, fast, found, never, small_study
+from running import dying, quiet
 
 from scaloft_fi.analysis.seeking import POOL, SEEDS
 from scaloft_fi.campaign.progress import Progress
@@ -31,8 +31,7 @@ def flyer(tmp_path: Path) -> Ruled:
 
 def again(study: Study, flyer: Ruled, *finds: Find, progress: Progress | None = None) -> SeekReport:
     ask = {find.name: list(find.shows) for find in finds}
-    shown = progress or Progress(stream=io.StringIO())
-    return replicate(study, finds, ask, study.folder / "c", progress=shown, flyer=flyer)
+    return replicate(study, finds, ask, study.folder / "c", progress=progress or quiet(), flyer=flyer)
 
 
 def seeds(flyer: Ruled, subject: str) -> set[int]:
@@ -52,21 +51,13 @@ def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_anothe
     first, second = again(study, flyer, find), again(study, flyer, find)
     assert (first.first, second.first) == (FRESH, FRESH + BLOCK)
     (kept,) = holding([find], first.replicas)
-    elsewhere = replicate(
-        study, [kept], {kept.name: [LATE]}, study.folder / "d", progress=Progress(stream=io.StringIO()), flyer=flyer
-    )
+    elsewhere = replicate(study, [kept], {kept.name: [LATE]}, study.folder / "d", progress=quiet(), flyer=flyer)
     assert elsewhere.first == FRESH + BLOCK
 
 
 def test_an_interrupted_replication_goes_on_with_its_seeds(study: Study, flyer: Ruled):
-    class Stopping(Progress):
-        def advance(self) -> None:
-            super().advance()
-            if self.done == 7:
-                raise Interrupted("stopped")
-
     with pytest.raises(Interrupted):
-        again(study, flyer, found(LATE, SITUATION), progress=Stopping(stream=io.StringIO()))
+        again(study, flyer, found(LATE, SITUATION), progress=dying(7, Interrupted("stopped")))
     report = again(study, flyer, found(LATE, SITUATION))
     assert report.first == FRESH
     assert report.flown < report.used

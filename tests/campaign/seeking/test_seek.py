@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -12,8 +11,8 @@ from typing import Any
 
 import pytest
 from finding import Ruled, everywhere, fast, never
+from running import PowerError, dying, quiet
 
-from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Budget
 from scaloft_fi.campaign.seeking import finds
@@ -35,10 +34,6 @@ LATE, MORE, LESS = (realise(STUDY.matrix, name) for name in ("LATE-human@3s", "M
 @pytest.fixture
 def flyer(tmp_path: Path) -> Ruled:
     return Ruled(tmp_path / "flown.txt", {LATE.id: fast})
-
-
-class PowerError(Exception):
-    """The power failed."""
 
 
 @dataclass
@@ -69,7 +64,7 @@ def search(folder: Path, flyer: Any, *mutants: Any, seed: int = 0, **more: Any) 
         RunOptions(jobs=more.get("jobs", 1)),
         seed=seed,
         allowance=Allowance.parse(more.get("budget")),
-        progress=more.get("progress", Progress(stream=io.StringIO())),
+        progress=more.get("progress", quiet()),
         save=save,
         unnamed=more.get("unnamed"),
         flyer=flyer,
@@ -116,15 +111,8 @@ def test_a_search_that_dies_goes_on_where_it_stopped(tmp_path: Path, flyer: Rule
     whole, _ = search(tmp_path / "a", flyer)
     flown = sorted(flyer.flown)
     flyer.path.unlink()
-
-    class Dying(Progress):
-        def advance(self) -> None:
-            super().advance()
-            if self.done == 25:
-                raise PowerError
-
     with pytest.raises(PowerError):
-        search(tmp_path / "b", flyer, progress=Dying(stream=io.StringIO()))
+        search(tmp_path / "b", flyer, progress=dying(25))
     resumed, saved = search(tmp_path / "b", flyer)
     assert resumed.finds == whole.finds == tuple(saved)
     assert sorted(set(flyer.flown)) == flown
@@ -137,13 +125,8 @@ def test_a_search_that_nobody_named_mutants_for_is_remembered_until_it_ends(tmp_
     folder = tmp_path / "c"
     assert interrupted(folder, 0, "default") is None
     first = anew(folder, 0, "default", [LATE.id, MORE.id])
-
-    class Dying(Progress):
-        def advance(self) -> None:
-            raise PowerError
-
     with pytest.raises(PowerError):
-        search(tmp_path, flyer, LATE, MORE, unnamed=first, progress=Dying(stream=io.StringIO()))
+        search(tmp_path, flyer, LATE, MORE, unnamed=first, progress=dying(1))
     assert interrupted(folder, 0, "default") == first
     assert interrupted(folder, 1, "default") is None
     assert interrupted(folder, 0, "other") is None
