@@ -60,6 +60,7 @@ READERS = {
     "outside/exchange.py": "the output of its processes, which the guard bounds",
     "outside/guard.py": "the output of its processes, and /proc",
     "views/table.py": "a file of this package",
+    "hazop/sheet.py": "files of this package",
     "apart.py": "/proc, and the pipe of the process that it forks",
 }
 """The modules that open files, and which."""

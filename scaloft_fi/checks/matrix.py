@@ -76,8 +76,9 @@ def check_requirements(path: Path, known: KnownSignals, findings: Findings) -> i
         for name, item in (definitions.mapping(most=MOST) if definitions else {}).items():
             with findings.collecting():
                 texts[name] = read_definition(name, item, set(ranges), known.check)
-                _tell_constants(texts[name], ranges, item, f"definition {name!r}", findings)
-                ranges[name] = bounds_of(Formula.parse(texts[name], set(ranges)), ranges)
+                formula = Formula.parse(texts[name], set(ranges))
+                _tell_constants(formula, ranges, item.place, f"definition {name!r}", findings)
+                ranges[name] = bounds_of(formula, ranges)
             ranges.setdefault(name, ANY)  # its name is known, whatever it says
             texts.setdefault(name, str(item.value))
         entries = document.need("requirements").mapping(most=MOST)
@@ -110,17 +111,16 @@ def _check_bounds(requirement: Requirement, item: Item, ranges: Mapping[str, Spa
             what = f"the trigger of {requirement.name} is true at every sample of every flight"
             findings.note(trigger.place, what, "leave it out, or mend it")
         else:
-            _tell_constants(requirement.trigger, known, trigger, f"trigger of {requirement.name}", findings)
+            _tell_constants(formula, known, trigger.place, f"trigger of {requirement.name}", findings)
     body = inside_always(requirement.text)
     assert body is not None
     formula = Formula.parse(body, set(known))
-    always = verdict(bounds_of(formula, known))
-    place = item.need("formula")
+    always, place = verdict(bounds_of(formula, known)), item.need("formula").place
     if always is not None:
         what = f"{requirement.name} is {'held' if always else 'violated'} by every flight, whatever the drone does"
-        findings.wrong(place.place, what, _reads(formula, known))
+        findings.wrong(place, what, _reads(formula, known))
     else:
-        _tell_constants(body, known, place, f"formula of {requirement.name}", findings)
+        _tell_constants(formula, known, place, f"formula of {requirement.name}", findings)
 
 
 def check_predicate(
@@ -146,21 +146,13 @@ def check_predicate(
         what = f"realised of {name} comes true in {'every' if always else 'no'} flight: {text}"
         findings.wrong(place, what, _reads(formula, ranges))
     else:
-        for comparison, true in constants(formula, ranges):
-            _tell(comparison, place, f"realised of {name}", formula, ranges, findings, true=true)
+        _tell_constants(formula, ranges, place, f"realised of {name}", findings)
 
 
-def _tell_constants(text: str, ranges: Ranges, item: Item, about: str, findings: Findings) -> None:
-    formula = Formula.parse(text, set(ranges))
+def _tell_constants(formula: Formula, ranges: Ranges, place: str, about: str, findings: Findings) -> None:
     for comparison, true in constants(formula, ranges):
-        _tell(comparison, item.place, about, formula, ranges, findings, true=true)
-
-
-def _tell(
-    comparison: str, place: str, about: str, formula: Formula, ranges: Ranges, findings: Findings, *, true: bool
-) -> None:
-    what = f"'{comparison}' in the {about} is {str(true).lower()} at every sample of every flight"
-    findings.note(place, what, _reads(formula, ranges, tokenize(comparison)))
+        what = f"'{comparison}' in the {about} is {str(true).lower()} at every sample of every flight"
+        findings.note(place, what, _reads(formula, ranges, tokenize(comparison)))
 
 
 def _reads(formula: Formula, ranges: Mapping[str, Spans], words: Collection[str] = ()) -> str:

@@ -28,37 +28,14 @@ SHEET_BYTES = 64 * MIB
 HEAD_WITHIN = 40
 """Rows of a sheet in which its heads are looked for."""
 
-HEADS: Mapping[str, str] = {
-    "cell": "deviation id|cell",
-    "guideword": "guideword|guide word|keyword|leitwort|mot guide|mot cle|palabra guia|parola guida"
-    "|palavra guia|gidsord|uca type|type of uca|uca category|guide phrase|type of unsafe control action"
-    "|unsafe control action type",
-    "deviation": "deviation|failure mode|unsafe control action|uca|hazardous deviation|abweichung|deviazione|desviacion"
-    "|desvio|ecart|derive|afwijking|avvikelse",
-    "causes": "cause|causes|possible causes|causal factor|causal scenario|loss scenario|ursache|ursachen|causas|causa"
-    "|cause possibili|oorzaak|orsak",
-    "effect": "consequence|consequences|effect|effects|impact|hazard|folge|folgen|auswirkung|auswirkungen|konsequenz"
-    "|consequences possibles|consecuencia|consecuencias|conseguenza|conseguenze|efecto|effet|effets|gevolg|gevolgen",
-    "safeguards": "safeguard|safeguards|existing safeguards|existing controls"
-    "|protective systems|barrier|barriers|protection|mitigation"
-    "|schutzmassnahme|schutzmassnahmen|vorhandene massnahmen|salvaguarda|salvaguardas|sauvegarde|barriere|barrieres",
-    "recommendation": "action|actions|recommendation|recommendations|action required|actions required|massnahme"
-    "|massnahmen|empfehlung|empfehlungen|recommandation|recommandations|recomendacion|recomendaciones|accion"
-    "|aanbeveling",
-    "severity": "severity|sev|severity class|schwere|schweregrad|gravite|severite|severidad|gravedad|gravita|ernst",
-    "likelihood": "likelihood|probability|frequency|occurrence|wahrscheinlichkeit|haufigkeit|probabilite|frequence"
-    "|probabilidad|frecuencia|probabilita|kans",
-    "responsible": "responsible|owner|action by|assigned to|action owner|verantwortlich|zustandig|responsable",
-    "due": "due|due date|deadline|target date|termin|frist|echeance|fecha|scadenza",
-    "action_status": "action status|status of action|massnahmenstatus",
-    "rationale": "rationale",
-    "requirements": "requirements|requirement",
-    "intent": "design intent|design intention|intent|intention|sollfunktion|designabsicht|intention de conception",
-    "node": "node|study node|hazop node|element|component|subsystem|system|function|item|section|process step|part"
-    "|knoten|komponente|bauteil|teilsystem|funktion|noeud|composant|fonction|nodo|componente|nudo|funzione|onderdeel",
-    "parameter": "parameter|property|attribute|characteristic|flow|signal|control action|process parameter|merkmal"
-    "|parametre|parametro|grosse|regelaktion",
-}
+
+def _words(file: str) -> Mapping[str, str]:
+    """The words of a file of this folder, by key; a line that begins with blanks goes on with the one above."""
+    text = Path(__file__).with_name(file).read_text(encoding="utf-8").replace("\n  ", "")
+    return dict(line.split(": ", 1) for line in text.splitlines())
+
+
+HEADS = _words("heads.txt")
 """Heads by what stands below them, in small letters without accents."""
 TEXTS = ("deviation", "causes", "effect", "safeguards", "recommendation", "severity")
 """What makes a row one that says something."""
@@ -66,31 +43,7 @@ DOWN = ("node", "parameter", "intent", "guideword", "deviation")
 """Columns whose blank cells mean "as above"; a deviation does only where all of them are blank."""
 DESCRIPTIONS = ("description", "beschreibung", "text", "descripcion", "descrizione")
 
-WORDS: Mapping[str, str] = {
-    "NO": "no|not|none|no or not|no not|no or none|omission|loss|loss of|missing|lost|nein|nicht|kein|keine|non|pas de"
-    "|aucun|aucune|ningun|ninguno|nessuno|nessuna|nao|nenhum|geen|niet|ingen",
-    "MORE": "more|more of|high|higher|too much|too high|too many|too fast|excess"
-    "|excess of|mehr|zu viel|hoch|hoher|plus|plus de|trop|mas|mayor|piu|mais"
-    "|maior|meer|mer",
-    "LESS": "less|less of|low|lower|too little|too low|too few|too slow"
-    "|weniger|zu wenig|niedrig|niedriger|moins|moins de|menos|menor|meno"
-    "|minder|mindre",
-    "ASWELLAS": "as well as|aswellas|as well|in addition|extra|sowohl als auch|zusatzlich|en plus de|ainsi que"
-    "|ademas de|oltre a|bem como|zowel als",
-    "PARTOF": "part of|partof|partial|incomplete|teilweise|teil von|une partie de|partie de|partiellement|parte de"
-    "|parte di|deel van",
-    "REVERSE": "reverse|reversed|opposite|inverse|umkehrung|umgekehrt|gegenteil|inverso|inversione|contraire|omgekeerd",
-    "OTHERTHAN": "other than|otherthan|other|instead of|wrong|incorrect|different|anders als|anderer|andere"
-    "|etwas anderes|anders|falsch|autre que|autre|otro que|en vez de|diverso da|altro|outro que|anders dan|value",
-    "EARLY": "early|too early|earlier|sooner|zu fruh|fruher|fruh|trop tot|plus tot|tot|temprano|antes de tiempo"
-    "|in anticipo|cedo|te vroeg|vroeg",
-    "LATE": "late|too late|later|delayed|delay|zu spat|spater|spat|verspatet|trop tard|plus tard|tard|tarde|in ritardo"
-    "|tarde demais|te laat|laat",
-    "BEFORE": "before|out of order|out of sequence|wrong order|vorher|vor|avant|antes|prima|ervoor",
-    "AFTER": "after|nachher|nach|apres|despues|dopo|depois|erna",
-    "UNINTENDED": "unintended|unintentional|spurious|commission|inadvertent|uncommanded|unexpected|unbeabsichtigt"
-    "|ungewollt|intempestif|involontaire|no intencionado|involuntario",
-}
+WORDS = _words("guidewords.txt")
 """Guidewords of IEC 61882 and the extension of the reference study, as people write them."""
 STPA: Sequence[tuple[str, tuple[str, ...]]] = (
     (r"not (provid|giv|issued|send)\w*|nicht (bereit|geg)\w*|non fourni\w*|no (proporciona|suministra)\w*", ("NO",)),

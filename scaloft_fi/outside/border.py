@@ -506,22 +506,20 @@ class Port:
     units: Mapping[str, str] = field(default_factory=dict)
 
 
-PORTS: Mapping[str, Port] = MappingProxyType(
-    {
-        "odometry": Port(
-            PoseEstimate, True, "pose and velocity by the autopilot's estimate", TICK_HZ,
-            {"position": "m", "velocity": "m/s"},
-        ),
-        "depth": Port(DepthFrame, True, "depth image", TICK_HZ, {"depth": "m"}),
-        "camera_info": Port(CameraInfo, True, "geometry of the depth camera, with each image"),
-        "inertial": Port(Imu, True, "angular rate and specific force", STEP_HZ, {"rate": "rad/s", "force": "m/s2"}),
-        "detections": Port(Detections, True, "persons in a picture, if there are any"),
-        "battery": Port(Battery, True, "charge and voltage"),
-        "contacts": Port(Bumper, True, "whether hull and landing gear touch something"),
-        "velocity": Port(Motion, False, "velocity command to flight control", TICK_HZ, {"velocity": "m/s"}),
-        "goal": Port(Goal, False, "place to fly to, for our planner", TICK_HZ, {"point": "m"}),
-        "speed_limit": Port(SpeedLimit, False, "speed limit of our planner"),
-        "land": Port(Land, False, "order to land"),
-    }
-)  # fmt: skip
+PORTS: Mapping[str, Port] = {
+    "odometry": Port(
+        PoseEstimate, True, "pose and velocity by the autopilot's estimate", TICK_HZ,
+        {"position": "m", "velocity": "m/s"},
+    ),
+    "depth": Port(DepthFrame, True, "depth image", TICK_HZ, {"depth": "m"}),
+    "camera_info": Port(CameraInfo, True, "geometry of the depth camera, with each image"),
+    "inertial": Port(Imu, True, "angular rate and specific force", STEP_HZ, {"rate": "rad/s", "force": "m/s2"}),
+    "detections": Port(Detections, True, "persons in a picture, if there are any"),
+    "battery": Port(Battery, True, "charge and voltage"),
+    "contacts": Port(Bumper, True, "whether hull and landing gear touch something"),
+    "velocity": Port(Motion, False, "velocity command to flight control", TICK_HZ, {"velocity": "m/s"}),
+    "goal": Port(Goal, False, "place to fly to, for our planner", TICK_HZ, {"point": "m"}),
+    "speed_limit": Port(SpeedLimit, False, "speed limit of our planner"),
+    "land": Port(Land, False, "order to land"),
+}  # fmt: skip
 """All ports by name."""

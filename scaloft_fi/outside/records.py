@@ -14,7 +14,6 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
-from types import MappingProxyType
 from typing import Annotated, Any
 
 import numpy as np
@@ -506,15 +505,16 @@ def own_map(signals: Sequence[str]) -> RecordMap:
     return RecordMap("the mapping of our own records", True, True, None, entries, Timing(column=OWN_TIME))
 
 
-def _ready(name: str, topic: str, north_east_down: str, beside: Mapping[str, MappedSignal]) -> RecordMap:
+def _ready(name: str, topic: str, north_east_down: str, beside: Sequence[MappedSignal]) -> RecordMap:
     """The mapping of records with a position and a velocity north, east and down: x is east, y north, z up."""
     north, east, down, *speeds = north_east_down.split()
     fields = {"x_m": east, "y_m": north, "z_m": down, "vx_mps": speeds[1], "vy_mps": speeds[0], "vz_mps": speeds[2]}
-    entries = {
-        signal: MappedSignal(signal, topic=topic, field=field, factor=-1.0 if "z" in signal else 1.0)
+    entries = [
+        MappedSignal(signal, topic=topic, field=field, factor=-1.0 if "z" in signal else 1.0)
         for signal, field in fields.items()
-    }
-    return RecordMap(f"the mapping {name}", True, False, None, {**entries, **beside})
+    ]
+    signals = {entry.signal: entry for entry in (*entries, *beside)}
+    return RecordMap(f"the mapping {name}", True, False, None, signals)
 
 
 def _turn(signal: str, topic: str, field: str, unit: str = "") -> MappedSignal:
@@ -537,19 +537,11 @@ _ARDUPILOT = tuple(_turn(f"{name.lower()}_rad", "ATT", name, "deg to rad") for n
 _MAVLINK = tuple(_turn(f"{name}_rad", "ATTITUDE", name) for name in ("roll", "pitch", "yaw"))
 
 
-def _beside(entries: Sequence[MappedSignal]) -> dict[str, MappedSignal]:
-    return {entry.signal: entry for entry in entries}
-
-
-READY: Mapping[str, tuple[RecordMap, ...]] = MappingProxyType(
-    {
-        "px4": (_ready("px4", "vehicle_local_position", "x y z vx vy vz", _beside(_PX4)),),
-        "ardupilot": tuple(
-            _ready("ardupilot", ekf, "PN PE PD VN VE VD", _beside(_ARDUPILOT)) for ekf in ("XKF1", "NKF1", "EKF1")
-        ),
-        "mavlink": (_ready("mavlink", "LOCAL_POSITION_NED", "x y z vx vy vz", _beside(_MAVLINK)),),
-    }
-)
+READY: Mapping[str, tuple[RecordMap, ...]] = {
+    "px4": (_ready("px4", "vehicle_local_position", "x y z vx vy vz", _PX4),),
+    "ardupilot": tuple(_ready("ardupilot", ekf, "PN PE PD VN VE VD", _ARDUPILOT) for ekf in ("XKF1", "NKF1", "EKF1")),
+    "mavlink": (_ready("mavlink", "LOCAL_POSITION_NED", "x y z vx vy vz", _MAVLINK),),
+}
 """The ready mappings by name, of each the first whose position a record has.
 
 Messages: PX4's `vehicle_local_position` and `vehicle_attitude` (docs.px4.io, uORB messages); ArduPilot's `XKF1` of
@@ -643,45 +635,39 @@ def _tilt(x: str, y: str) -> Derived:
     )
 
 
-DERIVED: Mapping[str, tuple[Derived, ...]] = MappingProxyType(
-    {
-        "remaining_s": (
-            Derived(
-                lambda _: (), lambda signals, known: known.limit_s - signals["elapsed_s"], lambda known: known.limit_s
-            ),
+DERIVED: Mapping[str, tuple[Derived, ...]] = {
+    "remaining_s": (
+        Derived(lambda _: (), lambda signals, known: known.limit_s - signals["elapsed_s"], lambda known: known.limit_s),
+    ),
+    "speed_mps": (
+        Derived(
+            lambda _: ("vx_mps", "vy_mps", "vz_mps"),
+            lambda signals, _: np.sqrt(signals["vx_mps"] ** 2 + signals["vy_mps"] ** 2 + signals["vz_mps"] ** 2),
         ),
-        "speed_mps": (
-            Derived(
-                lambda _: ("vx_mps", "vy_mps", "vz_mps"),
-                lambda signals, _: np.sqrt(signals["vx_mps"] ** 2 + signals["vy_mps"] ** 2 + signals["vz_mps"] ** 2),
-            ),
+    ),
+    "home_m": (
+        Derived(
+            lambda _: ("x_m", "y_m"),
+            lambda signals, known: np.hypot(signals["x_m"] - known.home[0], signals["y_m"] - known.home[1]),
         ),
-        "home_m": (
-            Derived(
-                lambda _: ("x_m", "y_m"),
-                lambda signals, known: np.hypot(signals["x_m"] - known.home[0], signals["y_m"] - known.home[1]),
-            ),
+    ),
+    "yaw_rad": (Derived(lambda _: ("qx", "qy", "qz", "qw"), _yaw),),
+    "tilt_rad": (
+        _tilt("qx", "qy"),
+        _tilt("attitude_x", "attitude_y"),
+        Derived(
+            lambda _: ("roll_rad", "pitch_rad"),
+            lambda signals, _: np.arccos(np.cos(signals["roll_rad"]) * np.cos(signals["pitch_rad"])),
         ),
-        "yaw_rad": (Derived(lambda _: ("qx", "qy", "qz", "qw"), _yaw),),
-        "tilt_rad": (
-            _tilt("qx", "qy"),
-            _tilt("attitude_x", "attitude_y"),
-            Derived(
-                lambda _: ("roll_rad", "pitch_rad"),
-                lambda signals, _: np.arccos(np.cos(signals["roll_rad"]) * np.cos(signals["pitch_rad"])),
-            ),
+    ),
+    "clearance_m": (
+        Derived(
+            _clearances,
+            lambda signals, known: np.min(np.array([signals[name] for name in _clearances(known)], np.float64), axis=0),
         ),
-        "clearance_m": (
-            Derived(
-                _clearances,
-                lambda signals, known: np.min(
-                    np.array([signals[name] for name in _clearances(known)], np.float64), axis=0
-                ),
-            ),
-        ),
-        "waypoints_left": (Derived(lambda _: ("x_m", "y_m", "z_m"), _waypoints_left, lambda known: known.route),),
-    }
-)
+    ),
+    "waypoints_left": (Derived(lambda _: ("x_m", "y_m", "z_m"), _waypoints_left, lambda known: known.route),),
+}
 """The ways to each derived signal by name, the first that the mapping allows is taken.
 
 The quaternion's components x and y give the tilt in any body and level frame that share the direction of z, or of -z.
