@@ -12,8 +12,7 @@ from pathlib import Path
 
 import pytest
 from builders import GRID
-from fuzzing import edit_in
-from studies import ROOT, copied
+from studies import ROOT, copied, edit_in
 
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.errors import InputError

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shlex
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 from runpy import run_path
@@ -12,6 +11,7 @@ from runpy import run_path
 import pytest
 from options import usually
 from processes import call
+from studies import copied
 
 from scaloft_fi.campaign.flights.fly import fly_log, judged
 from scaloft_fi.campaign.flights.physics import Commanded
@@ -91,8 +91,7 @@ def test_the_documents_of_the_guides_can_be_read(guide: str, key: str, load: Cal
 @pytest.mark.release
 def test_the_commands_of_the_guide_run(tmp_path: Path):
     (tmp_path / "examples").symlink_to(ROOT / "examples")
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, tmp_path / name)
+    copied(tmp_path)
     commands = re.findall(r"^\$ (.*)$", (ROOT / "docs" / "own_simulator.md").read_text(), re.MULTILINE)
     assert commands
     for command in commands:

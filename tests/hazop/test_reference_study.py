@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-import shutil
 from collections import Counter
 from pathlib import Path
 
 import pytest
+from studies import copied
 
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Magnitude
@@ -128,8 +128,7 @@ def test_every_class_has_cells_and_only_credible_cells_have_one():
 
 
 def test_classes_change_no_mutant_and_no_part_of_the_keys_of_flights(tmp_path: Path):
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(HAZOP.parent / name, tmp_path / name)
+    copied(tmp_path)
     (tmp_path / "hazop" / "severities.yaml").unlink()
     for path in (tmp_path / "hazop" / "matrix").glob("*.yaml"):
         path.write_text(re.sub(r"^  severity: \w+\n", "", path.read_text(), flags=re.MULTILINE))

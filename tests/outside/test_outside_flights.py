@@ -9,6 +9,7 @@ from runpy import run_path
 
 import pytest
 from processes import marked
+from studies import edit_in
 
 import scaloft_fi.outside.stack  # noqa: F401 - it declares an operator
 from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker, fly_log, judged
@@ -80,8 +81,7 @@ def test_a_border_of_a_package_that_is_not_installed_is_told_with_the_command_th
 
 
 def test_settings_of_the_part_below_are_checked_before_a_flight(folder: Path):
-    path = folder / "sim" / "stack.yaml"
-    path.write_text(path.read_text().replace("mass_kg: 1.5", "mass_kg: -1.5"))
+    edit_in(folder / "sim" / "stack.yaml", "mass_kg: 1.5", "mass_kg: -1.5")
     with pytest.raises(InputError, match=r"mass_kg=-1.5 must be >= 1e-06"):
         Study.open(folder).check()
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import math
 import struct
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from scaloft_fi.outside.records import (
     MappedSignal,
     RecordedField,
     RecordedFlight,
+    RecordMap,
     Series,
     draft,
     fields_of,
@@ -50,11 +51,28 @@ KINDS: dict[str, tuple[Callable[[Path], Path], tuple[str, str, str]]] = {
     "mcap": (records.ros_mcap, ("{clock: /clock}", *ROS)),
     "rosbag1": (records.rosbag1, ("", "{topic: /x, field: data}", "{topic: /clear, field: data}")),
     "ulog": (records.ulog, ("", "{topic: place, field: 'at[0]'}", "{topic: place, field: clear}")),
+    "chunks": (records.mcap_of_many_chunks, ("", *JSON)),
 }
 
 
+def _of(kind: str, folder: Path) -> tuple[Path, Path]:
+    """A record of a kind, and its mapping."""
+    write, words = KINDS[kind]
+    return write(folder), records.mapping(folder, *words)
+
+
+def _read(path: Path, mapping: Path, needed: dict[str, str] = NEEDED) -> RecordedFlight:
+    return flight_log(path, load_record_map(mapping), KNOWN, needed=needed)
+
+
 def _log(path: Path, mapping: Path, needed: dict[str, str] = NEEDED) -> FlightLog:
-    return flight_log(path, load_record_map(mapping), KNOWN, needed=needed).log
+    return _read(path, mapping, needed).log
+
+
+def _drafted(folder: Path, fields: Sequence[RecordedField]) -> RecordMap:
+    """The mapping that is drafted for these fields."""
+    (folder / "drafted.yaml").write_text(draft(fields))
+    return load_record_map(folder / "drafted.yaml")
 
 
 def _table(
@@ -67,8 +85,7 @@ def _table(
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_record_of_every_kind_says_the_same(kind: str, tmp_path: Path):
-    write, words = KINDS[kind]
-    log = _log(write(tmp_path), records.mapping(tmp_path, *words))
+    log = _log(*_of(kind, tmp_path))
     assert len(log.signals["x_m"]) == 81
     assert log.duration_s == 4.0
     held = np.repeat(records.X_M, 2)[:81]  # 10 Hz, held at 20 Hz
@@ -95,23 +112,20 @@ def _cut(path: Path, share: float) -> None:
 
 @pytest.mark.parametrize("kind", ["rosbag2", "db3", "rosbag1"])
 def test_half_a_record_that_cannot_be_read_is_refused_with_its_remedy(kind: str, tmp_path: Path):
-    write, words = KINDS[kind]
-    path = write(tmp_path)
+    path, mapping = _of(kind, tmp_path)
     _cut(path, 0.5)
     with pytest.raises(InputError, match=r"the record cannot be read: .*(malformed|index)") as refused:
-        _log(path, records.mapping(tmp_path, *words))
+        _log(path, mapping)
     assert kind == "rosbag2" or "mends" in str(refused.value)
 
 
 @pytest.mark.parametrize(
-    ("kind", "share"), [("ulog", 0.701), ("csv", 0.7), ("mcap", 0.35), ("mcap", 0.5), ("ulog", 0.9)]
+    ("kind", "share"), [("ulog", 0.701), ("csv", 0.7), ("chunks", 0.35), ("chunks", 0.5), ("ulog", 0.9)]
 )
 def test_a_record_that_is_cut_is_judged_up_to_there_and_says_when(kind: str, share: float, tmp_path: Path):
-    write, words = KINDS[kind]
-    path = write(tmp_path) if kind != "mcap" else records.mcap_of_many_chunks(tmp_path)
+    path, mapping = _of(kind, tmp_path)
     _cut(path, share)
-    mapping = records.mapping(tmp_path, *(words if kind != "mcap" else ("", *JSON)))
-    flight = flight_log(path, load_record_map(mapping), KNOWN, needed=NEEDED)
+    flight = _read(path, mapping)
     (loss,) = flight.losses
     assert loss.kind is Lost.CUT
     assert 1.0 < loss.at_s - flight.begins_s < 4.0
@@ -121,16 +135,13 @@ def test_a_record_that_is_cut_is_judged_up_to_there_and_says_when(kind: str, sha
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_whole_record_lost_nothing(kind: str, tmp_path: Path):
-    write, words = KINDS[kind]
-    path = write(tmp_path)
-    assert flight_log(path, load_record_map(records.mapping(tmp_path, *words)), KNOWN, needed=NEEDED).losses == ()
-    assert fields_of(path)[1] == ()
+    path, mapping = _of(kind, tmp_path)
+    assert (_read(path, mapping).losses, fields_of(path)[1]) == ((), ())
 
 
 @pytest.mark.parametrize("ending", ["tlog", "bin"])
 @pytest.mark.parametrize("bytes_less", [0, 3, 12, 30])
 def test_a_log_of_an_autopilot_says_whether_it_is_cut(ending: str, bytes_less: int, tmp_path: Path):
-    pytest.importorskip("pymavlink")
     path = records.tlog(tmp_path) if ending == "tlog" else records.dataflash(tmp_path)
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) - bytes_less])
@@ -142,7 +153,6 @@ def test_a_log_of_an_autopilot_says_whether_it_is_cut(ending: str, bytes_less: i
 
 
 def test_bytes_that_are_no_message_are_counted(tmp_path: Path):
-    pytest.importorskip("pymavlink")
     path = records.dataflash(tmp_path)
     whole = path.read_bytes()
     path.write_bytes(whole[:-60] + b"garbage" * 3 + whole[-60:])  # a row has 30 bytes
@@ -151,14 +161,12 @@ def test_bytes_that_are_no_message_are_counted(tmp_path: Path):
 
 
 def test_zeros_after_the_last_message_of_a_flash_chip_are_no_cut(tmp_path: Path):
-    pytest.importorskip("pymavlink")
     path = records.dataflash(tmp_path)
     path.write_bytes(path.read_bytes() + bytes(400))
     assert fields_of(path)[1] == ()
 
 
 def test_the_vehicles_of_a_log_of_mavlink_are_told_apart(tmp_path: Path):
-    pytest.importorskip("pymavlink")
     path = records.tlog(tmp_path, systems=(1, 2, 255))
     counts = {one.topic: one.messages for one in fields_of(path)[0]}
     assert counts == {"LOCAL_POSITION_NED": 42, "ATTITUDE": 42, "LOCAL_POSITION_NED@2": 21, "ATTITUDE@2": 21}
@@ -189,7 +197,7 @@ def test_a_log_of_px4_ends_at_touch_down_and_not_where_it_first_says_landed(
 
 def test_drop_outs_of_a_log_of_px4_are_told_with_time_and_duration(tmp_path: Path):
     path = records.ulog(tmp_path, dropouts_ms={10: 80, 30: 7})
-    flight = flight_log(path, load_record_map(records.mapping(tmp_path, *KINDS["ulog"][1])), KNOWN, needed=NEEDED)
+    flight = _read(path, records.mapping(tmp_path, *KINDS["ulog"][1]))
     told = [(one.kind, one.at_s, one.lasts_s) for one in flight.losses]
     assert told == [(Lost.DROPOUT, pytest.approx(2.0), 0.08), (Lost.DROPOUT, pytest.approx(4.0), 0.007)]
 
@@ -198,7 +206,7 @@ def test_a_damaged_message_of_px4_is_left_out_and_told(tmp_path: Path):
     path = records.ulog(tmp_path)
     content = path.read_bytes()
     path.write_bytes(content.replace(struct.pack("<HBH", 26, ord("D"), 7), struct.pack("<HBH", 26, ord("D"), 8), 1))
-    flight = flight_log(path, load_record_map(records.mapping(tmp_path, *KINDS["ulog"][1])), KNOWN, needed=NEEDED)
+    flight = _read(path, records.mapping(tmp_path, *KINDS["ulog"][1]))
     assert [one.kind for one in flight.losses] == [Lost.DAMAGED]
     assert flight.log.duration_s == pytest.approx(3.9)
 
@@ -209,7 +217,7 @@ def test_a_topic_that_cannot_be_read_does_not_hide_the_others(tmp_path: Path):
     assert {one.name for one in fields} == {"/x: data", "/clear: data", "/odd: "}
     assert [one.kind for one in losses] == [Lost.UNREAD]
     assert "'/odd' has messages in 'protobuf'" in losses[0].why
-    flight = flight_log(path, load_record_map(records.mapping(tmp_path, "", *JSON)), KNOWN, needed=NEEDED)
+    flight = _read(path, records.mapping(tmp_path, "", *JSON))
     assert flight.log.duration_s == 4.0
     with pytest.raises(InputError, match=r"own\.mcap: topic '/odd' has messages in 'protobuf'"):
         _log(path, records.mapping(tmp_path, "", "{topic: /odd, field: data}", JSON[1]))
@@ -217,7 +225,7 @@ def test_a_topic_that_cannot_be_read_does_not_hide_the_others(tmp_path: Path):
 
 def test_an_mcap_without_a_summary_is_read(tmp_path: Path):
     path = records.mcap_of_many_chunks(tmp_path, summary=False)
-    flight = flight_log(path, load_record_map(records.mapping(tmp_path, "", *JSON)), KNOWN, needed=NEEDED)
+    flight = _read(path, records.mapping(tmp_path, "", *JSON))
     assert (flight.log.duration_s, flight.losses) == (4.0, ())
 
 
@@ -379,8 +387,7 @@ def test_a_table_in_latin_1_is_read(tmp_path: Path):
 def _flight(tmp_path: Path, text: str, more: str = "") -> RecordedFlight:
     path = tmp_path / "own.csv"
     path.write_text(text)
-    mapping = records.mapping(tmp_path, "{column: t}", "{column: x}", "{column: near}", more)
-    return flight_log(path, load_record_map(mapping), KNOWN, needed=NEEDED)
+    return _read(path, records.mapping(tmp_path, "{column: t}", "{column: x}", "{column: near}", more))
 
 
 @pytest.mark.parametrize(
@@ -423,7 +430,6 @@ def test_a_sample_is_stale_exactly_where_its_last_message_is_older_than_the_gap(
 
 @pytest.mark.parametrize("ending", ["tlog", "bin"])
 def test_what_is_no_log_of_an_autopilot_is_one_sentence(ending: str, tmp_path: Path):
-    pytest.importorskip("pymavlink")
     path = tmp_path / f"own.{ending}"
     path.write_bytes(b"no log at all" * 40)
     with pytest.raises(InputError, match=r"own\.\w+: .*(does not have|damaged)"):
@@ -431,7 +437,6 @@ def test_what_is_no_log_of_an_autopilot_is_one_sentence(ending: str, tmp_path: P
 
 
 def test_a_log_of_mavlink_is_read_by_the_ready_mapping(tmp_path: Path):
-    pytest.importorskip("pymavlink")
     path = records.tlog(tmp_path)
     mapping = ready_map("mavlink", frozenset(names_of(path)))
     needed = dict.fromkeys(("z_m", "speed_mps", "tilt_rad", "yaw_rad"), "requirement A")
@@ -464,14 +469,13 @@ def test_only_known_endings_are_records(tmp_path: Path):
 def test_a_missing_library_is_one_sentence_with_what_to_install(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    write, words = KINDS[kind]
-    path = write(tmp_path)
+    path, mapping = _of(kind, tmp_path)
     for name in [name for name in sys.modules if name.partition(".")[0] in ("rosbags", "pyulog", "mcap")]:
         monkeypatch.delitem(sys.modules, name)
     for name in ("rosbags", "pyulog", "mcap"):
         monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(InputError, match=r"pip install 'scaloft-fi\[records\]'"):
-        _log(path, records.mapping(tmp_path, *words))
+        _log(path, mapping)
 
 
 def test_altered_samples_are_counted_from_the_record(tmp_path: Path):
@@ -484,9 +488,8 @@ def test_altered_samples_are_counted_from_the_record(tmp_path: Path):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_record_with_too_many_messages_is_refused(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("scaloft_fi.outside.readers.MOST_MESSAGES", 20)
-    write, words = KINDS[kind]
     with pytest.raises(InputError, match=r"must have at most .* messages or rows"):
-        _log(write(tmp_path), records.mapping(tmp_path, *words))
+        _log(*_of(kind, tmp_path))
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "csv"])
@@ -494,9 +497,8 @@ def test_a_message_that_is_no_number_is_refused_with_its_place(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(records, "CLEAR_M", np.where(np.arange(41) == 30, np.nan, 1.0))
-    write, words = KINDS[kind]
     with pytest.raises(InputError, match=r"(message \d+ \(/clear\)|place at 4\.0+ s): signal 'clearance_m' .* is nan"):
-        _log(write(tmp_path), records.mapping(tmp_path, *words))
+        _log(*_of(kind, tmp_path))
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="bounds of memory are those of Linux")
@@ -525,9 +527,9 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path: Path):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_a_record_holds_is_told_with_number_and_times(kind: str, tmp_path: Path):
-    write, words = KINDS[kind]
-    fields = {one.name: one for one in fields_of(write(tmp_path))[0]}
-    entry = load_record_map(records.mapping(tmp_path, *words)).signals["x_m"]
+    path, mapping = _of(kind, tmp_path)
+    fields = {one.name: one for one in fields_of(path)[0]}
+    entry = load_record_map(mapping).signals["x_m"]
     one = fields[entry.column or f"{entry.topic}: {entry.field}"]
     assert one.messages > 20
     assert one.rate_hz == pytest.approx((one.messages - 1) / (one.last_s - one.first_s))
@@ -536,9 +538,7 @@ def test_what_a_record_holds_is_told_with_number_and_times(kind: str, tmp_path: 
 def test_a_drafted_mapping_is_a_mapping_and_reads_the_record(tmp_path: Path):
     path = tmp_path / "own.csv"
     path.write_text("Time_ms,X,y,z,vx,clearance\n0,0,0,1,2,3\n1000,0,0,1,2,3\n")
-    mapping = tmp_path / "drafted.yaml"
-    mapping.write_text(draft(fields_of(path)[0]))
-    drafted = load_record_map(mapping)
+    drafted = _drafted(tmp_path, fields_of(path)[0])
     assert {*drafted.signals} == {"x_m", "y_m", "z_m", "vx_mps", "clearance_m"}
     assert (drafted.timing.column, drafted.timing.unit_s) == ("Time_ms", 1e-3)
     flight = flight_log(path, drafted, KNOWN, needed={"clearance_m": "requirement SR1"})
@@ -546,19 +546,15 @@ def test_a_drafted_mapping_is_a_mapping_and_reads_the_record(tmp_path: Path):
 
 
 def test_the_draft_for_a_log_of_an_autopilot_is_its_ready_mapping(tmp_path: Path):
-    pytest.importorskip("pymavlink")
-    path, mapping = records.tlog(tmp_path), tmp_path / "drafted.yaml"
-    mapping.write_text(draft(fields_of(path)[0]))
-    drafted, ready = load_record_map(mapping), ready_map("mavlink", frozenset(names_of(path)))
-    assert dict(drafted.signals) == dict(ready.signals)
+    path = records.tlog(tmp_path)
+    ready = ready_map("mavlink", frozenset(names_of(path)))
+    assert dict(_drafted(tmp_path, fields_of(path)[0]).signals) == dict(ready.signals)
 
 
 def test_a_column_without_a_name_is_no_field_of_an_autopilot(tmp_path: Path):
     path = tmp_path / "own.csv"
     path.write_text(",timestamp,p_x,pos_y,position_z,v_x\n0,0,0,0,0,0\n1,10000,0,0,0,0\n2,20000,0,0,0,0\n")
-    mapping = tmp_path / "drafted.yaml"
-    mapping.write_text(draft(fields_of(path)[0]))
-    drafted = load_record_map(mapping)
+    drafted = _drafted(tmp_path, fields_of(path)[0])
     assert {name: entry.column for name, entry in drafted.signals.items()} == {
         "x_m": "p_x",
         "y_m": "pos_y",
@@ -581,9 +577,7 @@ def test_position_velocity_and_attitude_are_drafted_from_the_topic_that_has_them
         *(f"/odom pose.pose.orientation.{axis}" for axis in "xyzw"),
         *(f"/odom twist.twist.{part}.{axis}" for part in ("linear", "angular") for axis in axes),
     )
-    mapping = tmp_path / "drafted.yaml"
-    mapping.write_text(draft(fields))
-    drafted = load_record_map(mapping).signals
+    drafted = _drafted(tmp_path, fields).signals
     assert {entry.topic for entry in drafted.values()} == {"/odom"}
     assert {name: entry.field for name, entry in drafted.items()} == {
         **{f"{axis}_m": f"pose.pose.position.{axis}" for axis in axes},
@@ -593,10 +587,10 @@ def test_position_velocity_and_attitude_are_drafted_from_the_topic_that_has_them
 
 
 def test_a_drafted_mapping_is_yaml_whatever_the_names_of_the_columns(tmp_path: Path):
-    path, mapping = tmp_path / "own.csv", tmp_path / "drafted.yaml"
+    path = tmp_path / "own.csv"
     path.write_text('t;own "x;back\\slash y;z\n0;1;2;3\n')
-    mapping.write_text(draft(fields_of(path)[0]))
-    assert {name: entry.column for name, entry in load_record_map(mapping).signals.items()} == {
+    drafted = _drafted(tmp_path, fields_of(path)[0])
+    assert {name: entry.column for name, entry in drafted.signals.items()} == {
         "y_m": "back\\slash y",
         "z_m": "z",
     }

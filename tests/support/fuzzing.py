@@ -22,7 +22,7 @@ from pathlib import Path
 from unittest import mock
 
 from click.testing import CliRunner
-from studies import copied
+from studies import copied, edit_in
 
 from scaloft_fi.cli import main as command_line
 from scaloft_fi.errors import InputError
@@ -32,12 +32,6 @@ from scaloft_fi.study import Study
 
 def text(words: str) -> Callable[[Path], object]:
     return lambda path: path.write_text(words)
-
-
-def edit_in(path: Path, old: str, new: str) -> None:
-    before = path.read_text()
-    assert old in before
-    path.write_text(before.replace(old, new, 1))
 
 
 def edit(old: str, new: str) -> Callable[[Path], object]:

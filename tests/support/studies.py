@@ -21,6 +21,13 @@ def copied(folder: Path, *without: str, parts: tuple[str, ...] = FOLDERS, study:
     return folder
 
 
+def edit_in(path: Path, old: str, new: str) -> None:
+    """Replace a text in a file once; it must be there."""
+    before = path.read_text(encoding="utf-8")
+    assert old in before
+    path.write_text(before.replace(old, new, 1), encoding="utf-8")
+
+
 OWN = Path(__file__).parent / "every_key_study"
 """What it has of its own; the rest is the reference study's."""
 

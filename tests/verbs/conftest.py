@@ -41,8 +41,7 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, paper: Paper) -> Call:
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
     """A study of one's own: a copy of the reference study."""
-    copied(tmp_path / "study", "found.yaml")
-    return tmp_path / "study"
+    return copied(tmp_path / "study", "found.yaml")
 
 
 class Papers(Whole):

@@ -12,6 +12,7 @@ import pytest
 from click.testing import Result
 from jsonschema import Draft202012Validator
 from printed import Call, of_form, told_by
+from studies import edit_in
 
 from scaloft_fi.campaign.runs.gates import published
 from scaloft_fi.campaign.store.platforms import fingerprint
@@ -28,8 +29,7 @@ def small(copy: Path) -> Path:
 
 
 def _break(study: Path) -> None:
-    world = study / "sim" / "world.yaml"
-    world.write_text(world.read_text().replace("light: 0.9", "light: 5"))
+    edit_in(study / "sim" / "world.yaml", "light: 0.9", "light: 5")
 
 
 def test_a_sound_study_ends_with_0_and_says_what_was_checked(call: Call, small: Path):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import shutil
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +15,7 @@ from hypothesis import strategies as st
 from openpyxl import load_workbook
 from options import usually
 from printed import of_form, sentence
+from studies import copied
 
 from scaloft_fi.cli import main
 from scaloft_fi.hazop.load import load_matrix
@@ -40,8 +40,7 @@ person detection,LATE,late,x,y,,,
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, tmp_path / "study" / name)
+    copied(tmp_path / "study")
     (tmp_path / "sheet.csv").write_text(SHEET)
     return tmp_path / "study"
 

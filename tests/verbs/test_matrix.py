@@ -16,7 +16,7 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 from printed import STUDY, Call, no_terms, of_form, run, sentence
-from studies import copied
+from studies import copied, edit_in
 
 from scaloft_fi.console import PIPED
 from scaloft_fi.hazop.load import load_matrix
@@ -111,8 +111,7 @@ def test_a_study_with_many_guidewords_still_fits(words: int, parameters: int, le
 @pytest.fixture
 def study(tmp_path: Path) -> Path:
     """A copy of the study that a test may change."""
-    copied(tmp_path)
-    return tmp_path
+    return copied(tmp_path)
 
 
 def test_the_table_fits_a_terminal_and_marks_the_defaults(capsys: pytest.CaptureFixture[str]):
@@ -136,8 +135,11 @@ def test_patterns_cells_and_defaults_choose(capsys: pytest.CaptureFixture[str]):
 
 def test_check_proves_the_catalogue_current_and_write_makes_it_so(study: Path, capsys: pytest.CaptureFixture[str]):
     assert run("mutants", "--check", "--study", study) == 0
-    sheet = study / "hazop" / "matrix" / "human.yaml"
-    sheet.write_text(sheet.read_text().replace("ladder: [0.5, 1, 3, 5], default: 3", "ladder: [0.5, 1, 3], default: 3"))
+    edit_in(
+        study / "hazop" / "matrix" / "human.yaml",
+        "ladder: [0.5, 1, 3, 5], default: 3",
+        "ladder: [0.5, 1, 3], default: 3",
+    )
     assert run("mutants", "--check", "--study", study) == 2
     assert "the catalogue is stale: 'LATE-human@5s' stands where the matrix gives" in capsys.readouterr().err
     assert run("mutants", "LATE-human", "--study", study) == 0

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from processes import ROOT, called, install
+from studies import edit_in
 
 STACK = """
 from dataclasses import replace
@@ -75,15 +76,13 @@ def test_a_plugin_that_cannot_be_imported_is_named(source: str, why: str, tmp_pa
 @pytest.mark.parametrize(("source", "why"), [(STACK, "no licence"), (SENSOR, "no light")])
 def test_a_stack_or_a_sensor_that_raises_is_named(source: str, why: str, tmp_path: Path, copy: Path):
     if source == STACK:
-        settings = copy / "sim" / "stack.yaml"
-        settings.write_text(settings.read_text().replace("name: reference", "name: dear"))
+        edit_in(copy / "sim" / "stack.yaml", "name: reference", "name: dear")
     told = _told(tmp_path, copy, source, ("replay", "baseline/T0O0W0D0H0/0"))
     assert told == [(70, f"{ODD}: LookupError: {why} (SCALOFT_DEBUG=1 shows where)")]
 
 
 def test_the_operators_of_a_stack_that_cannot_be_imported_are_named(tmp_path: Path, copy: Path):
-    settings = copy / "sim" / "stack.yaml"
-    settings.write_text(settings.read_text().replace("name: reference", "name: dear"))
+    edit_in(copy / "sim" / "stack.yaml", "name: reference", "name: dear")
     ((code, line),) = _told(tmp_path, copy, STACK_OF_BAD_OPERATORS, ("mutants", "--check"))
     assert code == 2
     assert "stack 'dear': its operators in 'no_such_module' cannot be loaded: ModuleNotFoundError" in line

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 from builders import with_range
-from fuzzing import edit_in
 from paper_flyer import Paper
 from printed import STUDY, Call, sentence, told_by
+from studies import edit_in
 
 from scaloft_fi.campaign.store.held import remembered
 from scaloft_fi.campaign.store.store import Store
@@ -179,8 +179,7 @@ def test_a_lender_that_does_not_fit_is_onesentence(call: Call, tmp_path: Path, c
     call("run", "--mutant", "PLACEBO", "--situation", "T0O0W0D0H1", "--quiet", "--campaign", lender, campaign=False)
     assert "has no baseline of T0O0W0D0H0" in sentence(call(*words))
     call("run", "--mutant", "PLACEBO", "--situation", "T0O0W0D0H0", "--quiet", "--campaign", lender, campaign=False)
-    world = copy / "sim" / "world.yaml"
-    world.write_text(world.read_text().replace("light: 0.9", "light: 0.8", 1))
+    edit_in(copy / "sim" / "world.yaml", "light: 0.9", "light: 0.8")
     assert "baseline/T0O0W0D0H0/0 was flown with other data or code" in sentence(call(*words, study=copy))
     assert not (tmp_path / "campaign").exists()
 
@@ -358,8 +357,7 @@ def test_the_command_that_decides_names_the_drawn_situations(call: Call, ranged:
 
 def test_a_flight_is_stale_when_the_range_no_longer_holds_its_number(call: Call, ranged: Path):
     call("run", *LATE, "--situation", "C0=0.45T0O0W0D0H1", "--baseline-seeds", "1", study=ranged)
-    path = ranged / "sim" / "situations.yaml"
-    path.write_text(path.read_text(encoding="utf-8").replace("from: 0.4", "from: 0.48"), encoding="utf-8")
+    edit_in(ranged / "sim" / "situations.yaml", "from: 0.4", "from: 0.48")
     told = call("status", study=ranged)
     assert "the situation is not in the grid any more" in " ".join(told.stdout.split())
 

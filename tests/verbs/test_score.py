@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from papers import STUDY, flight
 from printed import Call, sentence
+from studies import edit_in
 
 from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.detection import Spending
@@ -203,8 +204,7 @@ def test_a_campaign_without_a_flight_that_counts_has_no_score(call: Call, tmp_pa
     assert list(tmp_path.iterdir()) == [copy]
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
     assert call("run", *words, study=copy).exit_code == 0
-    world = copy / "sim" / "world.yaml"
-    world.write_text(world.read_text().replace("light: 0.9", "light: 0.8", 1))
+    edit_in(copy / "sim" / "world.yaml", "light: 0.9", "light: 0.8")
     assert "flights are stale" in sentence(call("score", study=copy))
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from fuzzing import edit_in
 from printed import STUDY, Call, sentence
+from studies import edit_in
 
 from scaloft_fi.campaign.store.store import Store
 

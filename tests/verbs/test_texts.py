@@ -84,8 +84,7 @@ def _evil(value: Any) -> Any:
 @pytest.fixture(scope="module")
 def told(tmp_path_factory: pytest.TempPathFactory) -> Call:
     """Call a verb on a hostile study with a hostile campaign of a hostile name."""
-    folder = tmp_path_factory.mktemp("texts") / "=study \x1b[1m\u202e"
-    copied(folder)
+    folder = copied(tmp_path_factory.mktemp("texts") / "=study \x1b[1m\u202e")
     sim = [folder / "sim" / f"{name}.yaml" for name in ("situations", "requirements")]
     for path in (*folder.glob("hazop/**/*.yaml"), *sim):
         text = path.read_text(encoding="utf-8")

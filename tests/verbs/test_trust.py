@@ -16,7 +16,7 @@ import crafted
 import pytest
 from click.testing import CliRunner, Result
 from processes import marked, soon
-from studies import copied
+from studies import copied, edit_in
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.cli import VERBS, main
@@ -139,8 +139,7 @@ def test_a_terminal_asks_once_for_a_folder_and_its_commands(
     assert asked(tmp_path / "link", says=False) == []
     shutil.copytree(outside, tmp_path / "copy")
     assert len(asked(tmp_path / "copy", says=True)) == 1, "another folder"
-    settings = tmp_path / "copy" / "sim" / "stack.yaml"
-    settings.write_text(settings.read_text().replace("sim/over_lines.py", "sim/other.py"))
+    edit_in(tmp_path / "copy" / "sim" / "stack.yaml", "sim/over_lines.py", "sim/other.py")
     assert len(asked(tmp_path / "copy", says=True)) == 1, "another command"
     assert asked(outside, says=False) == []
 
@@ -183,8 +182,7 @@ def test_no_folder_and_no_process_stays_after_a_signal(
 ):
     shutil.copytree(outside, tmp_path / "study")
     (tmp_path / "study" / "sim" / "over_lines.py").write_text("import time; time.sleep(60)")
-    settings = tmp_path / "study" / "sim" / "stack.yaml"
-    settings.write_text(settings.read_text().replace("ready_s: 20.0", "ready_s: 3.0"))
+    edit_in(tmp_path / "study" / "sim" / "stack.yaml", "ready_s: 20.0", "ready_s: 3.0")
     folder, mark = tmp_path / "tmp", str(tmp_path)
     folder.mkdir()
     words = [sys.executable, "-m", "scaloft_fi", verb, *FLIES[verb], "--study", str(tmp_path / "study")]

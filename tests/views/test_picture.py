@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 from options import usually
 from printed import STUDY, run
-from studies import copied, every_key_study
+from studies import copied, edit_in, every_key_study
 
 from scaloft_fi.analysis.suite import subsumption
 from scaloft_fi.study import Study
@@ -236,7 +236,6 @@ def test_the_verb_tells_and_draws_without_flying(ending: str, tmp_path: Path, ca
 
 def test_a_situation_whose_values_contradict_each_other_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     copied(tmp_path)
-    world = tmp_path / "sim" / "world.yaml"
-    world.write_text(world.read_text().replace("corner: [0.0, 7.0]", "corner: [4.0, 7.0]"))
+    edit_in(tmp_path / "sim" / "world.yaml", "corner: [0.0, 7.0]", "corner: [4.0, 7.0]")
     assert run("map", "--study", tmp_path) == 2
     assert "must be in the open space of the mine" in capsys.readouterr().err

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import shutil
 import threading
 import time
 from collections.abc import Callable
@@ -13,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from studies import copied
 from tiny_stack import SOUND, FastHop, Hop, Level, hop
 
 from scaloft_fi.campaign.flights.check_stack import StackCheck, check_stack
@@ -29,9 +29,7 @@ Check = Callable[..., StackCheck]
 @pytest.fixture
 def check(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Check:
     def checked(declared: Declaration, settings: str = "mass_kg: 1.5") -> StackCheck:
-        study = tmp_path / "study"
-        for folder in ("hazop", "mutants", "sim"):
-            shutil.copytree(ROOT / folder, study / folder)
+        study = copied(tmp_path / "study")
         (study / "sim" / "stack.yaml").write_text(f"name: hop\n{settings}\n")
         monkeypatch.setitem(STACKS._entries, "hop", declared)
         return check_stack(study)

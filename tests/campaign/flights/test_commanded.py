@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from studies import copied, edit_in
 
 from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker
 from scaloft_fi.campaign.flights.physics import Commanded
@@ -58,8 +58,7 @@ signals:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, tmp_path / name)
+    copied(tmp_path)
     (tmp_path / "fly.py").write_text(PROGRAM)
     (tmp_path / "sim" / "flyer.yaml").write_text(FLYER)
     (tmp_path / "sim" / "record.yaml").write_text(MAPPING)
@@ -78,11 +77,6 @@ def _fly(study: Study, *names: str, shared: bool = False) -> list[Outcome]:
     return outcomes
 
 
-def _edit(path: Path, old: str, new: str) -> None:
-    assert old in path.read_text()
-    path.write_text(path.read_text().replace(old, new))
-
-
 def test_a_flight_is_judged_from_what_the_command_recorded(folder: Path):
     clean, late = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0", "LATE-human@3s/T0O0W0D0H1/0")
     assert (clean.invalid, clean.ending, clean.duration_s) == ("", "timed_out", 2.95)
@@ -99,7 +93,7 @@ def test_the_situation_reaches_the_command_and_comes_true_in_its_record(folder: 
 
 
 def test_a_shared_batch_flies_each_flight_alone_and_one_failure_is_one_invalid_flight(folder: Path):
-    _edit(folder / "fly.py", "fault = json.loads(fault)", "fault = json.loads(fault)\nif fault: sys.exit('no fault')")
+    edit_in(folder / "fly.py", "fault = json.loads(fault)", "fault = json.loads(fault)\nif fault: sys.exit('no fault')")
     clean, late = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0", "LATE-human@3s/T0O0W0D0H1/0", shared=True)
     assert not clean.invalid
     assert "the command ended with code 1; it said last: no fault" in late.invalid
@@ -116,13 +110,13 @@ def test_a_shared_batch_flies_each_flight_alone_and_one_failure_is_one_invalid_f
     ],
 )
 def test_a_command_that_records_nothing_usable_makes_an_invalid_flight(old: str, new: str, said: str, folder: Path):
-    _edit(folder / "fly.py", old, new)
+    edit_in(folder / "fly.py", old, new)
     (outcome,) = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0")
     assert said in outcome.invalid
 
 
 def test_a_fault_whose_altered_samples_nobody_counts_is_invalid(folder: Path):
-    _edit(folder / "fly.py", 'print(json.dumps({"altered": 4,', 'print(json.dumps({"altred": 4,')
+    edit_in(folder / "fly.py", 'print(json.dumps({"altered": 4,', 'print(json.dumps({"altred": 4,')
     clean, late = _fly(Study.open(folder), "PLACEBO/T0O0W0D0H1/0", "LATE-human@3s/T0O0W0D0H1/0")
     assert not clean.invalid
     assert "says how many samples the fault altered" in late.invalid
@@ -141,7 +135,7 @@ def test_a_fault_whose_altered_samples_nobody_counts_is_invalid(folder: Path):
 def test_what_would_fail_in_every_flight_is_refused_before_the_first(
     file: str, old: str, new: str, said: str, folder: Path
 ):
-    _edit(folder / "sim" / file, old, new)
+    edit_in(folder / "sim" / file, old, new)
     study = Study.open(folder)
     with pytest.raises(InputError) as refused:
         Commanded().prepare(study, lambda _: None)
@@ -149,7 +143,7 @@ def test_what_would_fail_in_every_flight_is_refused_before_the_first(
 
 
 def test_the_matrix_may_use_only_the_seams_that_the_command_offers(folder: Path):
-    _edit(folder / "sim" / "flyer.yaml", "every:", "person:")
+    edit_in(folder / "sim" / "flyer.yaml", "every:", "person:")
     with pytest.raises(InputError, match="seam"):
         _ = Study.open(folder).matrix
 
@@ -160,11 +154,11 @@ def test_program_mapping_and_declaration_are_part_of_the_key_of_a_flight(folder:
         return Keys(study).key(Flight(None, study.grid.situations[0], 0))
 
     keys = {key()}
-    _edit(folder / "fly.py", "0.8", "0.7")
+    edit_in(folder / "fly.py", "0.8", "0.7")
     keys.add(key())
-    _edit(folder / "sim" / "record.yaml", "constant: 0.2", "constant: 0.3")
+    edit_in(folder / "sim" / "record.yaml", "constant: 0.2", "constant: 0.3")
     keys.add(key())
-    _edit(folder / "sim" / "flyer.yaml", "limit_s: 20", "limit_s: 30")
+    edit_in(folder / "sim" / "flyer.yaml", "limit_s: 20", "limit_s: 30")
     keys.add(key())
     assert len(keys) == 4
 
@@ -179,7 +173,7 @@ def test_a_command_is_not_deterministic_unless_it_says_so(folder: Path):
 def test_a_requirement_may_use_a_signal_that_only_the_record_has(folder: Path):
     with (folder / "sim" / "record.yaml").open("a") as file:
         file.write("  dust: {column: x}\n")
-    _edit(folder / "sim" / "requirements.yaml", "always(clearance_m > 0)", "always(clearance_m > 0 and dust < 0.5)")
+    edit_in(folder / "sim" / "requirements.yaml", "always(clearance_m > 0)", "always(clearance_m > 0 and dust < 0.5)")
     (outcome,) = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0")
     assert outcome.first_violation.t_s == 2.55  # at 0.5 exactly its robustness is 0, which is no violation
 
@@ -208,7 +202,7 @@ with open(record, "w") as file:
 def test_a_relay_carries_the_topic_of_a_seam_through_the_tap_of_the_mutant(folder: Path):
     (folder / "fly.py").write_text(RELAYED)
     relay = "{drive: {relay: {from: /cmd_raw, to: /cmd, border: lines}, message: velocity}}"
-    _edit(folder / "sim" / "flyer.yaml", "{every: {parameter: true}}", relay)
+    edit_in(folder / "sim" / "flyer.yaml", "{every: {parameter: true}}", relay)
     study = Study.open(folder)
     Commanded().prepare(study, lambda _: None)
     fast = Mutant("X", "X", "drive", "", 0.0, "drive", "scale", {"factor": 2.0, "field": "velocity"})

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import random
-import shutil
 from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
@@ -15,6 +14,7 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from options import usually
+from studies import copied
 
 from scaloft_fi.campaign.flights.fly import CAN_FORK, Batch, Flight, Worker, fly_log
 from scaloft_fi.campaign.flights.physics import Physics
@@ -133,10 +133,7 @@ walks = st.fixed_dictionaries(
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    study = tmp_path_factory.mktemp("study")
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, study / name)
-    return study
+    return copied(tmp_path_factory.mktemp("study"))
 
 
 @pytest.mark.release

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import sqlite3
 import subprocess
@@ -22,6 +21,7 @@ import published_flights
 import pytest
 from builders import with_range
 from processes import alive, soon
+from studies import copied, edit_in
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.mutants.catalogue import source_of
@@ -76,9 +76,7 @@ def test_a_replay_is_bit_for_bit_the_campaigns_flight_and_draws_it(campaign: Pat
 
 @pytest.mark.release
 def test_a_replay_of_a_drawn_number_is_bit_for_bit_the_campaigns_flight(tmp_path: Path):
-    study = tmp_path / "study"
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, study / name)
+    study = copied(tmp_path / "study")
     where = ("--study", with_range(study), "--campaign", tmp_path / "c")
     corner = ("--situation", "T0O0W0D1H0C1", "--situation", "T0O0W0D1H0C3", "--choose", "random:2")
     _call("run", "--mutant", "PLACEBO", *corner, "--baseline-seeds", "1", "--jobs", "1", "--quiet", *where)
@@ -269,11 +267,8 @@ STANDS = f"the drone never leaves the ground without any fault: {BASELINE}"
 def test_a_stack_that_does_nothing_fails_its_gate_flown_and_resumed(
     site: Path, tmp_path: Path, stack: str, sentences: list[str]
 ):
-    study = tmp_path / "study"
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, study / name)
-    settings = study / "sim" / "stack.yaml"
-    settings.write_text(settings.read_text().replace("name: reference", f"name: {stack}"))
+    study = copied(tmp_path / "study")
+    edit_in(study / "sim" / "stack.yaml", "name: reference", f"name: {stack}")
     path = os.pathsep.join([str(site), *filter(None, sys.path)])
     words = ("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H0", "--jobs", "1", "--quiet")
     for _ in range(2):

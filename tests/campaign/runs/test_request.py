@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +12,7 @@ from builders import with_range
 from hypothesis import given
 from hypothesis import strategies as st
 from running import LATE, MORE, Runs, asked, interrupting, red, same
+from studies import copied
 
 from scaloft_fi.analysis.coverage import t_way
 from scaloft_fi.analysis.detection import LOOKS, Look, Verdict
@@ -127,10 +127,7 @@ def test_a_choice_that_cannot_be_is_refused(text: str, sentence: str):
 
 @pytest.fixture(scope="module")
 def ranged(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    folder = tmp_path_factory.mktemp("ranged")
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(STUDY.folder / name, folder / name)
-    return Study.open(with_range(folder))
+    return Study.open(with_range(copied(tmp_path_factory.mktemp("ranged"))))
 
 
 @pytest.mark.parametrize("how", ["random", "draws", "sobol"])

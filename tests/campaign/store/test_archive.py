@@ -9,7 +9,6 @@ import hashlib
 import io
 import json
 import re
-import shutil
 import zipfile
 from array import array
 from collections.abc import Callable
@@ -24,6 +23,7 @@ import pytest
 from builders import AXES, GRID, KINDS, ROSTER, campaigns, outcome
 from crafted import campaign
 from hypothesis import given
+from studies import copied
 
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.store import archive
@@ -234,9 +234,7 @@ def test_a_flight_that_occurs_twice_is_refused(folder: Path):
 
 
 def test_a_flight_that_the_study_no_longer_has_is_stale(folder: Path, files: dict[str, bytes], tmp_path: Path):
-    study = tmp_path / "study"
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(STUDY / name, study / name)
+    study = copied(tmp_path / "study")
     place = written(without_documents(files), tmp_path / "bare")
     axes = study / "sim" / "situations.yaml"
     axes.write_text(re.sub(r"\bT(?=[:01])", "U", axes.read_text()))

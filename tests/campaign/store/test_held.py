@@ -15,6 +15,7 @@ from builders import with_range
 from hypothesis import given
 from hypothesis import strategies as st
 from running import CONTROL, LATE, MORE, Runs, asked
+from studies import copied
 
 from scaloft_fi import sources
 from scaloft_fi.campaign.plan import plan
@@ -236,9 +237,7 @@ SOURCES = {
 
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
-    for name in ("hazop", "mutants", "sim"):
-        shutil.copytree(ROOT / name, tmp_path / name)
-    return tmp_path
+    return copied(tmp_path)
 
 
 def _origins(folder: Path) -> dict[tuple[str, str], Origin]:
