@@ -77,6 +77,18 @@ def write_named(path: Path, content: bytes, name: str) -> None:
         raise InputError(f"{name}={str(path)!r} cannot be written: {unwritable(error)}") from error
 
 
+def write_own(path: Path, content: bytes) -> None:
+    """The same as `write_whole`, for a file whose place we choose.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    try:
+        write_whole(path, content)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+
+
 def unwritable(error: OSError | ValueError) -> str:
     """Why a file cannot be written."""
     return (error.strerror if isinstance(error, OSError) else None) or str(error)

@@ -24,7 +24,7 @@ from scaloft_fi.model import read
 from scaloft_fi.mutants.catalogue import check_catalogue, realise, with_events
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.output import write_whole
+from scaloft_fi.output import write_own
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.setup import Setup
 from scaloft_fi.sim.events import events_in
@@ -242,10 +242,7 @@ def append_drafts(path: Path, mutants: Iterable[str]) -> None:
         InputError: the file cannot be written.
     """
     before = read_text(path) if is_there(path) else HEADER
-    try:
-        write_whole(path, (before.rstrip("\n") + "\n" + draft(mutants)).encode())
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+    write_own(path, (before.rstrip("\n") + "\n" + draft(mutants)).encode())
 
 
 def draft(mutants: Iterable[str]) -> str:

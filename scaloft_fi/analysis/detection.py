@@ -149,6 +149,12 @@ class Sample:
     infected: bool
     seeds: tuple[int, ...] = ()
 
+    @classmethod
+    def of(cls, flown: Sequence[Outcome]) -> Sample:
+        """The flights of a mutant in one situation, all of which count, without their seeds."""
+        violated = tuple(tuple(violation.requirement for violation in one.violations) for one in flown)
+        return cls(flown[0].situation, violated, any(one.altered for one in flown))
+
     def at(self, look: int) -> Sample:
         """The first flights alone; whether they are infected is asked of all."""
         if look >= len(self.violated):

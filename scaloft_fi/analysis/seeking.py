@@ -242,8 +242,7 @@ def confirmed(
     held = [baseline for baseline in baselines if not baseline.invalid]
     if len(counted) < FEWEST or len(held) < LEAST:
         return None
-    violated = tuple(tuple(violation.requirement for violation in outcome.violations) for outcome in counted)
-    sample = Sample(counted[0].situation, violated, any(outcome.altered for outcome in counted))
+    sample = Sample.of(counted)
     told = detect(counted[0].mutant, [sample], Pool.of(held), Spending(alpha), Kind.SAFETY)
     by = [name for name in names if name in told.by and 2 * sample.count(name) > len(counted)]
     if not told.detected or not by:
@@ -377,7 +376,7 @@ def replicas(
     for place, (situation, requirement) in claims.items():
         pool = [one for one in baselines[situation] if not one.invalid]
         whys[place] = _unfit(pool, situation, requirement, anyhow=anyhow)
-        raw[place] = 1.0 if whys[place] else _p(flown[place], pool, situation, requirement)
+        raw[place] = 1.0 if whys[place] else _p(flown[place], pool, requirement)
     p = holm(raw)
     told = []
     for place, (situation, requirement) in claims.items():
@@ -395,11 +394,10 @@ def _unfit(pool: Sequence[Outcome], situation: str, requirement: str, *, anyhow:
     return "" if anyhow or does_mission(pool) else "the unmutated drone does not do its mission"
 
 
-def _p(flown: Sequence[Outcome], pool: Sequence[Outcome], situation: str, requirement: str) -> float:
+def _p(flown: Sequence[Outcome], pool: Sequence[Outcome], requirement: str) -> float:
     counted = [one for one in flown if not one.invalid]
-    violated = tuple(tuple(violation.requirement for violation in one.violations) for one in counted)
-    sample = Sample(situation, violated, any(one.altered for one in counted))
-    return adjusted([sample], Pool.of(pool), [requirement])[requirement] if sample.infected else 1.0
+    infected = any(one.altered for one in counted)
+    return adjusted([Sample.of(counted)], Pool.of(pool), [requirement])[requirement] if infected else 1.0
 
 
 def _again(flown: Sequence[Outcome], baselines: Sequence[Outcome], requirement: str, first: int, p: float) -> Again:

@@ -25,7 +25,7 @@ from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, Protocol
@@ -207,32 +207,27 @@ class Local:
                 else:
                     flyer.prepare(study, say)
 
-            yield LocalWorkers(pool, prepare)
+            yield LocalWorkers(pool.jobs, pool, cache(prepare))
 
 
+@dataclass(frozen=True)
 class LocalWorkers:
-    """The workers of a pool that is prepared once.
+    """The workers of a pool.
 
-    Args:
+    Attributes:
+        jobs: number of its processes.
         pool: the pool.
-        prepare: prepares its processes.
+        ready: prepares its processes, once.
     """
 
-    def __init__(self, pool: ProcessPool[Batch, Outcome], prepare: Callable[[], object]) -> None:
-        self.jobs = pool.jobs
-        self._pool, self._prepare = pool, prepare
-        self._is_ready = False
-
-    def ready(self) -> None:
-        """Prepare the processes, once."""
-        if not self._is_ready:
-            self._prepare()
-            self._is_ready = True
+    jobs: int
+    pool: ProcessPool[Batch, Outcome]
+    ready: Callable[[], None]
 
     def map(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
         """Yield the outcomes of `batches` as they arrive."""
         self.ready()
-        return self._pool.map(batches)
+        return self.pool.map(batches)
 
 
 CERTIFICATE, KEY, AUTHORITY = "cert.pem", "key.pem", "ca.pem"

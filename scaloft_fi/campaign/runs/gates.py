@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 
@@ -57,6 +58,7 @@ class RunOptions:
     command: str = ""
 
 
+ONE_PROCESS = RunOptions()
 NAMED = 3
 """Greatest number of flights that a message names; the message counts the others."""
 RISE_M = 0.3
@@ -134,12 +136,11 @@ def _same_bits(outcomes: Sequence[Outcome], repeats: Sequence[Outcome]) -> Itera
 
 def _placebo_detected(outcomes: Sequence[Outcome], spending: Spending) -> Iterator[str]:
     """Fails if the score's test takes PLACEBO, judged as if it altered samples, for a fault."""
-    flown: dict[str, list[tuple[str, ...]]] = {}
+    flown = defaultdict[str, list[Outcome]](list)
     for outcome in outcomes:
         if outcome.mutant == PLACEBO_ID and not outcome.invalid:
-            names = tuple(violation.requirement for violation in outcome.violations)
-            flown.setdefault(outcome.situation, []).append(names)
-    samples = [Sample(situation, tuple(names), infected=True) for situation, names in flown.items()]
+            flown[outcome.situation].append(outcome)
+    samples = [replace(Sample.of(own), infected=True) for own in flown.values()]
     detection = detect(PLACEBO_ID, samples, Pool.of(outcomes), spending, Kind.SAFETY)
     if detection.detected:
         p = ", ".join(f"{name} p = {detection.p[name]:.2g}" for name in detection.by)
@@ -257,10 +258,8 @@ def fly_again(say: Callable[[str], None], flyer: Flyer | None = None) -> str:
     outcome = flyer(study, flight_named(study, mutant, situation, int(seed)))
     if outcome.digest == known.digest:
         return f"{known.name} has its published digest on this platform"
-    facts, changed = (
-        status.facts_of([outcome])[known.name],
-        ", ".join(platforms.differences(platforms.fingerprint(), known.platform)),
-    )
+    facts = status.facts_of([outcome])[known.name]
+    changed = ", ".join(platforms.differences(platforms.fingerprint(), known.platform))
     where = f"it was published on another platform ({changed})" if changed else "it was published on this platform"
     told = f"{known.name} of the study in {study.folder} has the digest {outcome.digest[:12]}, not {known.digest[:12]}"
     if facts != known.facts:

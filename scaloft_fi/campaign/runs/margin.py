@@ -19,7 +19,7 @@ from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried, phased_fa
 from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.plan import canary, plan
 from scaloft_fi.campaign.progress import Progress
-from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.gates import ONE_PROCESS, RunOptions
 from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.campaign.store.archive import STORE_NAME, promising
 from scaloft_fi.campaign.store.held import current_in, grown_in
@@ -179,7 +179,7 @@ def find(
     situations: Sequence[Situation],
     seeds: Sequence[int],
     folder: Path,
-    options: RunOptions | None = None,
+    options: RunOptions = ONE_PROCESS,
     *,
     kind: Kind = Kind.SAFETY,
     progress: Callable[[], Progress],
@@ -201,7 +201,7 @@ def find(
         GateError, InputError, Interrupted: as `campaign.runs.run.run`; all outcomes are saved.
     """
     promising(folder)
-    options, known, spending = options or RunOptions(), dict[str, Outcome](), Spending(study.alpha)
+    known, spending = dict[str, Outcome](), Spending(study.alpha)
     with read_store(folder / STORE_NAME) as store:
         if store is not None:
             known = {outcome.name: outcome for outcome in current_in(study, store)}

@@ -33,7 +33,7 @@ from scaloft_fi.analysis.score import score
 from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.plan import Plan, canary, parse_mutants, plan, plan_draws
 from scaloft_fi.campaign.progress import Progress
-from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.gates import ONE_PROCESS, RunOptions
 from scaloft_fi.campaign.runs.run import Budget, Report, finish, fly_pool, opened, run
 from scaloft_fi.campaign.store.archive import STORE_NAME, borrowed, promising, remember_grid, writable
 from scaloft_fi.campaign.store.held import CHOICE, remember_seeds
@@ -328,7 +328,7 @@ def run_looks(
     study: Study,
     question: Plan,
     folder: Path,
-    options: RunOptions | None = None,
+    options: RunOptions = ONE_PROCESS,
     *,
     others: Sequence[Outcome] = (),
     progress: Progress,
@@ -344,7 +344,7 @@ def run_looks(
         study: the study.
         question: mutants and situations; its seeds are not used.
         folder: folder of the campaign; a missing folder is created.
-        options: options of the run; one process when None.
+        options: options of the run.
         others: baselines of another campaign, used for the decisions.
         progress: progress display.
         flyer: flies; PyBullet when None.
@@ -357,7 +357,6 @@ def run_looks(
         InputError: the folder or the store cannot be written.
         Interrupted: the user stopped the run.
     """
-    options = options or RunOptions()
     situations = list(dict.fromkeys(flight.situation for flight in question.baselines))
     mutants = list(dict.fromkeys(f.mutant for f in question.mutants if f.mutant is not None and f.mutant != PLACEBO))
     first = replace(plan(situations, range(LOOKS[0]), mutants, question.canary), pool_seeds=question.pool_seeds)

@@ -25,7 +25,7 @@ from scaloft_fi.campaign.flights.physics import Commanded, Physics
 from scaloft_fi.campaign.plan import Plan, alone, canary_flight, infects, together
 from scaloft_fi.campaign.progress import Progress, Reporter
 from scaloft_fi.campaign.runs import gates
-from scaloft_fi.campaign.runs.gates import RunOptions, prove_platform
+from scaloft_fi.campaign.runs.gates import ONE_PROCESS, RunOptions, prove_platform
 from scaloft_fi.campaign.store import archive, held
 from scaloft_fi.campaign.store.held import Keys, counting_flights, current_in, flight_named
 from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim, fingerprint
@@ -37,7 +37,7 @@ from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.output import write_whole
+from scaloft_fi.output import write_own
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
@@ -476,7 +476,7 @@ def run(
     study: Study,
     planned: Plan,
     folder: Path,
-    options: RunOptions | None = None,
+    options: RunOptions = ONE_PROCESS,
     *,
     progress: Progress,
     flyer: Flyer | None = None,
@@ -487,7 +487,7 @@ def run(
         study: the study.
         planned: the plan.
         folder: folder of the campaign; a missing folder is created.
-        options: options of the run; one process when None.
+        options: options of the run.
         progress: progress display.
         flyer: flies; PyBullet when None.
 
@@ -496,7 +496,6 @@ def run(
         InputError: the folder or the store cannot be written.
         Interrupted: the user stopped the run.
     """
-    options = options or RunOptions()
     budget = Budget(options.budget_s)
     with opened(study, folder, options, progress=progress, flyer=flyer, first=planned.known) as campaign:
         report = _fly(planned, campaign, budget)
@@ -562,8 +561,5 @@ def write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    path = folder / archive.LOG_NAME
-    try:
-        write_whole(path, f"{json_text(mission_log(outcomes, study.roster, study.space), indent=2)}\n".encode())
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+    text = json_text(mission_log(outcomes, study.roster, study.space), indent=2)
+    write_own(folder / archive.LOG_NAME, f"{text}\n".encode())

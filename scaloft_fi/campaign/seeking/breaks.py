@@ -22,7 +22,7 @@ from scaloft_fi.analysis.seeking import REJECTED, WORST, Breach, Signature, brea
 from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.processes import ProcessPool
 from scaloft_fi.campaign.progress import Progress
-from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.gates import ONE_PROCESS, RunOptions
 from scaloft_fi.campaign.runs.run import Run
 from scaloft_fi.campaign.seeking import finds
 from scaloft_fi.campaign.seeking.proposals import OPENING, Proposal, Proposals, draws, flyable
@@ -38,9 +38,6 @@ from scaloft_fi.study import Study
 if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
 
-
-IDLE = 20
-"""Turns without a new situation, after which a search without a budget ends."""
 
 ALIKE = 3
 """Of the flights with fresh seeds at least so many must have the signature of a find."""
@@ -110,7 +107,7 @@ def _recall(study: Study, recall: Recall, task: _Task, report: Callable[[tuple[s
 def seek_breaks(
     study: Study,
     folder: Path,
-    options: RunOptions | None = None,
+    options: RunOptions = ONE_PROCESS,
     *,
     seed: int,
     allowance: finds.Allowance,
@@ -124,7 +121,7 @@ def seek_breaks(
     Args:
         study: the study, with the grid that is searched.
         folder: folder of the campaign that holds the flights of the search.
-        options: options of the run; one process when None.
+        options: options of the run.
         seed: seed of the search.
         allowance: the budget.
         progress: progress display.
@@ -196,16 +193,16 @@ class _Search:
         Raises:
             Interrupted, SpentError: as `SearchFlights.fly`.
         """
-        idle = 0
-        while idle < IDLE:
-            self.turn += 1
-            before = self.flights.used
+
+        def turn(number: int) -> None:
+            self.turn = number
             for guide in self.proposals.values():
                 self._tell_stage()
                 half = GENERATION // 2
                 asked = {one.situation: one for one in (*islice(drawn, half), *guide.ask(half))}
                 self._generation(tuple(asked.values()))
-            idle = idle + 1 if self.flights.used == before else 0
+
+        self.flights.take_turns(turn)
 
     def report(self, *, spent: bool) -> finds.SeekReport:
         """What the search came to."""

@@ -16,7 +16,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
-from itertools import chain
+from itertools import chain, count
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -27,7 +27,7 @@ from scaloft_fi.analysis import seeking
 from scaloft_fi.analysis.seeking import Effort, Place, Replica, replicas
 from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.progress import Progress
-from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.gates import ONE_PROCESS, RunOptions
 from scaloft_fi.campaign.runs.run import Budget, Run, budget_s, opened, write_log
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import current_in
@@ -36,7 +36,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.output import write_whole
+from scaloft_fi.output import write_own
 from scaloft_fi.sim.grid import FOUND_FILE, Break, Find, Finds, read_finds
 from scaloft_fi.study import Study
 
@@ -120,14 +120,14 @@ def _notes(folder: Path) -> tuple[list[Unnamed], set[int]]:
 def searching(
     study: Study,
     folder: Path,
-    options: RunOptions | None,
+    options: RunOptions,
     *,
     progress: Progress,
     flyer: Flyer | None,
     first: Sequence[Flight],
 ) -> Iterator[Run]:
     """Open the campaign of a search as `opened` does; however the search ends, its mission log is written."""
-    with opened(study, folder, options or RunOptions(), progress=progress, flyer=flyer, first=first) as campaign:
+    with opened(study, folder, options, progress=progress, flyer=flyer, first=first) as campaign:
         try:
             yield campaign
         finally:
@@ -241,6 +241,10 @@ OTHER_SEEDS = 1_000_000
 """What PLACEBO's seeds are shifted by: it stands for the unmutated drone under seeds of its own."""
 
 
+IDLE = 20
+"""Turns without a new flight, after which a search without a budget ends."""
+
+
 class SpentError(Exception):
     """The budget is used up."""
 
@@ -303,6 +307,18 @@ class SearchFlights:
             if outcome is not None and flight.mutant == PLACEBO:  # as if it were a flight that altered something
                 outcome = replace(outcome, subject=flight.subject, seed=flight.seed, altered=1)
             self._known[name] = outcome
+
+    def take_turns(self, turn: Callable[[int], None], wanted: Callable[[], bool] = lambda: True) -> None:
+        """Take turns, numbered from 1, as long as they are `wanted`, until `IDLE` of them bring no new flight.
+
+        Raises:
+            Interrupted, SpentError: as `fly`.
+        """
+        idle, numbers = 0, count(1)
+        while wanted() and idle < IDLE:
+            before = self.used
+            turn(next(numbers))
+            idle = idle + 1 if self.used == before else 0
 
     def spend(self, count: int) -> None:
         """Spend the budget on flights that the campaign does not store.
@@ -475,11 +491,7 @@ def _earlier(folder: Path, grid: str) -> Finds:
 
 
 def _write(folder: Path, finds: Finds) -> None:
-    path = folder / FOUND_FILE
-    try:
-        write_whole(path, text(finds).encode())
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+    write_own(folder / FOUND_FILE, text(finds).encode())
 
 
 _Named = TypeVar("_Named", Find, Break)
@@ -546,7 +558,7 @@ def replicate(
     finds: Sequence[Find],
     ask: Ask,
     folder: Path,
-    options: RunOptions | None = None,
+    options: RunOptions = ONE_PROCESS,
     *,
     progress: Progress,
     flyer: Flyer | None = None,
@@ -559,7 +571,7 @@ def replicate(
         finds: all finds of the study.
         ask: the pairs that are replicated.
         folder: folder of the campaign that holds the flights.
-        options: options of the run; one process when None.
+        options: options of the run.
         progress: progress display.
         flyer: flies; PyBullet when None.
         anyhow: whether a pair may hold where the unmutated drone does not do its mission.

@@ -196,22 +196,27 @@ def draws(grid: Grid, seed: int, possible: Possible) -> Iterator[Proposal]:
 
 def at_shares(grid: Grid, share: Callable[[str, str], float]) -> Parameters:
     """The parameters at shares 0 <= share < 1 of an axis' `level` and `number`, as a random draw has them."""
-    levels = {axis.id: int(share(axis.id, "level") * len(axis.values)) for axis in grid.axes}
-    chosen: dict[str, Any] = dict(levels)
-    chosen |= {f"{axis.id}=": share(axis.id, "number") for axis in grid.axes if axis.range}
-    chosen |= {axis.id: share(axis.id, "number") for axis in grid.free if axis.goes_with(levels)}
-    return chosen
+    return _parameters(
+        grid, lambda axis, count: int(share(axis, "level") * count), lambda name: share(name.rstrip("="), "number")
+    )
 
 
 def _suggest(trial: Any, grid: Grid) -> Parameters:
     """The parameters of a trial, each suggested where the situation has it."""
-    chosen: dict[str, Any] = {
-        axis.id: trial.suggest_categorical(axis.id, list(range(len(axis.values)))) for axis in grid.axes
-    }
-    levels = dict(chosen)
-    chosen |= {f"{axis.id}=": trial.suggest_float(f"{axis.id}=", 0.0, 1.0) for axis in grid.axes if axis.range}
-    chosen |= {axis.id: trial.suggest_float(axis.id, 0.0, 1.0) for axis in grid.free if axis.goes_with(levels)}
-    return chosen
+
+    def level(axis: str, count: int) -> int:
+        chosen: int = trial.suggest_categorical(axis, list(range(count)))
+        return chosen
+
+    return _parameters(grid, level, lambda name: float(trial.suggest_float(name, 0.0, 1.0)))
+
+
+def _parameters(grid: Grid, level: Callable[[str, int], int], number: Callable[[str], float]) -> Parameters:
+    """The parameters of a situation: a level for each axis, and a number, 0 to 1, where the situation has one."""
+    levels = {axis.id: level(axis.id, len(axis.values)) for axis in grid.axes}
+    names = [f"{axis.id}=" for axis in grid.axes if axis.range]
+    names += [axis.id for axis in grid.free if axis.goes_with(levels)]
+    return {**levels, **{name: number(name) for name in names}}
 
 
 def placed(grid: Grid, parameters: Parameters) -> Situation | None:

@@ -20,7 +20,7 @@ from scaloft_fi.analysis import seeking
 from scaloft_fi.analysis.pool import LEAST, Pool
 from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.progress import Progress
-from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.runs.gates import ONE_PROCESS, RunOptions
 from scaloft_fi.campaign.runs.run import Run
 from scaloft_fi.campaign.seeking import finds
 from scaloft_fi.campaign.seeking.finds import SEEN_ON, SearchFlights, SeekReport, Sought, SpentError
@@ -191,8 +191,6 @@ def _flown(mutant: Mutant | None, situation: Situation, seeds: int, flights: Sea
     return [outcome for flight in wanted if (outcome := flights.outcome(flight)) is not None]
 
 
-IDLE = 20
-"""Turns without a new situation or candidate, after which a search without a budget ends."""
 CHUNK = 8
 """Situations of the opening that are flown at once."""
 
@@ -201,7 +199,7 @@ def seek(
     study: Study,
     mutants: Sequence[Mutant],
     folder: Path,
-    options: RunOptions | None = None,
+    options: RunOptions = ONE_PROCESS,
     *,
     seed: int,
     allowance: finds.Allowance,
@@ -220,7 +218,7 @@ def seek(
         study: the study, with the grid that is searched.
         mutants: the mutants, in the order of their turns.
         folder: folder of the campaign that holds the flights of the search.
-        options: options of the run; one process when None.
+        options: options of the run.
         seed: seed of the search.
         allowance: the budget.
         progress: progress display.
@@ -297,19 +295,19 @@ class _Search:
         Raises:
             Interrupted, SpentError: as `SearchFlights.fly`.
         """
-        own, turn, idle = families(self.quests), 0, 0
-        while self._sought and idle < IDLE:
-            turn += 1
-            before = self.flights.used
+        own = families(self.quests)
+
+        def turn(number: int) -> None:
             for family in own:
                 if family.pauses:
                     family.pauses -= 1
                 elif family.sought:
-                    self._tell_stage(f"turn {turn}: {family.sought[0].mutant.parameter}")
+                    self._tell_stage(f"turn {number}: {family.sought[0].mutant.parameter}")
                     nearest = family.nearest
                     self._generation(family.sought, family.ask())
                     family.rest_after(nearest)
-            idle = idle + 1 if self.flights.used == before else 0
+
+        self.flights.take_turns(turn, lambda: bool(self._sought))
 
     @property
     def _sought(self) -> list[Quest]:

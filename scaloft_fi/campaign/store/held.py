@@ -14,7 +14,7 @@ import math
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -41,26 +41,25 @@ class Keys:
 
     def __init__(self, study: Study) -> None:
         self._study = study
-        self._mutants: dict[Mutant | None, str] = {}
-        self._situations: dict[str, tuple[str, str]] = {}
+        self._mutant = cache(lambda mutant: digest(mutant.to_json()) if mutant else "")
+        self._situation = cache(self._hashed)
+
+    def _hashed(self, situation: Situation) -> tuple[str, str]:
+        """Hashes of the values that a situation sets, and of the predicates of its values."""
+        return digest([situation.key, self._study.changes(situation)]), digest(self._study.realised(situation))
 
     def origin(self, flight: Flight) -> Origin:
         """The origin of the flight's outcome.
 
         Values of an axis that the situation does not have, other mutants and comments do not count.
         """
-        mutant, key, inputs = flight.mutant, flight.situation.key, self._study.inputs
-        if mutant not in self._mutants:
-            self._mutants[mutant] = digest(mutant.to_json()) if mutant else ""
-        if key not in self._situations:  # the values that it sets, and the predicates of its values
-            changes, realised = self._study.changes(flight.situation), self._study.realised(flight.situation)
-            self._situations[key] = digest([key, changes]), digest(realised)
-        changed, predicates = self._situations[key]
+        mutant, inputs = flight.mutant, self._study.inputs
+        changed, predicates = self._situation(flight.situation)
         return Origin(
             sim=inputs["sim"],
             requirements=inputs["requirements"],
             code=inputs["code"],
-            mutant=self._mutants[mutant],
+            mutant=self._mutant(mutant),
             situation=changed,
             realised="" if mutant else predicates,
             operator=inputs[f"operator {mutant.operator}"] if mutant else "",
@@ -197,24 +196,17 @@ class Now:
 
     Attributes:
         store: the open store whose flights are asked about; its list of flights is read once.
+        origin: of the id of a subject and the key of a situation the origin of such a flight in the current study, or
+            the reason why it no longer exists.
     """
 
     def __init__(self, study: Study, store: Store) -> None:
         self.store = store
-        self._study, self._keys, self._then = study, Keys(study), store.origins()
-        self._grid = study.grid  # read here, so that an error in the grid itself is raised
-        self._mutants: dict[str, Mutant | None] = {}
-        self._situations: dict[str, Situation] = {}
-        self._origins: dict[tuple[str, str], Origin | str] = {}
-        self._stand: dict[tuple[str, str, int], bool] = {}
-        self._why: dict[tuple[str, str, int | None], str] = {}
-
-    def origin(self, mutant: str, situation: str) -> Origin | str:
-        """The origin of a flight in the current study, or the reason why the flight no longer exists."""
-        name = mutant, situation
-        if name not in self._origins:
-            self._origins[name] = self._origin(*name)
-        return self._origins[name]
+        self._keys, self._then = Keys(study), store.origins()
+        # the grid is read here, so that an error in the grid itself is raised
+        self._mutant, self._situation = cache(partial(_mutant, study)), cache(study.grid.situation)
+        self.origin, self._why = cache(self._origin), cache(self._reason)
+        self._same = cache(lambda mutant, situation, number: self.origin(mutant, situation) == self._then.get(number))
 
     def stands(self, flight: FlownFlight) -> bool:
         """Whether an outcome is current."""
@@ -222,10 +214,7 @@ class Now:
         if number is None:
             now = self.origin(mutant, situation)
             return not isinstance(now, str) and now.key(seed) == key
-        what = mutant, situation, number
-        if what not in self._stand:  # origin and seed determine the key
-            self._stand[what] = self.origin(mutant, situation) == self._then.get(number)
-        return self._stand[what]
+        return self._same(mutant, situation, number)  # origin and seed determine the key
 
     @cached_property
     def flights(self) -> list[FlownFlight]:
@@ -248,10 +237,7 @@ class Now:
 
     def why(self, flight: FlownFlight) -> str:
         """Why an outcome is stale."""
-        what = flight.mutant, flight.situation, flight.origin
-        if what not in self._why:
-            self._why[what] = self._reason(*what)
-        return self._why[what]
+        return self._why(flight.mutant, flight.situation, flight.origin)
 
     def _reason(self, mutant: str, situation: str, number: int | None) -> str:
         now = self.origin(mutant, situation)
@@ -262,22 +248,20 @@ class Now:
             return "flown for reasons that were not kept"
         if then.platform:
             return f"flown on a platform with other digests: {then.platform}"
-        realised = self._mutants[mutant]
+        realised = self._mutant(mutant)
         words = {**_PARTS, "mutant": f"mutant {mutant}", "operator": f"operator {realised and realised.operator}"}
         return f"{' and '.join(words[part] for part in then.changed(now))} changed"
 
     def _origin(self, mutant: str, situation: str) -> Origin | str:
-        if situation not in self._situations:
-            try:
-                self._situations[situation] = self._grid.situation(situation)
-            except InputError:
-                return "the situation is not in the grid any more"
-        if mutant not in self._mutants:
-            try:
-                self._mutants[mutant] = _mutant(self._study, mutant)
-            except InputError:
-                return f"mutant {mutant} is not in the matrix any more"
-        return self._keys.origin(Flight(self._mutants[mutant], self._situations[situation], 0))
+        try:
+            place = self._situation(situation)
+        except InputError:
+            return "the situation is not in the grid any more"
+        try:
+            realised = self._mutant(mutant)
+        except InputError:
+            return f"mutant {mutant} is not in the matrix any more"
+        return self._keys.origin(Flight(realised, place, 0))
 
 
 _PARTS = {
