@@ -87,7 +87,8 @@ def t_way(flown: Iterable[str], space: Space, strength: int) -> TWay:
 
 def t_ways(flown: Iterable[str], space: Space, strengths: Iterable[int]) -> tuple[TWay, ...]:
     """The same for several strengths."""
-    chosen, whole = levels_of(flown, space), grid_levels(space)
+    chosen, complete = levels_of(flown, space), len(space.points) == prod(map(len, space.values))
+    whole = None if complete else levels_of((key for key, _ in space.points), space)
 
     def of(axes: tuple[int, ...], size: int) -> Ratio:
         possible = size if whole is None else _distinct(ids(whole, space, axes), size)
@@ -131,13 +132,6 @@ def levels_of(keys: Iterable[str], space: Space) -> Levels:
     place = [{value: number for number, value in enumerate(values)} for values in space.values]
     rows = [[at[value] for at, value in zip(place, space.point[key], strict=True)] for key in keys]
     return np.array(rows, np.int64).reshape(len(rows), len(space.axes))
-
-
-def grid_levels(space: Space) -> Levels | None:
-    """The points of a grid that lacks some of the product of its axes; None when every combination is there."""
-    if len(space.points) == prod(map(len, space.values)):
-        return None
-    return levels_of((key for key, _ in space.points), space)
 
 
 SALTS = 64

@@ -192,15 +192,11 @@ def parse_mutants(study: Study, patterns: Sequence[str]) -> tuple[Mutant, ...]:
 
 def canary(study: Study) -> Mutant | None:
     """The control whose flight proves that faults reach the drone; None in a study without controls."""
-    controls = [mutant for mutant in defaults(study.matrix) if is_control(study, mutant)]
+    matrix = study.matrix
+    controls = [mutant for mutant in defaults(matrix) if matrix.cell(mutant.cell).status is CellStatus.CONTROL]
     seams = study.stack.canaries
     steady = sorted((m for m in controls if m.seam in seams), key=lambda m: seams.index(m.seam))
     return next(iter([*steady, *controls]), None)
-
-
-def is_control(study: Study, mutant: Mutant) -> bool:
-    """Whether the mutant realises a control cell."""
-    return study.matrix.cell(mutant.cell).status is CellStatus.CONTROL
 
 
 SHARES_PER_JOB = 2

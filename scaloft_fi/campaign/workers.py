@@ -52,7 +52,6 @@ class Workers(Protocol):
     @property
     def jobs(self) -> int:
         """Number of processes for which batches are arranged."""
-        ...
 
     def ready(self) -> None:
         """Prepare the workers for flights; `map` calls it if necessary.
@@ -60,7 +59,6 @@ class Workers(Protocol):
         Raises:
             InputError: the study cannot be flown.
         """
-        ...
 
     def map(self, batches: Iterable[Batch]) -> Iterator[Outcome]:
         """Yield the outcomes of `batches` as they arrive, in any order.
@@ -70,7 +68,6 @@ class Workers(Protocol):
         Raises:
             ScaloftError: the study cannot be flown, or no worker is left.
         """
-        ...
 
 
 class Executor(Protocol):
@@ -90,7 +87,6 @@ class Executor(Protocol):
         Raises:
             InputError: no worker can be started.
         """
-        ...
 
 
 ECHO_S = 1.0

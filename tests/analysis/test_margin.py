@@ -177,7 +177,7 @@ def test_margins_do_not_depend_on_the_order_of_outcomes_and_say_nothing_unknown(
             for magnitude in answers[Reaction.KILLED] if not subject.cell.startswith("REVERSE") else ():
                 assert (subject.at(f"{magnitude:g}{subject.unit}"), key) in kills
     margin_tables(found_in(outcomes), (), 1)
-    json.dumps(MARGIN.values(Margins.of(found_in(outcomes))), allow_nan=False)
+    json.dumps(MARGIN.record(Margins.of(found_in(outcomes))), allow_nan=False)
 
 
 def test_the_table_names_ends_requirements_robustness_and_what_was_flown():
@@ -185,13 +185,13 @@ def test_the_table_names_ends_requirements_robustness_and_what_was_flown():
     (table,) = margin_tables(found, (), 3)
     assert table.rows == ((HUMAN, "1-3 s", "1 s", "", "3 s", "SR2 3/3", "SR2 0.3 / -0.1", "1 3", ""),)
     assert "1-3 s (1 s survives, 3 s is killed)." in table.notes[0]
-    (entry,) = MARGIN.values(Margins.of(found))["faults"]
+    (entry,) = MARGIN.record(Margins.of(found))["faults"]
     assert (entry["cell"], entry["survives"], entry["kills"]) == ("LATE-human", 1.0, 3.0)
 
 
 def test_an_infinite_magnitude_is_a_text_in_json():
     found = found_in(flights(("OTHERTHAN-depth@infs", HUMAN, {"SR1": 8.0})))
-    (entry,) = MARGIN.values(Margins.of(found))["faults"]
+    (entry,) = MARGIN.record(Margins.of(found))["faults"]
     assert entry["kills"] == "inf"
 
 
@@ -265,7 +265,7 @@ def test_every_format_has_every_phase():
     for style in Format:
         text = render(tables, style)
         assert all(phase in text.replace("\\", "") for phase in ("#0s", "#5s", "#15s", "#recoil", "#waypoint"))
-    last = MARGIN.values(Margins.when([found()]))["phases"][-1]
+    last = MARGIN.record(Margins.when([found()]))["phases"][-1]
     assert (last["phase"], last["acts_median_s"]) == ("#waypoint", 31.0)
     assert last["kills"] == {"part": 1, "whole": 2}
 

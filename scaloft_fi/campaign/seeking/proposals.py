@@ -67,15 +67,12 @@ class Proposer(Protocol):
     @property
     def nearest(self) -> float:
         """The least distance so far."""
-        ...
 
     def ask(self, count: int) -> list[Proposal]:
         """The next situations, none of them flown for the mutant before."""
-        ...
 
     def tell(self, distances: Sequence[tuple[Proposal, float]]) -> None:
         """Tell how far situations are from showing the mutant, whoever proposed them."""
-        ...
 
 
 MakeProposer = Callable[["Grid", Possible, int, str], Proposer]
