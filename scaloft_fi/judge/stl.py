@@ -314,7 +314,12 @@ class _Reader:
         if token in CHANGES and self._tokens[self._at + 1 : self._at + 2] == ["("]:
             self._take()
             of = self._bracketed()
-            return Prefix("historically", of, Interval(1, 1)) if token == "prev" else Prefix(token, of)
+            if token != "prev":
+                return Prefix(token, of)
+            if LEVEL.get(self.token, -1) >= AFTER_WORD:  # RTAMT reads its operand as that of `not`
+                read = f"prev(a) {self.token} b is read as prev(a {self.token} b)"
+                raise FormulaError(f"needs brackets at {self.token!r} {self.place}: {read}")
+            return Prefix("historically", of, Interval(1, 1))
         if is_name(token):
             return Signal(self._take())
         if token[:1] in _DIGITS:
@@ -513,8 +518,8 @@ _FUNCTION: Mapping[str, Callable[[Column], Column]] = {
     "not": np.negative,
     "abs": np.abs,
     "sqrt": _root,
-    "rise": lambda values: _less(values, -_before(values, -np.inf)),
-    "fall": lambda values: _less(-values, _before(values, np.inf)),
+    "rise": lambda values: _less(-_before(values, -np.inf), values),
+    "fall": lambda values: _less(_before(values, np.inf), -values),
 }
 _INFIX: Mapping[str, Callable[[Column, Column], Column]] = {
     "+": np.add,

@@ -6,9 +6,21 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 
+import pytest
 from hypothesis import strategies as st
 
-from scaloft_fi.judge.stl import COMPARATORS, EXTREMES, Infix, Interval, Node, Number, Prefix, Signal
+from scaloft_fi.judge.stl import (
+    COMPARATORS,
+    EXTREMES,
+    LARGEST,
+    Infix,
+    Interval,
+    Node,
+    Number,
+    Prefix,
+    Signal,
+    robustness,
+)
 
 NAMES = ("a", "b", "c")
 Column = list[float]
@@ -59,6 +71,8 @@ EDGES: Mapping[str, Node] = {
     "equal zeros held": Infix("since", Infix("and", _B, _C), Number(3.0), Interval(0, 3)),
     "equal zeros until": Infix("until", _B, _C, Interval(1, 2)),
     "equal zeros implied": Infix("implies", _A, _B),
+    "equal zeros rising": Prefix("rise", _C),
+    "equal zeros falling": Prefix("fall", Infix("or", _B, _A)),
     "no number in a window": Prefix("historically", _NONE, Interval(0, 2)),
     "no number in all the past": Prefix("once", _NONE),
     "no number in all the future": Prefix("always", _NONE),
@@ -121,7 +135,7 @@ def defined(node: Node, signals: Mapping[str, Column]) -> Column:
             if word in ("rise", "fall"):
                 sign = 1 if word == "rise" else -1
                 return [
-                    min(sign * now, -sign * then)
+                    min(-sign * then, sign * now)
                     for now, then in zip(values, [-sign * math.inf, *values], strict=False)
                 ]
             return _extremes(word, values, interval) if word in EXTREMES else [_ONE[word](value) for value in values]
@@ -186,3 +200,14 @@ def _held(left: Column, right: Column, place: int, lag: int) -> float:
 
 def _at(column: Sequence[float], place: int, empty: float) -> float:
     return column[place] if 0 <= place < len(column) else empty
+
+
+def agrees(tree: Node, signals: Mapping[str, Column], oracle: Callable[[Node, Mapping[str, Column]], Column]) -> None:
+    """Hold the robustness of a tree to the bits, or the error, of an oracle's."""
+    try:
+        expected = [min(LARGEST, max(-LARGEST, value)) for value in oracle(tree, signals)]
+    except (ZeroDivisionError, ValueError) as error:
+        with pytest.raises(type(error)):
+            robustness(tree, signals, LARGEST)
+    else:
+        assert list(map(repr, robustness(tree, signals, LARGEST))) == list(map(repr, expected))
