@@ -2,7 +2,6 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
-from runpy import run_path
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ import trimesh
 from click.testing import CliRunner
 from options import usually
 from processes import call, install, install_project
-from studies import ROOT, copied, edit_in
+from studies import ROOT, copied, edit_in, made_by
 
 from scaloft_fi.checks.check import Check, check_study
 from scaloft_fi.checks.finding import Severity
@@ -74,19 +73,14 @@ def test_a_green_check_says_what_was_looked_at(reference: Check):
     assert grids.keys() == {"paper", "search", "wide", "paper+found"}
 
 
-def _made(example: str, script: str, *words: object) -> None:
-    """Make the study of an example by its script."""
-    run_path(str(EXAMPLES / example / f"{script}.py"))[script](*words)
-
-
 @pytest.mark.release
 def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path):
     script = tmp_path / "mission.py"
     script.write_text("")
-    _made("outside_planner", "make_study", tmp_path / "planner", "lines", ROOT)
-    _made("testbed", "make_study", tmp_path / "testbed", [script], ROOT)
+    made_by("outside_planner", "make_study", tmp_path / "planner", "lines", ROOT)
+    made_by("testbed", "make_study", tmp_path / "testbed", [script], ROOT)
     for kind in ("study", "study_bag"):
-        _made("own_simulator", "copy_study", tmp_path / kind, ROOT, kind)
+        made_by("own_simulator", "copy_study", tmp_path / kind, ROOT, kind)
     for name in ("planner", "testbed", "study", "study_bag"):
         assert errors(check_study(tmp_path / name)) == [], name
 
@@ -107,7 +101,7 @@ def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path):
     ],
 )
 def test_a_command_that_cannot_fly_is_told(tmp_path: Path, file: str, old: str, new: str, place: str, what: str):
-    _made("own_simulator", "copy_study", tmp_path / "own", ROOT)
+    made_by("own_simulator", "copy_study", tmp_path / "own", ROOT)
     _without_grids(tmp_path / "own")
     edit_in(tmp_path / "own" / "sim" / file, old, new)
     told = errors(check_study(tmp_path / "own"))
@@ -115,7 +109,7 @@ def test_a_command_that_cannot_fly_is_told(tmp_path: Path, file: str, old: str, 
 
 
 def test_a_program_of_a_stage_outside_that_is_missing_is_told(tmp_path: Path):
-    _made("outside_planner", "make_study", tmp_path / "planner", "lines", ROOT)
+    made_by("outside_planner", "make_study", tmp_path / "planner", "lines", ROOT)
     (tmp_path / "planner" / "sim" / "over_lines.py").unlink()
     (error,) = errors(check_study(tmp_path / "planner"))
     assert "stack.yaml:6: error: the study has no file 'sim/over_lines.py'; add it" in error
@@ -125,7 +119,7 @@ def test_a_program_of_a_stage_outside_that_is_missing_is_told(tmp_path: Path):
 def test_the_examples_of_plugins_have_no_error_and_no_physics_is_imported(tmp_path: Path):
     for example in ("own_stack", "own_planner"):
         install_project(tmp_path / "site", EXAMPLES / example)
-    _made("own_planner", "copy_study", tmp_path / "straight", ROOT)
+    made_by("own_planner", "copy_study", tmp_path / "straight", ROOT)
     _without_grids(tmp_path / "straight")
     done = call(tmp_path / "site", "-c", PROGRAM, EXAMPLES / "own_stack" / "study", tmp_path / "straight", cwd=tmp_path)
     assert done.returncode == 0, done.stderr

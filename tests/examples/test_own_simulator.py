@@ -6,12 +6,11 @@ import re
 import shlex
 from collections.abc import Callable
 from pathlib import Path
-from runpy import run_path
 
 import pytest
 from options import usually
 from processes import call
-from studies import copied
+from studies import copied, made_by
 
 from scaloft_fi.campaign.flights.fly import fly_log, judged
 from scaloft_fi.campaign.flights.physics import Commanded
@@ -43,7 +42,7 @@ FEW_SEEDS = ["--baseline-seeds", "1"]
 def study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Study:
     """The study that records a table, and the one that records a rosbag2."""
     folder = tmp_path_factory.mktemp("own") / request.param
-    run_path(str(EXAMPLE / "copy_study.py"))["copy_study"](folder, ROOT, request.param)
+    made_by("own_simulator", "copy_study", folder, ROOT, request.param)
     return Study.open(folder)
 
 

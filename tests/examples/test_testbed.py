@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from runpy import run_path
 from typing import Any
 
 import pytest
 from click.testing import CliRunner
 from processes import marked
 from scaloft_ros1.border import unimportable
+from studies import made_by
 
 from scaloft_fi.campaign.flights.fly import judged, wire_of
 from scaloft_fi.campaign.store.held import flight_named
@@ -54,18 +54,11 @@ class Tape:
         return delivered
 
 
-@pytest.fixture(scope="module")
-def make_study() -> Callable[..., None]:
-    return run_path(str(EXAMPLE / "make_study.py"))["make_study"]
-
-
 @pytest.fixture
-def flown(
-    make_study: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Callable[..., tuple[Outcome, dict[str, float]]]:
+def flown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Outcome, dict[str, float]]]:
     def fly_one(subject: str, situation: str, script: Path) -> tuple[Outcome, dict[str, float]]:
         folder = tmp_path / "study"
-        make_study(folder, [script], ROOT)
+        made_by("testbed", "make_study", folder, [script], ROOT)
         world, stack = folder / "sim" / "world.yaml", folder / "sim" / "stack.yaml"
         text = world.read_text()
         for old, new in SHORT:
@@ -128,13 +121,13 @@ def test_a_script_that_fails_is_the_drones_with_its_last_words(flown: Callable[.
     assert "no map" in outcome.stack_error
 
 
-def test_a_script_that_is_not_there_is_named(make_study: Callable[..., None], tmp_path: Path):
+def test_a_script_that_is_not_there_is_named(tmp_path: Path):
     with pytest.raises(InputError, match=r"lost\.py: no such script"):
-        make_study(tmp_path / "study", [tmp_path / "lost.py"], ROOT)
+        made_by("testbed", "make_study", tmp_path / "study", [tmp_path / "lost.py"], ROOT)
     assert not (tmp_path / "study").exists()
 
 
-def test_the_catalogue_of_the_study_is_current(make_study: Callable[..., None], tmp_path: Path):
-    make_study(tmp_path / "study", [EXAMPLE / "own_mission.py"], ROOT)
+def test_the_catalogue_of_the_study_is_current(tmp_path: Path):
+    made_by("testbed", "make_study", tmp_path / "study", [EXAMPLE / "own_mission.py"], ROOT)
     result = CliRunner().invoke(main, ["mutants", "--check", "--study", str(tmp_path / "study")])
     assert result.exit_code == 0, result.output

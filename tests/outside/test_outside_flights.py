@@ -5,11 +5,10 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from runpy import run_path
 
 import pytest
 from processes import marked
-from studies import edit_in
+from studies import edit_in, made_by
 
 import scaloft_fi.outside.stack  # noqa: F401 - it declares an operator
 from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker, fly_log, judged
@@ -125,24 +124,19 @@ for message in border:
 
 
 @pytest.fixture(scope="module")
-def make_study() -> Callable[..., None]:
-    return run_path(str(EXAMPLE / "make_study.py"))["make_study"]
-
-
-@pytest.fixture(scope="module")
-def planner(make_study: Callable[..., None], tmp_path_factory: pytest.TempPathFactory) -> Study:
+def planner(tmp_path_factory: pytest.TempPathFactory) -> Study:
     folder = tmp_path_factory.mktemp("outside") / "study"
-    make_study(folder, "lines", ROOT)
+    made_by("outside_planner", "make_study", folder, "lines", ROOT)
     return Study.open(folder)
 
 
 @pytest.fixture
-def faulty(make_study: Callable[..., None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Study]:
+def faulty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Study]:
     """The study with a stack that has the fault."""
 
     def made(fault: str, program: str = RISES) -> Study:
         folder = tmp_path / "study"
-        make_study(folder, "lines", ROOT)
+        made_by("outside_planner", "make_study", folder, "lines", ROOT)
         (folder / "sim" / "faulty.py").write_text(program.replace("FAULT", fault))
         settings = folder / "sim" / "stack.yaml"
         text = settings.read_text().replace("over_lines.py", "faulty.py")
@@ -172,12 +166,12 @@ def outside(planner: Study) -> dict[str, Outcome]:
 @pytest.mark.release
 @pytest.mark.flight
 def test_a_planner_outside_flies_bit_for_bit_as_the_same_planner_inside(
-    make_study: Callable[..., None], outside: dict[str, Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    outside: dict[str, Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.syspath_prepend(str(EXAMPLE))
     import inside  # noqa: F401 - it declares the stack
 
-    make_study(tmp_path / "study", "inside", ROOT)
+    made_by("outside_planner", "make_study", tmp_path / "study", "inside", ROOT)
     within = Study.open(tmp_path / "study")
     assert within.stack.name == "planner_inside"
     for subject in ("", "LATE-human@3s"):

@@ -8,6 +8,7 @@ import shutil
 import pytest
 from builders import CRUISE, with_range
 from finding import SMALL, small_study
+from studies import LIGHT
 
 from scaloft_fi.campaign.runs.request import choose_situations
 from scaloft_fi.errors import InputError
@@ -195,17 +196,6 @@ def test_a_number_that_the_world_or_another_axis_refuses_is_named(edited, study,
         config.scenario(config.grid.situation(key))
 
 
-LIGHT = """
-axes:
-  L:
-    title: light
-    category: environment, light level
-    values:
-      - {id: 0, title: bright}
-      - {id: 1, title: dim, set: {light: 0.2}, realised: always(light <= 0.3)}
-"""
-
-
 @pytest.fixture(scope="module")
 def wide():
     return load(SIM, grid=load_grid(SIM, "wide"))
@@ -221,7 +211,7 @@ def test_the_reference_study_has_the_grid_of_the_paper_two_further_ones_and_that
 def test_a_further_grid_has_its_own_axes_over_the_same_world(study):
     (study / "grids" / "light.yaml").write_text(LIGHT)
     grid = load_grid(study, "light")
-    assert keys(grid.situations) == ["L0", "L1"]
+    assert keys(grid.situations) == ["L0", "L1", "L2"]
     assert grid.world(grid.situation("L1")).light == 0.2
     assert grid.world().bodies.keys() == load_grid(study).world().bodies.keys()
 

@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import site
+import sqlite3
 import subprocess
 import sys
 import sysconfig
@@ -13,6 +14,7 @@ import time
 import tomllib
 import venv
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -46,6 +48,15 @@ def soon(true: Callable[[], bool], within_s: float = 30.0) -> bool:
     while not (is_true := true()) and time.monotonic() < due_s:
         time.sleep(0.02)
     return is_true
+
+
+def saved(store: Path) -> int:
+    """Number of outcomes in a store; 0 before it is there."""
+    try:
+        with closing(sqlite3.connect(f"{store.absolute().as_uri()}?mode=ro", uri=True)) as connection:
+            return int(connection.execute("SELECT count(*) FROM outcomes").fetchone()[0])
+    except sqlite3.OperationalError:
+        return 0
 
 
 def install(site: Path, package: str, entries: Mapping[str, str]) -> None:

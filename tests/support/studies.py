@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from runpy import run_path
 from typing import Any, TypeVar
 
 from scaloft_fi.document import Item
@@ -28,6 +29,11 @@ def edit_in(path: Path, old: str, new: str) -> None:
     path.write_text(before.replace(old, new, 1), encoding="utf-8")
 
 
+def made_by(example: str, script: str, *words: Any) -> None:
+    """Make the study of an example by the script of that name."""
+    run_path(str(ROOT / "examples" / example / f"{script}.py"))[script](*words)
+
+
 OWN = Path(__file__).parent / "every_key_study"
 """What it has of its own; the rest is the reference study's."""
 
@@ -42,6 +48,22 @@ def every_key_study(folder: Path) -> Path:
     return folder
 
 
+LIGHT = """
+choose: first:2
+adds:
+  world:
+    happenings:
+      dust: {kind: dust, active: false, haze_per_m: 0.5}
+axes:
+  L:
+    title: light
+    category: environment, light level
+    values:
+      - {id: 0, title: bright}
+      - {id: 1, title: dim, set: {light: 0.2}, realised: always(light <= 0.3)}
+      - {id: 2, title: dusty, set: {happenings.dust.active: true}, realised: eventually(haze_per_m > 0.1)}
+"""
+"""A further grid of three situations, of which two are flown."""
 T = TypeVar("T")
 
 

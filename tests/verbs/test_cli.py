@@ -7,7 +7,6 @@ import os
 import re
 import shlex
 import signal
-import sqlite3
 import subprocess
 import sys
 import time
@@ -18,7 +17,8 @@ import click
 import pytest
 from click.testing import CliRunner
 from printed import STUDY, run
-from studies import copied
+from processes import saved
+from studies import FOLDERS, copied
 
 from scaloft_fi.cli import GROUPS, VERBS, Pipeline, command_of, main
 from scaloft_fi.defaults import __version__
@@ -128,23 +128,23 @@ WRITING = {
 """The verbs that write into a study, and which file."""
 
 
+def _changed_at() -> dict[Path, int]:
+    """When each file of the reference study was changed."""
+    return {file: file.stat().st_mtime_ns for name in FOLDERS for file in (STUDY / name).rglob("*")}
+
+
 @pytest.mark.parametrize("verb", WRITING)
 def test_a_study_that_the_user_neither_named_nor_stands_in_is_not_written(
     verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     monkeypatch.chdir(tmp_path)
     options, path = WRITING[verb]
-    before = {
-        file: file.stat().st_mtime_ns for name in ("hazop", "mutants", "sim") for file in (STUDY / name).rglob("*")
-    }
+    before = _changed_at()
     assert run(verb, *options) == 2
     sentence = capsys.readouterr().err.splitlines()[-1]
     assert sentence.startswith(f"error: {STUDY / path} belongs to the reference study of this installation")
     assert sentence.endswith("make a study of your own with `scaloft-fi new DIR`, or name one with --study")
-    after = {
-        file: file.stat().st_mtime_ns for name in ("hazop", "mutants", "sim") for file in (STUDY / name).rglob("*")
-    }
-    assert after == before
+    assert _changed_at() == before
 
 
 @pytest.mark.parametrize("verb", WRITING)
@@ -172,11 +172,6 @@ def test_what_was_typed_is_told_as_a_shell_takes_it(argv: list[str], said: str, 
 
 MANY = 10
 """A verb with more options than this groups them."""
-
-
-@pytest.fixture(scope="module")
-def study() -> Study:
-    return Study.open(STUDY)
 
 
 def _command(name: str) -> Verb:
@@ -349,15 +344,6 @@ def test_the_code_is_right_and_there_is_at_most_one_sentence(line: str, tmp_path
     assert (done.returncode, done.stderr) == ROWS[line]
 
 
-def _saved(store: Path) -> int:
-    """Number of outcomes in a store; 0 before it is there."""
-    try:
-        with sqlite3.connect(f"{store.absolute().as_uri()}?mode=ro", uri=True) as connection:
-            return int(connection.execute("SELECT count(*) FROM outcomes").fetchone()[0])
-    except sqlite3.OperationalError:
-        return 0
-
-
 @pytest.mark.release
 @pytest.mark.flight
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs bash")
@@ -365,7 +351,7 @@ def test_a_run_without_streams_in_a_campaign_of_an_odd_name_loses_no_flight(tmp_
     campaign = tmp_path / os.fsdecode(b"-c \n\x1b[1m\xff")
     run = f"$S {FLY} --study $STUDY --campaign ./$'-c \\n\\e[1m\\xff'"
     assert _shell(f"{run} <&- >&- 2>&-", tmp_path).returncode == 2  # its tables could not be printed
-    assert _saved(campaign / "outcomes.sqlite") == 3
+    assert saved(campaign / "outcomes.sqlite") == 3
     left = _shell(f"{run} 2>&1 | true; exit ${{PIPESTATUS[0]}}", tmp_path)
     assert (left.returncode, left.stderr) == (0, "")
 
@@ -376,13 +362,13 @@ def test_a_terminal_that_closes_interrupts_a_run_which_saves_everything_and_leav
     words = [*COMMAND.split(), *FLY.split(), "--seeds", "40", "--study", str(STUDY), "--campaign", f"{tmp_path}/c"]
     run = subprocess.Popen(words, env=ENVIRONMENT, stderr=subprocess.PIPE, text=True, start_new_session=True)
     store, until_s = tmp_path / "c" / "outcomes.sqlite", time.monotonic() + 300  # kernels may have to be compiled
-    while not _saved(store) and time.monotonic() < until_s:
+    while not saved(store) and time.monotonic() < until_s:
         time.sleep(0.05)
     os.killpg(run.pid, signal.SIGHUP)
     _, told = run.communicate(timeout=300)
-    saved = _saved(store)
+    count = saved(store)
     assert run.returncode == 130
-    assert 0 < saved < 80
-    assert f"error: interrupted: {saved} flights are saved in {tmp_path}/c; the same command resumes: " in told
+    assert 0 < count < 80
+    assert f"error: interrupted: {count} flights are saved in {tmp_path}/c; the same command resumes: " in told
     with pytest.raises(ProcessLookupError):
         os.killpg(run.pid, 0)

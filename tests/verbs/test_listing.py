@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import sys
-from importlib import util
 from pathlib import Path
 from typing import Any
 
 import pytest
 from printed import STUDY, run
 from processes import ROOT, called, install_project
-from studies import copied
+from studies import copied, made_by
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.bounds import bounds_of, check_caps, ranges_of, verdict
@@ -22,11 +20,6 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.listing import Listing, acted_on, operator_list, sample_text, seam_list
 from scaloft_fi.verbs.signals import BOTH, EXAMPLES, REALISED, TO_ASK, signal_list
 from scaloft_fi.verbs.situations import Change, Companion, axis_list
-
-
-@pytest.fixture(scope="module")
-def study() -> Study:
-    return Study.open(STUDY)
 
 
 @pytest.fixture(scope="module")
@@ -110,15 +103,6 @@ def listed(capsys: pytest.CaptureFixture[str], verb: str, *words: str | Path) ->
     return {record["name"]: record for record in json.loads(told.out)[verb]}
 
 
-def script(path: Path) -> Any:
-    """A script of the examples as a module."""
-    spec = util.spec_from_file_location(path.stem, path)
-    module = util.module_from_spec(spec)
-    sys.modules[path.stem] = module
-    spec.loader.exec_module(module)
-    return module
-
-
 def test_a_study_whose_stack_sensor_and_operator_come_from_a_package(tmp_path: Path):
     install_project(tmp_path / "site", ROOT / "examples" / "own_stack")
     where = ("--study", str(ROOT / "examples" / "own_stack" / "study"))
@@ -136,7 +120,7 @@ def test_a_study_whose_stack_sensor_and_operator_come_from_a_package(tmp_path: P
 
 def test_a_study_whose_stages_run_outside(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     folder = tmp_path / "study"
-    script(ROOT / "examples" / "outside_planner" / "make_study.py").make_study(folder, source=ROOT)
+    made_by("outside_planner", "make_study", folder, "lines", ROOT)
     seams = listed(capsys, "seams", "--study", folder)
     assert seams["drive"]["edge"] == "/cmd_vel -> our drone"
     assert seams["drive"]["canary"]
@@ -150,7 +134,7 @@ def test_a_study_that_a_command_flies_tells_where_the_record_has_each_signal(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     folder = tmp_path / "study"
-    script(ROOT / "examples" / "own_simulator" / "copy_study.py").copy_study(folder, ROOT)
+    made_by("own_simulator", "copy_study", folder, ROOT)
     record = folder / "sim" / "record.yaml"
     record.write_text(record.read_text() + "  pitch_deg: {column: pitch}\n")
     signals = listed(capsys, "signals", "--study", folder)

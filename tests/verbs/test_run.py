@@ -10,7 +10,7 @@ import pytest
 from builders import with_range
 from paper_flyer import Paper
 from printed import STUDY, Call, sentence, told_by
-from studies import edit_in
+from studies import LIGHT, edit_in
 
 from scaloft_fi.campaign.store.held import remembered
 from scaloft_fi.campaign.store.store import Store
@@ -188,25 +188,10 @@ def test_a_lender_from_another_platform_is_onesentence(call: Call, monkeypatch: 
     lender = str(tmp_path / "lender" / "c")
     where = ("--mutant", "PLACEBO", "--situation", "T0O0W0D0H0", "--quiet")
     call("run", *where, "--campaign", lender, campaign=False)
-    monkeypatch.setattr("scaloft_fi.campaign.runs.run.fingerprint", lambda: {"machine": "PDP-11"})
+    monkeypatch.setattr("scaloft_fi.campaign.store.platforms.fingerprint", lambda: {"machine": "PDP-11"})
     assert "was flown on another platform" in sentence(call("run", *where, "--baseline-from", lender))
 
 
-LIGHT = """
-choose: first:2
-adds:
-  world:
-    happenings:
-      dust: {kind: dust, active: false, haze_per_m: 0.5}
-axes:
-  L:
-    title: light
-    category: environment, light level
-    values:
-      - {id: 0, title: bright}
-      - {id: 1, title: dim, set: {light: 0.2}, realised: always(light <= 0.3)}
-      - {id: 2, title: dusty, set: {happenings.dust.active: true}, realised: eventually(haze_per_m > 0.1)}
-"""
 WORDS = ("--mutant", "LATE-human", "--quiet", "--format", "json")
 
 

@@ -10,7 +10,7 @@ import pytest
 from builders import CLASSED, GRID, ROSTER, campaigns, outcome, pool, seeded
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from papers import STUDY, flight
+from papers import flight
 from printed import Call, sentence
 from studies import edit_in
 
@@ -226,11 +226,6 @@ def test_the_score_is_told_with_and_without_accepted_survivors(call: Call, copy:
         assert told["ratios"]["without_accepted"] == told["ratios"]["mutation_score"] | {"whole": whole}
     said = " ".join(call("score", "--today", "2027-01-31", study=copy).stdout.split())
     assert "(by A. Owner). Shown: " in said
-
-
-@pytest.fixture(scope="module")
-def study() -> Study:
-    return Study.open(STUDY)
 
 
 @pytest.fixture(scope="module")

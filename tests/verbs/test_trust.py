@@ -10,13 +10,12 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from runpy import run_path
 
 import crafted
 import pytest
 from click.testing import CliRunner, Result
 from processes import marked, soon
-from studies import copied, edit_in
+from studies import copied, edit_in, made_by
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.cli import VERBS, main
@@ -57,7 +56,7 @@ REFUSED = ("judge", "margin", "hazop")
 def outside(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A study with a stage of its own, and a campaign."""
     folder = tmp_path_factory.mktemp("trust") / "study"
-    run_path(str(ROOT / "examples" / "outside_planner" / "make_study.py"))["make_study"](folder, "lines", ROOT)
+    made_by("outside_planner", "make_study", folder, "lines", ROOT)
     store = folder / "results" / "campaigns" / "default" / STORE_NAME
     store.parent.mkdir(parents=True)
     crafted.campaign(Study.open(folder), store)

@@ -9,18 +9,16 @@ from __future__ import annotations
 import json
 import os
 import signal
-import sqlite3
 import subprocess
 import sys
 from collections.abc import Callable
-from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
 
 import published_flights
 import pytest
 from builders import with_range
-from processes import alive, soon
+from processes import alive, install, saved, soon
 from studies import copied, edit_in
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
@@ -142,16 +140,6 @@ def _flown(folder: Path, *words: str | Path) -> str:
     return _export(folder)
 
 
-def _saved(folder: Path) -> int:
-    """How many outcomes are home by now."""
-    with (
-        suppress(sqlite3.OperationalError),
-        closing(sqlite3.connect(f"file:{folder / STORE_NAME}?mode=ro", uri=True)) as db,
-    ):
-        return int(db.execute("SELECT count(*) FROM outcomes").fetchone()[0])
-    return 0
-
-
 def _children(process: int) -> set[int]:
     """Every process that descends from this one."""
     found: set[int] = set()
@@ -191,11 +179,11 @@ def test_a_cluster_whose_worker_is_killed_in_flight_and_another_joins(one_proces
     killed = dask.worker(address, "--no-nanny")
     cluster = ("--executor", f"dask://{address}", "--cluster-security", dask.certificates)
     run = _start("run", *THEIR_WORDS, "--campaign", tmp_path / "c", *cluster)
-    assert soon(lambda: _saved(tmp_path / "c") >= 2 or run.poll() is not None, 300.0)
+    assert soon(lambda: saved(tmp_path / "c" / STORE_NAME) >= 2 or run.poll() is not None, 300.0)
     flying = _children(killed.pid)
     killed.send_signal(signal.SIGKILL)
     killed.wait()
-    assert 2 <= _saved(tmp_path / "c") < FLIGHTS
+    assert 2 <= saved(tmp_path / "c" / STORE_NAME) < FLIGHTS
     assert flying
     assert soon(lambda: not any(map(alive, flying))), "what flew for the worker outlived it"
     dask.worker(address, "--no-nanny")
@@ -245,13 +233,9 @@ declare_stack(replace(REFERENCE, name="standing", make=Standing))
 @pytest.fixture
 def site(tmp_path: Path) -> Path:
     """A folder of packages with the plugin installed in it."""
-    folder = tmp_path / "site"
-    (folder / "dead_stacks-1.dist-info").mkdir(parents=True)
-    (folder / "dead_stacks.py").write_text(PLUGIN)
-    (folder / "dead_stacks-1.dist-info" / "METADATA").write_text("Name: dead-stacks\nVersion: 1\n")
-    entry = "[scaloft_fi.plugins]\ndead = dead_stacks\n"
-    (folder / "dead_stacks-1.dist-info" / "entry_points.txt").write_text(entry)
-    return folder
+    install(tmp_path / "site", "dead-stacks", {"dead": "dead_stacks"})
+    (tmp_path / "site" / "dead_stacks.py").write_text(PLUGIN)
+    return tmp_path / "site"
 
 
 BASELINE = "baseline/T0O0W0D0H0/0"
