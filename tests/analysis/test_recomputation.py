@@ -38,7 +38,7 @@ def same(found: Any, expected: Any, place: str = "score") -> None:
 
 def compare(outcomes: list[Outcome]) -> dict[str, Any]:
     scored = score(outcomes, ROSTER, GRID)
-    found = SCORE.values(ScoredFlights(SimpleNamespace(space=GRID), "default", rulings_of(outcomes), scored))
+    found = SCORE.record(ScoredFlights(SimpleNamespace(space=GRID), "default", rulings_of(outcomes), scored))
     rows = export_rows(outcomes, ROSTER, GRID, list(KINDS))
     expected = recomputation.score(
         to_csv(rows, columns(rows, list(KINDS))),
@@ -48,6 +48,7 @@ def compare(outcomes: list[Outcome]) -> dict[str, Any]:
         controls=set(ROSTER.controls),
     )
     order = [key for key, _ in GRID.points]
+    assert found.pop("version") == SCORE.version
     assert not any(found.pop(name) for name in ("accepted", "groups", "noise", "looks", "unflown"))
     assert found.pop("stale")["flights"] == 0
     assert found["ratios"].pop("without_accepted") == found["ratios"]["mutation_score"]  # nobody accepted any
