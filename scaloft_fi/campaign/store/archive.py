@@ -29,9 +29,8 @@ import numpy as np
 from scaloft_fi import document
 from scaloft_fi.apart import most_unpacked, read_apart
 from scaloft_fi.campaign.flights.fly import Flight
-from scaloft_fi.campaign.store import record
+from scaloft_fi.campaign.store import platforms, record
 from scaloft_fi.campaign.store.held import Keys, flight_named
-from scaloft_fi.campaign.store.platforms import Platforms, fingerprint
 from scaloft_fi.campaign.store.record import BadCellError, Cell, Origin, Planned, TooLargeError, decoded, most_flights
 from scaloft_fi.campaign.store.store import CHUNK, NOTE, FlownFlight, Stands, Store, read_store
 from scaloft_fi.document import FILE_BYTES, is_file, is_folder, read_bytes
@@ -749,7 +748,7 @@ def borrowed(study: Study, campaign: str, situations: Iterable[str]) -> tuple[Ou
         flights = [Flight(None, study.grid.situation(f.situation), f.seed) for f in flown.values()]
         now = {keys.key(flight): flight for flight in flights}
         lent = tuple(outcome for outcome in store.outcomes(now) if not outcome.invalid)
-        changed = Platforms(store).unproved(fingerprint(), lent, only_bits=True)
+        changed = platforms.Platforms(store).unproved(platforms.fingerprint(), lent, only_bits=True)
     if changed:
         raise InputError(f"{place} was flown on another platform, its digests may differ: {'; '.join(changed)}")
     stale = [flight for key, flight in now.items() if key not in flown]
