@@ -20,7 +20,7 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.dossier import WAITING, FlightStatus, ordered
 from scaloft_fi.verbs.names import campaigns
 from scaloft_fi.verbs.options import Campaign, LineFormat, Option, Several, StudyFolder, answer, verb
-from scaloft_fi.verbs.snapshot import Snapshot, snapshot
+from scaloft_fi.verbs.snapshot import Reason, Snapshot, snapshot
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 
@@ -39,19 +39,6 @@ class CountedStatus:
 
     subject: Literal["baseline", "mutants"]
     status: FlightStatus
-    flights: int
-
-
-@dataclass(frozen=True)
-class CountedReason:
-    """One reason.
-
-    Attributes:
-        why: the reason, in a sentence.
-        flights: how many.
-    """
-
-    why: str
     flights: int
 
 
@@ -89,7 +76,7 @@ class CampaignStatus:
     situations: int
     platforms: str | None
     statuses: tuple[CountedStatus, ...]
-    reasons: tuple[CountedReason, ...]
+    reasons: tuple[Reason, ...]
 
 
 STATUS = Output("status", "1.1", CampaignStatus, rows="statuses")
@@ -122,7 +109,7 @@ def campaign_status(now: Snapshot) -> CampaignStatus:
             *(CountedStatus("baseline", *each) for each in Counter(map(baseline_status, clean)).items()),
             *(CountedStatus("mutants", *each) for each in mutants.items()),
         ),
-        reasons=tuple(CountedReason(*each) for each in held.why.items()),
+        reasons=tuple(Reason(*each) for each in held.why.items()),
     )
 
 
@@ -133,22 +120,14 @@ def status_tables(told: CampaignStatus) -> tuple[Table, ...]:
         for one in told.statuses
     ]
     mixture = told.platforms or ""
-    table = Table(
-        f"Campaign {told.campaign}",
-        ("flights", "number"),
-        (
-            *flights,
-            ("all", told.counted),
-            ("planned, not flown", told.owed),
-            ("stale, not counted", told.stale),
-            *([("flown again since", told.flown_again)] if told.flown_again else []),
-        ),
-        (
-            f"{told.subjects} subjects in {told.situations} situations.",
-            *([f"{mixture[:1].upper()}{mixture[1:]}."] if mixture else []),
-            *_of_archive(told),
-        ),
+    flights += [("all", told.counted), ("planned, not flown", told.owed), ("stale, not counted", told.stale)]
+    flights += [("flown again since", told.flown_again)] if told.flown_again else []
+    notes = (
+        f"{told.subjects} subjects in {told.situations} situations.",
+        *([f"{mixture[:1].upper()}{mixture[1:]}."] if mixture else []),
+        *_of_archive(told),
     )
+    table = Table(f"Campaign {told.campaign}", ("flights", "number"), tuple(flights), notes)
     reasons = tuple((one.why, one.flights) for one in told.reasons)
     again = f"`{told.command}` flies them again; no flight log is kept from which they could be judged anew."
     stale = Table("Stale flights", ("why", "number"), reasons, (again,) if told.command else ())
@@ -278,12 +257,10 @@ def diff(study: Study, campaign: Compared, other: Compared) -> Answer:
         InputError: there is no such campaign, or the two were flown over different grids.
     """
     with snapshot(study, campaign) as here, snapshot(study, other) as there:
-        if here.study.grid.name != there.study.grid.name:
-            grids = here.study.grid.name, there.study.grid.name
-            raise InputError(
-                f"campaign {campaign!r} was flown over grid {grids[0]!r}, {other!r} over grid {grids[1]!r}; only "
-                "campaigns of one grid have the same flights"
-            )
+        one, two = here.study.grid.name, there.study.grid.name
+        if one != two:
+            grids = f"campaign {campaign!r} was flown over grid {one!r}, {other!r} over grid {two!r}"
+            raise InputError(f"{grids}; only campaigns of one grid have the same flights")
         told = compare((campaign, other), here.latest, there.latest, here.study.roster, here.study.space)
     return Answer(DIFF, lambda: told, lambda: (comparison_table(told),))
 
@@ -317,9 +294,8 @@ def merge(study: Study, campaign: str, sources: Sequence[str], *, same_platform:
     folder = campaign_folder(study, campaign)
     merged = merged_into(study, folder, [campaign_folder(study, name) for name in sources], same_platform=same_platform)
     told = line(f"{merged.added} flights added to {folder}, {merged.known} known already")
-    return Answer(
-        MERGE, lambda: merged, lambda: (Table(told, (), ()),), told=lambda _how: f"{told}\n", warnings=merged.warnings
-    )
+    tables = (Table(told, (), ()),)
+    return Answer(MERGE, lambda: merged, lambda: tables, told=lambda _: f"{told}\n", warnings=merged.warnings)
 
 
 MergedCampaigns = Annotated[Several, Option("Names of the campaigns.", "", metavar="CAMPAIGN...", complete=campaigns)]

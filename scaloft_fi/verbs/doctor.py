@@ -192,13 +192,12 @@ def plugins() -> tuple[tuple[Plugin, ...], list[str]]:
     failed: list[str] = []
     for plugin in sorted(entry_points(group=PLUGIN_GROUP)):
         name, number = (plugin.dist.name, plugin.dist.version) if plugin.dist else (plugin.module, "")
-        loads = True
         try:
             plugin.load()
+            found.append(Plugin(plugin.name, name, number, loads=True))
         except (Exception, SystemExit) as error:  # noqa: BLE001 - code from outside may raise anything
-            loads = False
+            found.append(Plugin(plugin.name, name, number, loads=False))
             failed.append(f"plugin {plugin.name!r} of package {name!r} cannot be loaded: {in_one_line(error)}")
-        found.append(Plugin(plugin.name, name, number, loads))
     return tuple(found), failed
 
 

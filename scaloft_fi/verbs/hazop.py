@@ -153,26 +153,21 @@ def drafted(study: Study, found: Sorted, file: Path) -> tuple[dict[Path, str], M
     proposed, files = {name: fault for name, fault in faults.items() if fault}, dict[Path, str]()
 
     def cells(parameter: str, words: Iterable[str]) -> str:
-        drafts = {word: found.drafts.get(f"{word}-{parameter}") for word in words}
-        return _dumped(
-            {
-                word: cell_yaml(draft, proposed.get(f"{word}-{parameter}"), file.name) if draft else {"status": TO_DO}
-                for word, draft in drafts.items()
-            }
-        )
+        def cell(name: str) -> dict[str, Any]:
+            draft = found.drafts.get(name)
+            return cell_yaml(draft, proposed.get(name), file.name) if draft else {"status": TO_DO}
+
+        return _dumped({word: cell(f"{word}-{parameter}") for word in words})
 
     words = [*(word.id for word in matrix.guidewords), *found.words]
     for parameter in found.parameters:
         path = hazop / SHEETS / f"{parameter}.yaml"
         if is_there(path):
             raise InputError(f"{path}: is there already, and would be overwritten; --parameter TEXT=NAME names another")
-        files[path] = (
-            f"# Drafts from {printable(file.name)}; a cell flies once it is credible.\n{cells(parameter, words)}"
-        )
-    entries = {
-        name: {key: said.get(key) or TO_SAY for key in ("title", "intent", "node", "unit")}
-        for name, said in found.parameters.items()
-    }
+        head = f"# Drafts from {printable(file.name)}; a cell flies once it is credible.\n"
+        files[path] = head + cells(parameter, words)
+    keys = ("title", "intent", "node", "unit")
+    entries = {name: {key: said.get(key) or TO_SAY for key in keys} for name, said in found.parameters.items()}
     lacking = [one for one in further_words() if one.id in found.words]
     told = {one.id: {key: value for key, value in vars(one).items() if key != "id" and value} for one in lacking}
     added = {hazop / "parameters.yaml": entries, hazop / "guidewords.yaml": told}
@@ -225,9 +220,8 @@ def imported(study: Study, file: Path, found: Sorted, *, writing: bool) -> Broug
         said = f"{fault.operator} at {fault.seam} {ladder(fault)}".strip() if fault else None
         rows.append(ImportedRow(row.place, state, row.cell or None, said, row.why or None))
     old, more = len(study.matrix.parameters), len(found.parameters)
-    to_do = (
-        study.matrix.counts()[CellStatus.TO_DO] + len(study.matrix.guidewords) * more + len(found.words) * (old + more)
-    )
+    added = len(study.matrix.guidewords) * more + len(found.words) * (old + more)
+    to_do = study.matrix.counts()[CellStatus.TO_DO] + added
     return BroughtIn(file, tuple(rows), to_do, (), tuple(files) if writing else ())
 
 
@@ -262,9 +256,8 @@ def edits_of(matrix: Matrix, hazop: Path, lines: Iterable[Line]) -> Iterator[tup
             if before in (after, f"'{after}"):  # CSV marks texts so
                 continue
             if told.setdefault((about, key), after) != after:
-                raise InputError(
-                    f"{line.place}: {key} of {about} is edited in two ways: {after!r} and {told[about, key]!r}"
-                )
+                ways = f"{after!r} and {told[about, key]!r}"
+                raise InputError(f"{line.place}: {key} of {about} is edited in two ways: {ways}")
             yield from _edit(hazop, cell, key, before, after)
 
 
@@ -292,10 +285,8 @@ def _edit(hazop: Path, cell: Cell, key: str, before: str, after: str) -> Iterato
         old = list(cell.causes if key == "causes" else cell.requirements)
         new = [one.strip() for one in after.split(";" if key == "causes" else ",") if one.strip()]
         if len(new) < len(old) or not new:
-            yield (
-                Edit(about, key, before, after, where, False, "an entry was taken out: edit it by hand"),
-                (path, (), None),
-            )
+            by_hand = "an entry was taken out: edit it by hand"
+            yield Edit(about, key, before, after, where, False, by_hand), (path, (), None)
             return
         for k, one in enumerate(new):
             if k >= len(old) or one != _shown(old[k]):
@@ -312,9 +303,8 @@ def differing(study: Study, file: Path, lines: Sequence[Line], *, writing: bool)
         InputError: no row names a cell of the study; an edited text is not allowed, or cannot be changed in place.
     """
     if not any(line.texts.get("cell", "") in study.matrix for line in lines):
-        raise InputError(
-            f"{file}: no row names a cell of the study (Deviation id); `scaloft-fi hazop import` reads other sheets"
-        )
+        others = "`scaloft-fi hazop import` reads other sheets"
+        raise InputError(f"{file}: no row names a cell of the study (Deviation id); {others}")
     found = list(edits_of(study.matrix, study.folder / "hazop", lines))
     texts = dict[Path, str]()
     for _, (path, steps, value) in found if writing else ():

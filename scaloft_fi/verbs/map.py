@@ -11,6 +11,7 @@ from typing import Annotated
 from scaloft_fi.console import say
 from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
+from scaloft_fi.sim.happenings import Happening
 from scaloft_fi.sim.mesh import Flaw
 from scaloft_fi.sim.mine import flaws_of
 from scaloft_fi.sim.situation import Situation
@@ -102,6 +103,13 @@ class Occurrence:
     within_m: float
     lasts_s: float | None
 
+    @classmethod
+    def of(cls, one: Happening) -> Occurrence:
+        """What is told of a happening."""
+        x_m, y_m = one.start.near or (None, None)
+        lasts_s = one.lasts_s if math.isfinite(one.lasts_s) else None
+        return cls(one.name, one.effect.moved, one.start.at_s, x_m, y_m, one.start.within_m, lasts_s)
+
     @property
     def happens(self) -> Happens:
         """The same on the plan."""
@@ -158,19 +166,7 @@ def map_of(study: Study, situation: Situation) -> SituationMap:
         mine=Box(*world.mine.extents.ravel().tolist()),
         places=tuple(Stop(name, *world.waypoints[name]) for name in ("home", *world.mission.route)),
         bodies=tuple(Standing(body.name, body.role, *body.centre) for body in world.present),
-        happenings=tuple(
-            Occurrence(
-                one.name,
-                one.effect.moved,
-                one.start.at_s,
-                near[0] if near else None,
-                near[1] if near else None,
-                one.start.within_m,
-                one.lasts_s if math.isfinite(one.lasts_s) else None,
-            )
-            for one in world.happenings
-            for near in [one.start.near]
-        ),
+        happenings=tuple(map(Occurrence.of, world.happenings)),
     )
 
 
@@ -222,14 +218,12 @@ def _rings(flaws: tuple[Flaw, ...]) -> tuple[Happens, ...]:
 def map_table(study: Study, situation: Situation) -> Table:
     """The facts of a situation in words."""
     told, plan = map_of(study, situation), plan_of(study, situation)
+    bodies = (f"{one.body} ({one.role}) at ({one.x_m:g}, {one.y_m:g})" for one in told.bodies)
     rows = [
         ("situation", ", ".join(told.values)),
         ("mine [m]", study.scenario(situation).world.mine.extents_text),
         ("route [m]", ", ".join(f"{one.place} ({one.x_m:g}, {one.y_m:g}, {one.z_m:g})" for one in told.places)),
-        (
-            "bodies [m]",
-            ", ".join(f"{one.body} ({one.role}) at ({one.x_m:g}, {one.y_m:g})" for one in told.bodies) or "none",
-        ),
+        ("bodies [m]", ", ".join(bodies) or "none"),
         *(("happens", one.happens.words) for one in told.happenings),
         *(("mesh", str(flaw)) for flaw in _flaws(study, situation)),
         *(("", fact) for fact in plan.facts),

@@ -184,6 +184,4 @@ def run_command(
     shown = progress.Silence() if quiet else progress.Progress(tally=score.detected_so_far)
     flown = request.fly(planned, archive.campaign_folder(study, campaign), run_options, progress=shown)
     scored = score.scored_run(flown, campaign)
-    return score.report(
-        scored, score.RUN, grouping=None, everything=everything, style=style, tables=tables_folder, bars=bars
-    )
+    return score.report(scored, score.RUN, everything=everything, style=style, tables=tables_folder, bars=bars)

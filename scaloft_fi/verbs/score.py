@@ -217,15 +217,14 @@ class ScoredFlights:
             everything: whether every mutant and every table is shown, not only the first screen.
         """
         screen = self.screen(whole=everything or how is not Format.TABLE)
-        behind: Sequence[Table] = ()
+        more = self.run
         if everything:
-            behind = tables_behind(self.score, self.rulings, self.coverage, self.study.space, self.by)
+            more = (*tables_behind(self.score, self.rulings, self.coverage, self.study.space, self.by), *more)
         elif self.by:
-            behind = (group_table(self.score, self.by, self.study.space),)
+            more = (group_table(self.score, self.by, self.study.space), *more)
         if how is not Format.TABLE:
-            return render((*screen, *behind, *self.run), how)
-        text, more = screen_text(screen), (*behind, *self.run)
-        return joined([text, render(more, Format.TABLE)]) if more else text
+            return render((*screen, *more), how)
+        return joined([screen_text(screen), *([render(more, how)] if more else [])])
 
 
 SCORE = Output("score", "3.1", ScoredFlights, "mutants", "which faults the requirements would have shown")
@@ -249,11 +248,9 @@ def scored_campaign(
     with snapshot(study, campaign) as now:
         study, rulings, spending, warning = now.study, now.rulings, now.spending, now.platform_warning
         noise, stale, campaign = _noise(study, now.outcomes), now.stale, now.name
-    others: Iterable[Outcome] = ()
-    if baseline_from:
-        flown = rulings.situations
-        listed = study.space.holding(flown).situations
-        others = borrowed(study, baseline_from, [key for key, _ in listed if key in flown])
+    flown = rulings.situations
+    keys = [key for key, _ in study.space.holding(flown).situations if key in flown]
+    others = borrowed(study, baseline_from, keys) if baseline_from else ()
     score = score_of(rulings, study.roster, study.space, spending, others)
     return ScoredFlights(study, campaign, rulings, score, noise, warning, stale, _accepted(study, score, today))
 
@@ -355,18 +352,10 @@ def score_command(
 ) -> int:
     """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
     scored = scored_campaign(Study.open(study_folder), campaign, baseline_from, today)
-    code = report(
-        scored,
-        SCORE,
-        grouping=grouping,
-        everything=everything,
-        style=style,
-        tables=tables_folder,
-        bars=bars_of(fail_under, fail_under_firm),
-    )
-    if not ratcheting:
-        return code
-    return ratchet(scored.study, scored.score, today) or code
+    scored = replace(scored, by=By(grouping) if grouping else None)
+    bars = bars_of(fail_under, fail_under_firm)
+    code = report(scored, SCORE, everything=everything, style=style, tables=tables_folder, bars=bars)
+    return (ratchet(scored.study, scored.score, today) if ratcheting else 0) or code
 
 
 def bars_of(fail_under: float | None, fail_under_firm: float | None) -> dict[str, float]:
@@ -379,7 +368,6 @@ def report(
     scored: ScoredFlights,
     output: Output,
     *,
-    grouping: str | None,
     everything: bool,
     style: str,
     tables: Path | None,
@@ -390,7 +378,6 @@ def report(
     Args:
         scored: the campaign with its score.
         output: the form of its JSON.
-        grouping: `--by`.
         everything: `--all`.
         style: `--format`.
         tables: `--tables`.
@@ -405,7 +392,6 @@ def report(
             "baseline flights wherever a mutant infects; `scaloft-fi run` flies them"
         )
 
-    scored = replace(scored, by=By(grouping) if grouping else None)
     words = partial(scored.text, everything=everything)
     answer(Answer(output, lambda: scored, told=words, warnings=scored.warnings), style, tables)
     reached = {"--fail-under": scored.score.mutation_score, "--fail-under-firm": scored.score.firm}

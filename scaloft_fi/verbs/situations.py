@@ -115,12 +115,8 @@ class ListedAxis(Entry):
 
     def sheet(self) -> Sequence[tuple[str, str]]:
         """The axis whole."""
-        rows = [
-            ("title", self.title),
-            ("category", self.category),
-            ("benign", self.benign),
-            ("in keys", ", ".join(self.keys)),
-        ]
+        rows = [("title", self.title), ("category", self.category), ("benign", self.benign)]
+        rows.append(("in keys", ", ".join(self.keys)))
         if self.kind != VALUES:
             rows += [("numbers", self.summary), ("sets", self.path)]
             rows += [("sets off benign", str(each)) for each in self.also]
@@ -157,9 +153,8 @@ def axis_list(grid: Grid) -> Listing[ListedAxis]:
     situations = f"{len(grid):,} situations with keys like {''.join(f'{axis.id}0' for axis in grid.axes)}"
     notes = [f"{situations}; 0 is the benign value of an axis."]
     if grid.free:
-        notes.append(
-            "A free axis spans no grid: at its benign value it is left out of the key, else it stands at the end."
-        )
+        left_out = "at its benign value it is left out of the key, else it stands at the end"
+        notes.append(f"A free axis spans no grid: {left_out}.")
     for one in grid.constraints:
         excluded = (f"{axis}{'/'.join(map(str, sorted(values)))}" for axis, values in one.excluded.items())
         notes.append(f"excluded: {' with '.join(excluded)}: {one.reason}")
@@ -315,9 +310,10 @@ def coverage_tables(covered: Coverage, space: Space, choices: Sequence[Choice] =
         (f"triggered {name}", str(ratio), "flown situations where it was triggered and judged")
         for name, ratio in covered.requirements
     ]
+    states = tuple((state.value, covered.states[state], meaning) for state, meaning in MEANINGS.items())
     tables = [
         Table("Situation coverage", ("coverage", "part/whole", "of"), tuple(rows)),
-        _states(covered),
+        Table("Safety requirements in the situations flown", ("state", "pairs", "meaning"), states),
         _t_way(covered, len(space.axes)),
     ]
     if choices:
@@ -325,11 +321,6 @@ def coverage_tables(covered: Coverage, space: Space, choices: Sequence[Choice] =
         cases = [(one.choose, one.seed, len(one.draws), len({case.situation for case in one.draws})) for one in choices]
         tables.append(Table("How situations were chosen", headers, tuple(cases)))
     return tuple(tables)
-
-
-def _states(covered: Coverage) -> Table:
-    rows = tuple((state.value, covered.states[state], meaning) for state, meaning in MEANINGS.items())
-    return Table("Safety requirements in the situations flown", ("state", "pairs", "meaning"), rows)
 
 
 def _t_way(covered: Coverage, axes: int) -> Table:
@@ -355,15 +346,10 @@ def coverage(study: Study, campaign: Campaign) -> Answer:
     with snapshot(study, campaign) as now:
         space, rulings, remembered, stale = now.study.space, now.rulings, now.choices, now.stale
     covered = coverage_of(rulings.baselines, rulings.draws, space)
-    choices = tuple(
-        Choice(one.text, one.seed, one.pool, tuple(TestCase(*each) for each in one.draws)) for one in remembered
-    )
-    return Answer(
-        COVERAGE,
-        lambda: CampaignCoverage(covered, choices, stale),
-        lambda: coverage_tables(covered, space, choices),
-        warnings=stale.sentences,
-    )
+    drawn = ((one, tuple(TestCase(*each) for each in one.draws)) for one in remembered)
+    told = CampaignCoverage(covered, tuple(Choice(one.text, one.seed, one.pool, draws) for one, draws in drawn), stale)
+    tables = coverage_tables(covered, space, told.choices)
+    return Answer(COVERAGE, lambda: told, lambda: tables, warnings=stale.sentences)
 
 
 coverage_command = verb(

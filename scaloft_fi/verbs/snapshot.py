@@ -62,9 +62,7 @@ def _again(study: Study, now: Now, name: str, stale: Sequence[FlownFlight]) -> s
     ids = {mutant.id for mutant in defaults(study.matrix)}
     if len(mutants) <= MOST_NAMED or not (ids.issuperset(mutants) and known.issuperset(ids)):
         words += [f"--mutant {shlex.quote(id_)}" for id_ in mutants]
-    words += _situations(
-        study, now.store, {flight.situation for flight in stale}, {flight.situation for flight in held}
-    )
+    words += _situations(study, now.store, *({flight.situation for flight in flights} for flights in (stale, held)))
     words += [] if seeds == {0} else [f"--seeds {_range(seeds)}"]
     words += [f"--baseline-seeds {_range(pool)}"] if pool - seeds - set(range(LEAST)) else []
     return " ".join(words)

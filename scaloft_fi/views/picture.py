@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, groupby
@@ -302,10 +303,8 @@ def axes(frame: Frame, every_m: int = 1) -> list[str]:
     parts = [f'<rect {_box(frame)} fill="none" stroke="{FAINT}"/>']
     for x in _metres(frame.x0, frame.x1, every_m):
         px = frame.pixel((x, 0))[0]
-        parts += [
-            f'<path d="M{px:.1f},{foot:.1f}v5" stroke="{FAINT}"/>',
-            text(px, foot + 19, _signed(x), anchor="middle", colour=FAINT, size=12),
-        ]
+        parts += [f'<path d="M{px:.1f},{foot:.1f}v5" stroke="{FAINT}"/>']
+        parts += [text(px, foot + 19, _signed(x), anchor="middle", colour=FAINT, size=12)]
     for y in _metres(frame.y0, frame.y1, every_m):
         py = frame.pixel((0, y))[1]
         parts += [f'<path d="M{frame.left:.1f},{py:.1f}h-5" stroke="{FAINT}"/>']
@@ -448,9 +447,8 @@ def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:
     ]
     for violation in counted:
         struck = f", strikes {violation.struck}" if violation.struck else ""
-        marks.append(
-            Mark(violation.t_s, (violation.x, violation.y), f"{violation.requirement} violated{struck}", VIOLATED)
-        )
+        words = f"{violation.requirement} violated{struck}"
+        marks.append(Mark(violation.t_s, (violation.x, violation.y), words, VIOLATED))
     return Track(
         title=title,
         note=note(log, outcome),
@@ -462,12 +460,11 @@ def track_of(log: FlightLog, outcome: Outcome, title: str) -> Track:
 
 def note(log: FlightLog, outcome: Outcome) -> str:
     """How the flight ended and what it violates, in a line."""
-    parts = []
+    parts = [f"{log.ending.sentence} after {log.duration_s:.1f} s"]
     for compliance in (Compliance.VIOLATED, Compliance.HELD, Compliance.OPEN):
-        readings = [r for r in outcome.readings if r.compliance is compliance and r.kind is not Kind.REPORTED]
-        if readings:
-            parts.append(f"{', '.join(reading.requirement for reading in readings)} {compliance.value}")
-    return "; ".join([f"{log.ending.sentence} after {log.duration_s:.1f} s", *parts])
+        told = [r.requirement for r in outcome.readings if r.compliance is compliance and r.kind is not Kind.REPORTED]
+        parts += [f"{', '.join(told)} {compliance.value}"] if told else []
+    return "; ".join(parts)
 
 
 def rings(segments: Iterable[Segment]) -> tuple[tuple[Point, ...], ...]:
@@ -476,10 +473,10 @@ def rings(segments: Iterable[Segment]) -> tuple[tuple[Point, ...], ...]:
     >>> rings([((0, 0), (1, 0)), ((1, 0), (0, 1)), ((0, 1), (0, 0)), ((5, 5), (6, 6))])
     (((0, 0), (1, 0), (0, 1)),)
     """
-    ends: dict[tuple[int, int], list[Point]] = {}
+    ends = defaultdict[tuple[int, int], list[Point]](list)
     for a, b in segments:
-        ends.setdefault(_cell(a), []).append(b)
-        ends.setdefault(_cell(b), []).append(a)
+        ends[_cell(a)].append(b)
+        ends[_cell(b)].append(a)
     rings: list[tuple[Point, ...]] = []
     seen: set[tuple[int, int]] = set()
     for a, _ in segments:

@@ -117,15 +117,12 @@ def bounds_of(requirements: Iterable[Requirement]) -> list[dict[str, Any]]:
 def _entry(requirement: Requirement) -> dict[str, Any]:
     defined = {name: parse_formula(tokenize(text)) for name, text in requirement.definitions}
     tree = parse_formula(tokenize(requirement.text))
-    inside = tree.of if isinstance(tree, Prefix) and (tree.word, tree.interval) == ("always", None) else None
-    demands = inside and _bounds(inside, defined)
+    always = isinstance(tree, Prefix) and (tree.word, tree.interval) == ("always", None)
+    demands = _bounds(tree.of, defined) if isinstance(tree, Prefix) and always else None
     when = _bounds(parse_formula(tokenize(requirement.trigger)), defined) if requirement.trigger else []
-    whole = demands is not None and when is not None
-    return {
-        "name": requirement.name,
-        "demands": [asdict(bound) for bound in demands or ()] if whole else [],
-        "when": [asdict(bound) for bound in when or ()] if whole else [],
-    }
+    if demands is None or when is None:
+        demands = when = []
+    return {"name": requirement.name, "demands": list(map(asdict, demands)), "when": list(map(asdict, when))}
 
 
 def _bounds(node: Node, defined: Mapping[str, Node]) -> list[Bound] | None:
@@ -187,12 +184,11 @@ def by_ladder(cells: Matrix, roster: Roster) -> Callable[[str], tuple[int, int, 
 
 def searched(mutants: Iterable[MutantScore], roster: Roster) -> frozenset[str]:
     """The ids off the catalogue flown in fewer situations than others of their cell: what a search flies."""
-    listed = list(mutants)
-    flown: dict[str, int] = {}
-    for mutant in listed:
-        cell = cell_of(mutant.subject.id)
-        flown[cell] = max(flown.get(cell, 0), mutant.kill_rate_flown.whole)
-    ids = {m.subject.id for m in listed if m.kill_rate_flown.whole < flown[cell_of(m.subject.id)]}
+    flown = {mutant.subject.id: mutant.kill_rate_flown.whole for mutant in mutants}
+    most = defaultdict[str, int](int)
+    for id_, situations in flown.items():
+        most[cell_of(id_)] = max(most[cell_of(id_)], situations)
+    ids = {id_ for id_, situations in flown.items() if situations < most[cell_of(id_)]}
     return frozenset(ids.difference(roster.ids))
 
 
@@ -226,11 +222,9 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
 
 def margin_texts(outcomes: Sequence[Outcome], scored: Score, cells: Matrix) -> dict[str, str]:
     """The margin of each cell that has one; faults without an order have a verdict and no margin."""
-    margins = {
-        cell: [one.text for one in listed if one.margin.known]
-        for cell, listed in cell_margins(outcomes, scored, cells).items()
-    }
-    return {cell: "; ".join(parts) for cell, parts in margins.items() if parts}
+    by_cell = cell_margins(outcomes, scored, cells).items()
+    texts = {cell: "; ".join(one.text for one in listed if one.margin.known) for cell, listed in by_cell}
+    return {cell: text for cell, text in texts.items() if text}
 
 
 def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]]:
@@ -238,26 +232,18 @@ def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]
 
     A magnitude that a search flew is left out: its share would be one of situations chosen by their kills.
     """
-    by_cell: dict[str, list[MutantScore]] = {}
+    by_cell = defaultdict[str, list[MutantScore]](list)
     order, left_out = by_ladder(cells, roster), searched(scored.mutants, roster)
-    for mutant in scored.mutants:
+    for mutant in sorted(scored.mutants, key=lambda one: order(one.subject.id)):
         if mutant.subject.magnitude and "#" not in mutant.subject.id and mutant.subject.id not in left_out:
-            by_cell.setdefault(cell_of(mutant.subject.id), []).append(mutant)
-    return [
-        {
-            "cell": cell.name,
-            "rungs": [
-                {
-                    **by_field(rung.subject, "id", "magnitude"),
-                    **by_field(rung, "verdict", "kill_rate"),
-                    "default": roster.counts(rung.subject),
-                }
-                for rung in sorted(by_cell[cell.name], key=lambda one: order(one.subject.id))
-            ],
-        }
-        for cell in cells
-        if len(by_cell.get(cell.name, [])) > 1
-    ]
+            by_cell[cell_of(mutant.subject.id)].append(mutant)
+
+    def rung(mutant: MutantScore) -> dict[str, Any]:
+        told = by_field(mutant.subject, "id", "magnitude") | by_field(mutant, "verdict", "kill_rate")
+        return told | {"default": roster.counts(mutant.subject)}
+
+    several = [cell.name for cell in cells if len(by_cell[cell.name]) > 1]
+    return [{"cell": name, "rungs": list(map(rung, by_cell[name]))} for name in several]
 
 
 def thresholds(
@@ -465,8 +451,7 @@ def sign_of(entry: KillEntry, seen: Collection[str]) -> Sign:
         return Sign.NOT_FLOWN
     if entry.kills:
         return Sign.KILL
-    stopped = _STOPPED.get(Status(entry.state))
-    if stopped is not None:
+    if stopped := _STOPPED.get(Status(entry.state)):
         return stopped
     if seen:
         return Sign.SEEN
@@ -583,18 +568,15 @@ def mutants(
         id_, flights = mutant.subject.id, rulings.mutants[mutant.subject]
         row = matrix.row[id_]
         entries = {entry.situation: entry for entry in row.entries}
-        # the most violated first
-        safety, operability = (
-            sorted(kills, key=lambda kill: -kill.violated / kill.flights)
-            for kills in (mutant.kills, mutant.operability_kills)
-        )
+        by_kind = (mutant.kills, mutant.operability_kills)  # of each kind the most violated first
+        kills = [kill for own in by_kind for kill in sorted(own, key=lambda kill: -kill.violated / kill.flights)]
         results = {result.situation: result for result in mutant.results}
         described.append(
             {name: known[id_][name] for name in KEPT}
             | _mutant(mutant, flights, roster, matrix.space)
             | {
                 "certainty": certainty(mutant, scored.alpha),
-                "kills": [_kill(kill, flights[kill.situation], scored.pool) for kill in (*safety, *operability)],
+                "kills": [_kill(kill, flights[kill.situation], scored.pool) for kill in kills],
                 "searched": id_ in extra,
                 "tests": _tests(mutant, scored.pool),
                 "results": [_result(entries[key], results.get(key), flights, scored.pool) for key in keys],

@@ -264,9 +264,8 @@ def _pack(
             if outcome.mutant == BASELINE:
                 clean[outcome.seed] = place, rows
         records.append(record(outcome, baselines.get(outcome.seed), requirements) | {"track": place})
-    text = json.dumps(
-        {"flights": all_printable(records), "tracks": tracks}, separators=(",", ":"), allow_nan=False
-    ).encode()
+    content = {"flights": all_printable(records), "tracks": tracks}
+    text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
     deflated = zlib.compress(struct.pack("<I", len(text)) + text + b"".join(body), DEFLATE)
     return records, base64.b64encode(deflated).decode()
 
@@ -340,7 +339,7 @@ def scene(world: World, mines: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _outline(points: Iterable[tuple[float, float]]) -> list[list[float]]:
-    return [_rounded(point) for point in points]
+    return list(map(_rounded, points))
 
 
 def _rounded(point: tuple[float, float]) -> list[float]:
