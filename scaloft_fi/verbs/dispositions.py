@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.score import Score
@@ -17,11 +17,8 @@ from scaloft_fi.study import Study, append_drafts
 from scaloft_fi.verbs.options import Campaign, Option, StudyFolder, TableFormat, Today, answer, check_own, verb
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verdict import NO_POOL, in_campaign, next_find
-from scaloft_fi.views.output import Answer, Output
+from scaloft_fi.views.output import Answer, Columns, Output
 from scaloft_fi.views.table import Table, counted
-
-if TYPE_CHECKING:
-    from scaloft_fi.views.output import Columns
 
 
 @dataclass(frozen=True)

@@ -255,10 +255,7 @@ class ListedSeam(Entry):
     carried: str
     operators: tuple[str, ...]
     cells: tuple[str, ...]
-    KEYS: ClassVar = (
-        *("name", "message", "about", "edge", "rate_hz", "fields", "acts_on", "canary", "carried"),
-        *("operators", "cells", "used_by", "fitting"),
-    )
+    KEYS: ClassVar = ("*", "used_by", "fitting")
 
     @property
     def used_by(self) -> int:
@@ -541,10 +538,7 @@ class ListedOperator(Entry):
     rate_hz: float
     given: tuple[GivenArgument, ...]
     polls: tuple[Poll, ...]
-    KEYS: ClassVar = (
-        *("name", "summary", "about", "arguments", "needs", "seams", "cells", "at_events", "package"),
-        *("message", "rate_hz", "given", "polls", "signature", "fits"),
-    )
+    KEYS: ClassVar = ("*", "signature", "fits")
 
     @property
     def signature(self) -> str:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import click
 
 from scaloft_fi.console import say, tell, tell_line, width
 from scaloft_fi.errors import InputError
+from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants import catalogue
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.study import Study
@@ -18,9 +19,6 @@ from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, check_own, verb
 from scaloft_fi.views.output import Output
 from scaloft_fi.views.table import Format, body_text, tabulated
-
-if TYPE_CHECKING:
-    from scaloft_fi.hazop.matrix import Matrix
 
 
 @dataclass(frozen=True)

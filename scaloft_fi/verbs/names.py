@@ -12,18 +12,14 @@ from collections.abc import Callable, Iterable, Iterator
 from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
 
-from scaloft_fi.document import CATALOGUE_BYTES, load, read_text
+from scaloft_fi.document import CATALOGUE_BYTES, Item, load, read_text
 from scaloft_fi.hazop.load import find_study
 from scaloft_fi.registry import plugins
-
-if TYPE_CHECKING:
-    from scaloft_fi.document import Item
-
 
 BELIEF, FORMAT, SEAM, SIGNAL = "Belief", "@export_format", "Seam", "@signal"
 OPERATOR = r"@(?:operator|on(?:_\w+)?)"

@@ -9,10 +9,11 @@ from __future__ import annotations
 import keyword
 import shlex
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib.util import find_spec
+from itertools import takewhile
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -111,10 +112,7 @@ def _write(folder: Path, files: Files) -> None:
 
 def _make_folders(folder: Path) -> list[Path]:
     """Make a folder and those above it; returns the folders that were missing, the highest first."""
-    missing: list[Path] = []
-    while not is_there(folder):
-        missing.insert(0, folder)
-        folder = folder.parent
+    missing = list(takewhile(lambda one: not is_there(one), (folder, *folder.parents)))[::-1]
     for one in missing:
         one.mkdir()
     return missing
@@ -123,11 +121,8 @@ def _make_folders(folder: Path) -> list[Path]:
 def _template(name: str) -> dict[str, bytes]:
     """The files of one template."""
     folder = next(one for one in (_PACKAGE / "_templates", _PACKAGE.parent / "templates") if is_folder(one)) / name
-    return {path.relative_to(folder).as_posix(): read_bytes(path) for path in _files(folder)}
-
-
-def _files(folder: Path) -> Iterator[Path]:
-    return (path for path in sorted(folder.rglob("*")) if path.is_file() and "__pycache__" not in path.parts)
+    files = (path for path in sorted(folder.rglob("*")) if path.is_file() and "__pycache__" not in path.parts)
+    return {path.relative_to(folder).as_posix(): read_bytes(path) for path in files}
 
 
 def _is_installed(name: str) -> bool:

@@ -27,8 +27,7 @@ from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.judge.status import APART_M, JudgedFlight, agreement, digests, flight_of, in_step, parting_s
 from scaloft_fi.sim.log import Ending, FlightLog
 from scaloft_fi.study import Study
-from scaloft_fi.verbs import options
-from scaloft_fi.verbs.names import flights
+from scaloft_fi.verbs import names, options
 from scaloft_fi.verbs.options import Option, check_writable, verb, write
 from scaloft_fi.views.output import Output
 from scaloft_fi.views.picture import draw, png, scene_of, track_of
@@ -214,18 +213,14 @@ def comparison(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> Co
         return Comparison(Likeness.SAME_BITS, f"bit for bit the flight in {folder}")
     if not study.stack.deterministic:
         listed = ", ".join(f"{reading.requirement} {reading_text(reading)}" for reading in known.readings)
-        return Comparison(
-            Likeness.ANOTHER,
-            f"the stack is not deterministic, so this is another flight than that in {folder}, which "
-            f"{Ending(known.ending).sentence} after {known.duration_s:.2f} s: {listed}",
-        )
+        other = f"the stack is not deterministic, so this is another flight than that in {folder}"
+        ended = f"{Ending(known.ending).sentence} after {known.duration_s:.2f} s"
+        return Comparison(Likeness.ANOTHER, f"{other}, which {ended}: {listed}")
     changed = ", ".join(differences(fingerprint(), theirs))
     where = f"on another platform ({changed})" if changed else "on the same platform"
     if same_platform or not changed:
-        return Comparison(
-            Likeness.DIFFERS,
-            f"{outcome.name} differs from the flight in {folder}, flown {where}: digest {known.digest} there",
-        )
+        differs = f"{outcome.name} differs from the flight in {folder}, flown {where}"
+        return Comparison(Likeness.DIFFERS, f"{differs}: digest {known.digest} there")
     pair = ([], []) if flown.clean is None or beside is None else ([beside], [flown.clean.outcome])
     agreed = agreement([known, *pair[0]], [outcome, *pair[1]])
     apart_s = parting_s(known.track, outcome.track)
@@ -235,11 +230,8 @@ def comparison(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> Co
     if agreed.facts:
         differs = f"the flight differs in more than bits from that in {folder}, flown {where}"
         return Comparison(Likeness.DIFFERS, f"{differs}: {agreed.named()}{parted}")
-    return Comparison(
-        Likeness.SAME_FACTS,
-        f"other bits than the flight in {folder}, which was flown {where}, and the same status, ending and "
-        f"violations{parted}",
-    )
+    other = f"other bits than the flight in {folder}, which was flown {where}"
+    return Comparison(Likeness.SAME_FACTS, f"{other}, and the same status, ending and violations{parted}")
 
 
 @dataclass(frozen=True)
@@ -345,13 +337,11 @@ _TIME = _object(sec=_WHOLE, nsec=_WHOLE)
 _POSE = _object(
     position=_object(x=_NUMBER, y=_NUMBER, z=_NUMBER), orientation=_object(x=_NUMBER, y=_NUMBER, z=_NUMBER, w=_NUMBER)
 )
+_POSES = {"type": "array", "items": _POSE}
 _POSE_SIGNALS = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 SCHEMAS = {
     "/pose": ("foxglove.PoseInFrame", _object(timestamp=_TIME, frame_id=_TEXT, pose=_POSE)),
-    "/path": (
-        "foxglove.PosesInFrame",
-        _object(timestamp=_TIME, frame_id=_TEXT, poses={"type": "array", "items": _POSE}),
-    ),
+    "/path": ("foxglove.PosesInFrame", _object(timestamp=_TIME, frame_id=_TEXT, poses=_POSES)),
     "/events": ("foxglove.Log", _object(timestamp=_TIME, level=_WHOLE, message=_TEXT, name=_TEXT)),
 }
 
@@ -435,7 +425,7 @@ ENDS = (".svg", ".png", ".mcap", ".csv")
 )
 def replay_command(
     *,
-    name: Annotated[str, Option("", "", metavar="MUTANT/SITUATION/SEED", complete=flights)],
+    name: Annotated[str, Option("", "", metavar="MUTANT/SITUATION/SEED", complete=names.flights)],
     study_folder: options.StudyFolder,
     campaign: options.Campaign,
     output: Annotated[

@@ -28,8 +28,7 @@ from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.sim.grid import FOUND_FILE, Break, grid_names, own_name, read_finds
 from scaloft_fi.sim.stacks import claims_of
 from scaloft_fi.study import Study
-from scaloft_fi.verbs import options
-from scaloft_fi.verbs.names import sought
+from scaloft_fi.verbs import names, options
 from scaloft_fi.verbs.options import (
     CampaignOption,
     GridOption,
@@ -260,9 +259,10 @@ def seek(study: Study, campaign: str, mutants: Sequence[str], search: Search, na
         Interrupted: the user stopped the search; all outcomes and finds are saved.
     """
     others = [text for text in mutants if text != BASELINE]
-    if others and len(others) < len(mutants):
+    baseline = len(others) < len(mutants)
+    if others and baseline:
         raise InputError(f"mutant {others[0]!r} must not stand beside {BASELINE!r}; seek each with its own command")
-    if search.replicate and len(others) < len(mutants):
+    if search.replicate and baseline:
         raise InputError(f"--replicate must not stand with {BASELINE!r}: it flies situations that show mutants again")
     if not search.replicate:
         require_optuna()
@@ -270,9 +270,7 @@ def seek(study: Study, campaign: str, mutants: Sequence[str], search: Search, na
     study.check()
     if search.replicate:
         return _replicated(study, mutants, search)
-    if mutants and not others:
-        return _breaks(study, search)
-    return _shows(study, campaign, mutants, search)
+    return _breaks(study, search) if baseline else _shows(study, campaign, mutants, search)
 
 
 def _shows(study: Study, campaign: str, mutants: Sequence[str], search: Search) -> Answer:
@@ -359,10 +357,8 @@ def _unnamed(study: Study, campaign: str, search: Search) -> finds.Unnamed:
         raise InputError(f"--campaign={campaign!r}: {least}; name the mutants to seek")
     if len(mutants) < len(survivors):
         shown = f"{len(survivors) - len(mutants)} of {len(survivors)} defaults that are not detected"
-        search.progress.line(
-            f"not sought: {shown}, because situations in sim/{FOUND_FILE} show them; a mutant that is named is sought "
-            "again"
-        )
+        because = f"because situations in sim/{FOUND_FILE} show them"
+        search.progress.line(f"not sought: {shown}, {because}; a mutant that is named is sought again")
     return finds.anew(folder, search.seed, campaign, mutants)
 
 
@@ -372,7 +368,7 @@ SoughtMutants = Annotated[
         "Ids or patterns, or `baseline` for situations that break the unmutated drone.",
         "",
         metavar="[baseline | ID|GLOB...]",
-        complete=sought,
+        complete=names.sought,
         otherwise="every cell's default that the campaign does not detect and no found situation shows",
     ),
 ]

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from scaloft_fi.analysis.coverage import SHARES, Coverage, coverage_of
 from scaloft_fi.analysis.pool import LEAST, State
+from scaloft_fi.document import Item
 from scaloft_fi.judge.space import Space
 from scaloft_fi.marks import Called, Choices
-from scaloft_fi.sim.situation import Drawn, Shape, number_text
+from scaloft_fi.sim.grid import Grid
+from scaloft_fi.sim.situation import Axis, Drawn, FreeAxis, Shape, number_text
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.listing import Entry, Listing
 from scaloft_fi.verbs.names import axes
@@ -18,12 +20,6 @@ from scaloft_fi.verbs.options import Campaign, GridOfStudy, Option, StudyFolder,
 from scaloft_fi.verbs.snapshot import Stale, snapshot
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
-
-if TYPE_CHECKING:
-    from scaloft_fi.document import Item
-    from scaloft_fi.sim.grid import Grid
-    from scaloft_fi.sim.situation import Axis, FreeAxis
-
 
 VALUES, RANGE, FREE = "values", "range", "free"
 

@@ -8,18 +8,13 @@ from dataclasses import dataclass
 from itertools import chain, groupby
 from math import ceil, dist, floor, hypot
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind
+from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.sim.mesh import hull, section
-from scaloft_fi.sim.world import ROLES
+from scaloft_fi.sim.world import ROLES, World
 from scaloft_fi.views.table import xml
-
-if TYPE_CHECKING:
-    from scaloft_fi.sim.log import FlightLog
-    from scaloft_fi.sim.world import World
-
 
 Point = tuple[float, float]
 
@@ -145,10 +140,8 @@ def legend(left: float, top: float) -> list[str]:
     parts = [text(left, top, "speed [m/s]", colour=FAINT, size=12)]
     for i, colour in enumerate(RAMP):
         x, label = left + i * step, f"{SHADE_MPS * i:.1f}" + "+" * (i == len(RAMP) - 1)
-        parts += [
-            f'<rect x="{x:.1f}" y="{top + 9:.1f}" width="{step + 0.5:.1f}" height="10" fill="{colour}"/>',
-            text(x + step / 2, top + 34, label, anchor="middle", colour=FAINT, size=12),
-        ]
+        parts += [f'<rect x="{x:.1f}" y="{top + 9:.1f}" width="{step + 0.5:.1f}" height="10" fill="{colour}"/>']
+        parts += [text(x + step / 2, top + 34, label, anchor="middle", colour=FAINT, size=12)]
     return parts + signs(left + 290, top + 15)
 
 

@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass, field, replace
 from datetime import date
 from enum import StrEnum
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from scaloft_fi.analysis.condition import cover, term_text
 from scaloft_fi.analysis.detection import Spending
@@ -35,14 +35,12 @@ from scaloft_fi.judge.space import Point, Space
 from scaloft_fi.judge.status import INVALID, Ruled, Rulings, Situations, Status
 from scaloft_fi.judge.stl import COMPARATORS, SAMPLE_MS, Infix, Interval, Node, Prefix, Signal, tokenize
 from scaloft_fi.judge.stl import parse as parse_formula
+from scaloft_fi.sim.grid import Grid
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.margin import cell_margins, margin_text
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
 from scaloft_fi.verbs.verdict import short_units, survivors
 from scaloft_fi.views.output import by_field, plain
-
-if TYPE_CHECKING:
-    from scaloft_fi.sim.grid import Grid
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,17 +30,13 @@ from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.status import baseline_status, flight_of
 from scaloft_fi.sim.grid import Break, Find
 from scaloft_fi.sim.log import FAR_M, SAMPLE_HZ
+from scaloft_fi.sim.world import World
 from scaloft_fi.study import KnownFinds, Study
 from scaloft_fi.verbs.seek import belief, place
 from scaloft_fi.verbs.verdict import flies, words
 from scaloft_fi.views.output import by_field
 from scaloft_fi.views.picture import scene_of
 from scaloft_fi.views.table import ranges
-
-if TYPE_CHECKING:
-    from scaloft_fi.sim.world import World
-    from scaloft_fi.study import Study
-
 
 Whole = NDArray[np.int32]
 """A track as whole numbers, (T, columns)."""
