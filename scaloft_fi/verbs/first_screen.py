@@ -265,15 +265,14 @@ def ratio_table(scored: Score) -> Table:
     """The ratios of the score, each with its population."""
     rows = tuple((one.key.replace("_", " "), str(getattr(scored, one.name)), one.about) for one in printed_of(Score))
     drawn = scored.redraw
-    notes = [false_detections(scored.alpha, scored.tested.part)]
+    redraws = "No redraws: they need 20 baseline flights and more in every situation (`--baseline-seeds`)."
     if drawn.seeds:
-        notes.append(
+        redraws = (
             f"Of {drawn.safety.whole} redraws of the unmutated drone ({drawn.seeds} seeds beside ten) "
             f"{drawn.safety.part} are called detected by safety, {drawn.operability.part} by operability requirements."
         )
-    else:
-        notes.append("No redraws: they need 20 baseline flights and more in every situation (`--baseline-seeds`).")
-    return Table("Mutation score", ("ratio", "part/whole", "population"), rows, tuple(notes))
+    notes = false_detections(scored.alpha, scored.tested.part), redraws
+    return Table("Mutation score", ("ratio", "part/whole", "population"), rows, notes)
 
 
 def composition_table(scored: Score) -> Table:
@@ -290,15 +289,12 @@ def composition_table(scored: Score) -> Table:
         ("trivial", len(scored.trivial), ", ".join(scored.trivial)),
         ("no effect here", len(scored.without_effect), ", ".join(idle)),
     )
-    notes = (
-        (
-            "Of the default mutants of credible cells.  Distinct behaviours: detected mutants whose flights all equal "
-            "each other's to the bit count once.  Trivial: killed in nine tenths of the situations that test it, or "
-            f"within {EARLY_S:g} s of take-off.  No effect here: every flight equals the baseline's to the bit."
-        ),
-        NOT_COMPARED,
+    words = (
+        "Of the default mutants of credible cells.  Distinct behaviours: detected mutants whose flights all equal "
+        "each other's to the bit count once.  Trivial: killed in nine tenths of the situations that test it, or "
+        f"within {EARLY_S:g} s of take-off.  No effect here: every flight equals the baseline's to the bit."
     )
-    return Table("What the score is made of", ("what", "mutants", "which"), rows, notes)
+    return Table("What the score is made of", ("what", "mutants", "which"), rows, (words, NOT_COMPARED))
 
 
 def pair_table(pool: Pool, space: Space) -> Table:
@@ -478,27 +474,23 @@ def first_screen(
     """
     replies = answers(scored, roster, campaign, finds, space.grid)
     lines = [Line("Situations", coverage_line(covered)), Line("Unmutated drone", baseline_line(scored.pool))]
-    if accepted:
-        lines.append(Line("Accepted", accepted_line(scored, accepted)))
-    if noise:
-        lines.append(Line("Noise", noise_line(noise)))
+    lines += [Line("Accepted", accepted_line(scored, accepted))] if accepted else []
+    lines += [Line("Noise", noise_line(noise))] if noise else []
     in_score = Counter(mutant.verdict for mutant in scored.counted)
     groups = []
     for verdict in Verdict:
         members = [mutant for mutant in scored.mutants if mutant.flown and mutant.verdict is verdict]
+        columns = COLUMNS[verdict]
         if verdict is Verdict.DETECTED:
             members.sort(key=lambda mutant: -len(mutant.killing))
         else:
             members = worst_first(members, lambda mutant: mutant.severity)
-        columns = COLUMNS[verdict]
-        if verdict is not Verdict.DETECTED and any(mutant.severity for mutant in members):
-            columns = (SEVERITY, *columns)
+            columns = (SEVERITY, *columns) if any(mutant.severity for mutant in members) else columns
         shown = _cut(members, whole=whole)
         facts = [_facts(mutant, scored, space, background(mutant.subject.id), finds) for mutant in shown]
         rows = [(one["mutant"], *(one[column] for column in columns)) for one in facts]
         title = f"{verdict.words.capitalize()}: {len(members)}"
-        if in_score[verdict] != len(members):
-            title += f", of which {in_score[verdict]} count in the score"
+        title += f", of which {in_score[verdict]} count in the score" * (in_score[verdict] != len(members))
         same = sum(mutant.without_effect for mutant in members) if verdict is Verdict.UNDECIDED else 0
         title += f"; {same} {'fly' if same > 1 else 'flies'} the same to the bit" if same else ""
         groups.append(_group(title, columns, rows, len(members)))
@@ -582,10 +574,8 @@ def mostly_red(pool: Pool) -> list[str]:
             known = states.total() - states[State.UNKNOWN]
             if 2 * states[State.RED] > known:
                 where = f"{states[State.RED]} of {counted(known, 'situation')}"
-                sentences.append(
-                    f"{name} is red in {where}: most flights without a fault violate it, so it shows no fault "
-                    f"there.  Mend the drone or {name}; `scaloft-fi score --all` names the situations."
-                )
+                red = f"{name} is red in {where}: most flights without a fault violate it, so it shows no fault there."
+                sentences.append(f"{red}  Mend the drone or {name}; `scaloft-fi score --all` names the situations.")
     return sentences
 
 

@@ -11,7 +11,7 @@ import click
 from scaloft_fi.console import tell, width, wrapped
 from scaloft_fi.hazop import render
 from scaloft_fi.hazop.load import find_study, load_matrix
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import Cell, Matrix
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import Campaign, Operability, Option, StudyFolder, TableFormat, verb
 from scaloft_fi.views.table import Format, tabulated
@@ -62,20 +62,18 @@ def matrix_command(
     matrix = load_matrix(find_study(study_folder) / "hazop")
     if cell or style == "json":
         matrix = _with_events(matrix, study_folder)
-    if style == "json" and not with_margins:
-        chosen = matrix.cell(cell) if cell else None
-        words = [chosen.guideword] if chosen else [word.upper() for word in guidewords]
-        names = [chosen.parameter] if chosen else [name.lower() for name in parameters]
-        tell(_json(matrix.only(words, names)))
-        return
-    if cell:
-        tell(f"{_one(matrix, cell, style, study_folder)}\n")
-        return
-    shown = matrix.only([word.upper() for word in guidewords], [name.lower() for name in parameters])
+    chosen = matrix.cell(cell) if cell else None
+    words = [chosen.guideword] if chosen else [word.upper() for word in guidewords]
+    names = [chosen.parameter] if chosen else [name.lower() for name in parameters]
+    shown = matrix.only(words, names)
     if with_margins:
         tell(f"{_margins(study_folder, campaign, style, operability=operability)}\n")
-        return
-    tell(f"{_grid(shown, style) if grid_only else _all(shown, style)}\n")
+    elif style == "json":
+        tell(_json(shown))
+    elif chosen:
+        tell(f"{_one(matrix, chosen, style, study_folder)}\n")
+    else:
+        tell(f"{_grid(shown, style) if grid_only else _all(shown, style)}\n")
 
 
 def _opened(study_folder: Path | None) -> Study:
@@ -105,8 +103,7 @@ def _grid(matrix: Matrix, style: str) -> str:
     if style == "table":
         return render.overview(matrix, width())
     header, lines = render.grid_table(matrix)
-    header = ["parameter", *header[1:]]
-    return _tabulated(header, lines, style)
+    return _tabulated(["parameter", *header[1:]], lines, style)
 
 
 def _json(matrix: Matrix, margins: Mapping[str, tuple[CellMargin, ...]] | None = None) -> str:
@@ -125,15 +122,12 @@ def _margins(study_folder: Path | None, campaign: str, style: str, *, operabilit
     header = ["parameter", *(word.id for word in matrix.guidewords)]
     lines = [[p.id, *(by_cell[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
     if style == "table":
-        grid = render.blocks(["", *header[1:]], lines, width())
-        return "\n".join(
-            [grid, "", render.legend(LEGEND, width(), LEGEND_AT), "", wrapped(render.tally(matrix), width())]
-        )
+        grid, legend = render.blocks(["", *header[1:]], lines, width()), render.legend(LEGEND, width(), LEGEND_AT)
+        return "\n".join([grid, "", legend, "", wrapped(render.tally(matrix), width())])
     return _tabulated(header, lines, style)
 
 
-def _one(matrix: Matrix, name: str, style: str, study_folder: Path | None) -> str:
-    cell = matrix.cell(name)
+def _one(matrix: Matrix, cell: Cell, style: str, study_folder: Path | None) -> str:
     if style == "table":
         edges = {seam.name: seam.edge for seam in _opened(study_folder).stack.seams} if cell.faults else {}
         return render.sheet(matrix, cell, edges, width())

@@ -86,13 +86,9 @@ def _completer(names: Callable[[Path, click.Context, str], Names]) -> Completer:
 
 
 def _first(names: Names, typed: str) -> list[str]:
-    found: dict[str, None] = {}
-    for name in names:
-        if name.startswith(typed) and name[:1] not in ("", "-"):  # a word that begins with - is an option
-            found[name] = None
-            if len(found) == MOST:
-                break
-    return list(found)
+    # a word that begins with - is an option
+    fits = (name for name in names if name.startswith(typed) and name[:1] not in ("", "-"))
+    return list(islice(dict.fromkeys(fits), MOST))
 
 
 def _study(context: click.Context) -> Path:

@@ -651,6 +651,6 @@ def worksheet_command(
     sheet = worksheet(Study.open(study_folder), campaign)
     if output is None:
         answer(sheet, style)
-        return
-    tell_warnings(sheet)
-    write(output, sheet.content(style))
+    else:
+        tell_warnings(sheet)
+        write(output, sheet.content(style))

@@ -134,6 +134,7 @@ REPEATS = "Flights are deterministic: scaloft-fi replay flies each again, bit fo
 NO_REPEATS = "The stack is not deterministic: no flight can be flown again bit for bit; verdicts rest on several seeds."
 EDGES = 10
 """How many situations with the least robustness are named as edge cases."""
+NO_VERDICTS = f"No verdicts: {NO_POOL}."
 OPEN = "To be argued by the safety team; nothing here argues it."
 NOT_CLAIMED = (
     "That no other fault than those of the matrix is present.",
@@ -207,12 +208,8 @@ def _by_requirement(dossier: Dossier) -> Table:
     fates = Counter(mutant.verdict for mutant in dossier.score.counted)
     verdicts = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
     firm = f"  Detected whichever one seed is left out: {dossier.score.firm.part}."
-    notes = (
-        "Triggered, robustness: flights of the unmutated drone.",
-        f"Mutants flown, by safety requirements: {verdicts}.{firm}"
-        if dossier.score.pooled
-        else f"No verdicts: {NO_POOL}.",
-    )
+    told = f"Mutants flown, by safety requirements: {verdicts}.{firm}"
+    notes = "Triggered, robustness: flights of the unmutated drone.", told if dossier.score.pooled else NO_VERDICTS
     return Table("Sufficiency of coverage (1): safety requirements", headers, rows, notes)
 
 

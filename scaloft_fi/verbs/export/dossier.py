@@ -543,9 +543,8 @@ def archive_files(
         platform, notes = now.store.meta(), now.store.notes()
         campaign = Path(now.name).name
     if documents:
-        files |= {
-            path.relative_to(study.folder).as_posix(): read_bytes(path) for path in archive.study_files(study.folder)
-        }
+        paths = archive.study_files(study.folder)
+        files |= {path.relative_to(study.folder).as_posix(): read_bytes(path) for path in paths}
     content = {
         "archive": archive.VERSION,
         "study": study.name,
