@@ -46,8 +46,8 @@ def with_detected(shown: Sequence[Table], matrix: KillMatrix) -> list[Table]:
     """The same tables; the first tells how many mutants are detected, how many firmly, and which have no kill."""
     if not shown:
         return []
-    known = [row for row in matrix.mutants if row.firmness]
-    firm = sum(row.firmness.firm for row in known if row.firmness)
+    known = [row.firmness for row in matrix.mutants if row.firmness]
+    firm = sum(firmness.firm for firmness in known)
     notes = [f"Detected mutants: {len(known)}, of them {firm} firmly: whichever one seed is left out."]
     if matrix.not_firm:
         notes[0] += f"  Not firm: {', '.join(matrix.not_firm)}."

@@ -161,18 +161,9 @@ class MessageField:
 
 def fields_of(seam: Seam) -> tuple[MessageField, ...]:
     """The fields of a seam's message."""
-    return tuple(
-        MessageField(name, kind_of(seam.message, name), _unit_of_field(seam, name))
-        for name in messages.field_names(seam.message)
-    )
-
-
-def _unit_of_field(seam: Seam, name: str) -> str:
-    if name in messages.stamp_fields(seam.message):
-        return "s"
-    if name in messages.number_fields(seam.message):
-        return seam.unit(name)
-    return ""
+    names = messages.field_names(seam.message)
+    units = {**seam.number_units, **dict.fromkeys(messages.stamp_fields(seam.message), "s")}
+    return tuple(MessageField(name, kind_of(seam.message, name), units.get(name, "")) for name in names)
 
 
 def kind_of(message: type, name: str) -> str:
@@ -352,8 +343,7 @@ def _carried(study: Study, seam: str) -> str:
     """Who alters the samples of a faulty seam where a command flies; "" where our wire does."""
     if study.command is None:
         return ""
-    relay = study.command.relays.get(seam)
-    if relay is None:
+    if (relay := study.command.relays.get(seam)) is None:
         return "the command: it gets the fault in {fault} and injects it itself"
     return f"our relay from {relay.source} to {relay.to} over {relay.border}"
 
@@ -632,20 +622,20 @@ def argument_facts(argument: Argument) -> ListedArgument:
     if above is not None:
         words = f"above {above:g}" + (f", up to {most:g}" if most is not None else "")
     numeric = argument.kind in (float, int)
+    if not numeric:
+        words, least, above, most = "", None, None, None
     if argument.field is not None:
         words = "a field of numbers, or all" if argument.field.number else "a field, or all"
     elif argument.choices:
         words = "one of " + ", ".join(choice or '""' for choice in argument.choices)
-    elif not numeric:
-        words = ""
     return ListedArgument(
         name=argument.name,
         kind=_KINDS[argument.kind],
         unit=_unit(argument),
         range=words,
-        least=least if numeric else None,
-        above=above if numeric else None,
-        most=most if numeric else None,
+        least=least,
+        above=above,
+        most=most,
         choices=tuple(argument.choices),
         required=argument.required,
         default=None if argument.required else argument.default,

@@ -150,11 +150,11 @@ def _keys(grid: Item, typed: str) -> Names:
         for constraint in grid.get("constraints") or ()
         for entries in [constraint.need("exclude").mapping().items()]
     ]
-    return [
-        key
-        for key, point in keys
-        if not any(all(point.get(axis) in ids for axis, ids in one.items()) for one in excluded)
-    ]
+
+    def fits(point: dict[str, str]) -> bool:
+        return not any(all(point.get(axis) in ids for axis, ids in one.items()) for one in excluded)
+
+    return [key for key, point in keys if fits(point)]
 
 
 def _campaign_names(study: Path, _context: click.Context, _typed: str) -> Names:

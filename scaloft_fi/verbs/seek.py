@@ -60,7 +60,7 @@ def breaks_table(report: finds.SeekReport, campaign: str, *, claims: bool) -> Ta
         for number, one in enumerate(report.breaks, 1)
     )
     told = [
-        f"{number}: {one.situation}: {', '.join(one.words) or 'every value benign'}; after {one.t_s:.1f} s: "
+        f"{number}: {one.situation}: {words(one)}; after {one.t_s:.1f} s: "
         f"`scaloft-fi replay baseline/{one.situation}/{one.flight} --campaign {campaign}`."
         for number, one in enumerate(report.breaks, 1)
     ]

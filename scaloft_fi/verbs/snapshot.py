@@ -38,18 +38,6 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.verdict import MOST_NAMED, in_campaign
 
 
-def stale_of(study: Study, now: Now, name: str) -> Stale:
-    """The flights of a campaign that no longer count and were not flown again, with the command that does it.
-
-    Args:
-        study: the study, with the grid of the campaign.
-        now: its flights beside the study.
-        name: of the campaign.
-    """
-    found = stale_in(now)
-    return Stale.of(found.why, _again(study, now, name, found.flown) if found.flown else "")
-
-
 def _again(study: Study, now: Now, name: str, stale: Sequence[FlownFlight]) -> str:
     """The `run` that flies these flights; of what it asks for besides, the campaign holds the flights that count."""
     held = now.flights
@@ -202,8 +190,9 @@ class Snapshot:
 
     @cached_property
     def stale(self) -> Stale:
-        """The stored flights that no longer count and were not flown again."""
-        return stale_of(self.study, self.now, self.name)
+        """The stored flights that no longer count and were not flown again, with the command that does it."""
+        found = stale_in(self.now)
+        return Stale.of(found.why, _again(self.study, self.now, self.name, found.flown) if found.flown else "")
 
     @cached_property
     def latest(self) -> tuple[Outcome, ...]:

@@ -18,7 +18,7 @@ from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.judge.status import Status
-from scaloft_fi.sim.grid import Evidence, Find
+from scaloft_fi.sim.grid import Break, Evidence, Find
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import NO_FINDS, KnownFinds
 from scaloft_fi.views.table import counted
@@ -211,8 +211,8 @@ def _flown(mutant: MutantScore, find: Find) -> bool:
     return any(result.situation == find.situation and result.flown >= seeds for result in mutant.results)
 
 
-def words(find: Find) -> str:
-    """The situation in words.
+def words(find: Find | Break) -> str:
+    """The situation of a find or a break in words.
 
     >>> words(Find("shows-A", "T0H2Cs=0.8", ("human walks", "cruise speed 0.8 m/s"), "A", {}, 0))
     'human walks, cruise speed 0.8 m/s'

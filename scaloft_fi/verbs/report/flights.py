@@ -440,7 +440,7 @@ def broken(finds: KnownFinds, mines: list[dict[str, Any]]) -> list[dict[str, Any
         # with the seeds that confirmed the break
         named = f"--mutant PLACEBO --situation {shlex.quote(one.name)} --baseline-seeds {one.flights}"
         told = by_field(one, "name", "situation", "requirement", "struck", "violated", "flights", "alike", "t_s")
-        told |= {"words": ", ".join(one.words) or "every value benign", "where": place(one), "belief": belief(one)}
+        told |= {"words": words(one), "where": place(one), "belief": belief(one)}
         told |= {"place": list(one.place[:2]), "scene": stands}
         told |= {"command": f"scaloft-fi run --grid {finds.searched.name} {named}"}
         listed.append(told)

@@ -227,8 +227,8 @@ def page(evidence: Evidence, most_bytes: int = MOST_BYTES) -> str:
 
 def html(content: Mapping[str, Any], packed: Mapping[str, str]) -> str:
     """The page of these figures and packs of flights."""
-    style = "\n".join(asset(name) for name in STYLES)
-    script = '"use strict";\n(() => {\n' + "\n".join(asset(name) for name in SCRIPTS) + "\n})();\n"
+    style = "\n".join(map(asset, STYLES))
+    script = '"use strict";\n(() => {\n' + "\n".join(map(asset, SCRIPTS)) + "\n})();\n"
     policy = (
         f"default-src 'none'; img-src data:; style-src '{_hash(style)}'; script-src '{_hash(script)}';"
         " base-uri 'none'; form-action 'none'"
