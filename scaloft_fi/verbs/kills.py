@@ -363,10 +363,9 @@ Slot = tuple[int, int, int]
 """What takes a place in a layer: (layer, node, -1), or (layer, above, below) where an edge passes through."""
 
 
-def draw_subsumption(graph: suites.Subsumption, *, title: str = "What subsumes what") -> str:
+def draw_subsumption(graph: suites.Subsumption) -> str:
     """The graph as the text of an SVG file: layers from left to right (Sugiyama, Tagawa and Toda, 1981)."""
-    boxes, wide, high = _places(graph)
-    wide = max(wide, 620.0)
+    title, (boxes, wide, high) = "What subsumes what", _places(graph)
     sets = f"{len(graph.nodes)} kill sets, {len(graph.minimal)} minimal (thick frames)"
     parts = [
         text(MARGIN, 34, title, size=20, weight="bold"),
@@ -376,7 +375,7 @@ def draw_subsumption(graph: suites.Subsumption, *, title: str = "What subsumes w
     parts += [_edge([boxes[slot] for slot in _way(graph, *edge)]) for edge in graph.edges]
     for node in graph.nodes:
         parts += _box(node, boxes[node.layer, node.node, -1], thick=node.minimal)
-    return svg(wide, high, title, parts, font_size=12)
+    return svg(max(wide, 620.0), high, title, parts, font_size=12)
 
 
 def _way(graph: suites.Subsumption, above: int, below: int) -> list[Slot]:

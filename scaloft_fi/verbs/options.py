@@ -217,7 +217,6 @@ FlownGrid = Annotated[
 GridOfStudy = Annotated[
     str | None, GridOption("A grid of the study: a file in sim/grids/.", otherwise="that of sim/situations.yaml")
 ]
-Mutants = Annotated[Several, Option("", "", metavar="CELL|ID...", complete=names.mutants)]
 Situations = Annotated[
     Several,
     Option(

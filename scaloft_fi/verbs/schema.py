@@ -17,7 +17,7 @@ from scaloft_fi.hazop.load import GUIDEWORD, CellModel, Guidewords, Parameters
 from scaloft_fi.hazop.matrix import Classes, Fault
 from scaloft_fi.judge.requirement import RequirementsModel
 from scaloft_fi.marks import About, Pattern
-from scaloft_fi.model import Hook, Names, Schema, schema, schema_of
+from scaloft_fi.model import Names, Schema, schema, schema_of
 from scaloft_fi.mutants.operator import Argument, Operator
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.outside.border import PORTS
@@ -97,13 +97,12 @@ class Document:
         return {**head, **self.make(names)}
 
 
-def _model(hint: Any, hook: Hook | None = None) -> Callable[[Names], Schema]:
+def _model(hint: Any) -> Callable[[Names], Schema]:
     """The schema of a model, or of a mapping of models with a text about it."""
     about = [mark.text for mark in getattr(hint, "__metadata__", ()) if isinstance(mark, About)]
 
     def make(names: Names) -> Schema:
-        made = schema_of(hint, names, hook) if hook else schema_of(hint, names)
-        return {**made, "description": about[0]} if about else made
+        return {**schema_of(hint, names), **({"description": about[0]} if about else {})}
 
     return make
 

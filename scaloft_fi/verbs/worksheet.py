@@ -550,8 +550,6 @@ WORKSHEET = Output("worksheet", "2.0", FilledSheet, rows="rows")
 
 
 XLSX = "xlsx"
-STYLES = (*Format, XLSX)
-"""How the sheet is written."""
 _ENDS = {".txt": "table", ".md": "markdown", ".csv": "csv", ".json": "json", ".tex": "latex", ".xlsx": XLSX}
 
 
@@ -579,7 +577,7 @@ class Worksheet(Answer):
         return made[Format(style)](self._sheet) if style in made else super().text(style)
 
     def content(self, style: str) -> bytes:
-        """The bytes of a file in a style of `STYLES`."""
+        """The bytes of a file in a style of `Format`, or as `XLSX`."""
         if style == XLSX:
             return to_xlsx(self._sheet)
         if style == Format.TABLE:
@@ -633,7 +631,7 @@ def worksheet_command(
             "How the sheet is written; csv, xlsx and json have every column.  A text that a spreadsheet would take for "
             "a formula begins with ' in csv, and is a plain text in xlsx.",
             "--format",
-            type=click.Choice((*options.FORMATS, "xlsx")),
+            type=click.Choice((*options.FORMATS, XLSX)),
             default="table",
         ),
     ],
@@ -644,7 +642,7 @@ def worksheet_command(
     Deviations that are not credible stand in a log with their reason.  What only a team can judge (likelihood,
     recommendation, ...) is left empty; severity is the class that the study gives.
     """
-    if style == "xlsx" and output is None:
+    if style == XLSX and output is None:
         raise click.UsageError("--format xlsx goes into a file: name it with --output")
     check_writable(output)
 
