@@ -158,10 +158,7 @@ def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) 
 
 
 def _row(mutant: Mutant, default: bool) -> dict[str, Any]:
-    arguments = ", ".join(f"{name}={_said(value)}" for name, value in mutant.arguments.items())
+    said = {name: f"{value:g}" if isinstance(value, float) else value for name, value in mutant.arguments.items()}
+    arguments = ", ".join(f"{name}={value}" for name, value in said.items())
     values = (mutant.id, "*" * default, mutant.parameter, mutant.guideword, mutant.seam, mutant.operator, arguments)
     return dict(zip(_COLUMNS, values, strict=True))
-
-
-def _said(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -140,9 +140,8 @@ def _detected(mutant: MutantScore) -> str:
     firm = mutant.firmness.words if mutant.firmness else ""
     if mutant.kills:
         names = {kill.requirement for kill in mutant.kills}
-        by = ", ".join(
-            f"{name} in {ratio.part} of {ratio.whole}" for name, ratio in mutant.requirements if name in names
-        )
+        told = (f"{name} in {ratio.part} of {ratio.whole}" for name, ratio in mutant.requirements if name in names)
+        by = ", ".join(told)
         return f"killed in {len(mutant.killing)} of {_tests(mutant)} ({by}); {firm}"
     by = ", ".join(f"{name} (p = {mutant.safety.p[name]:.2g})" for name in mutant.safety.by)
     seen = f"; seen in {len(mutant.seen_in)} of {_tests(mutant)}" if mutant.seen_in else ""
@@ -290,15 +289,11 @@ def rates(case: Case) -> str:
         tests = [result for result in case.score.results if name in result.steady]
         violated = {result.situation: count for result in tests if (count := dict(result.violated).get(name))}
         if violated:
-            sentences.append(
-                f"{sum(violated.values())} of {sum(result.flown for result in tests)} flights where {name} is steady "
-                f"violate it, in {_some(list(violated))}: chance may explain that (p = {safety.p[name]:.2g}, alpha "
-                f"{safety.share:g})."
-            )
-    flown = len(case.tested)
-    return " ".join(sentences) or (
-        f"no steady requirement is violated in {counted(flown, 'flight')}: too few to decide, whatever they do."
-    )
+            rate = f"{sum(violated.values())} of {sum(result.flown for result in tests)} flights where {name} is steady"
+            chance = f"chance may explain that (p = {safety.p[name]:.2g}, alpha {safety.share:g})"
+            sentences.append(f"{rate} violate it, in {_some(list(violated))}: {chance}.")
+    nothing = f"no steady requirement is violated in {counted(len(case.tested), 'flight')}"
+    return " ".join(sentences) or f"{nothing}: too few to decide, whatever they do."
 
 
 def seeds(case: Case) -> str:
@@ -349,10 +344,8 @@ def untested(case: Case) -> str:
     for name, counts in states.items():
         steady = {key for key in campaign.pool.flown if campaign.pool.states.get((key, name)) is State.STEADY}
         where = campaign.where(steady.__contains__, campaign.pool.flown)
-        sentences.append(
-            f"{name}, which the cell puts at risk, is {states_in_words(counts)} where it infects; "
-            f"it is steady {in_(where)}."
-        )
+        there = f"{name}, which the cell puts at risk, is {states_in_words(counts)} where it infects"
+        sentences.append(f"{there}; it is steady {in_(where)}.")
     return " ".join(sentences)
 
 

@@ -127,7 +127,7 @@ def limits(headers: Sequence[str], rows: Sequence[Sequence[str]], width: int) ->
     """
     columns: list[tuple[str, ...]] = list(zip(*rows, strict=True)) if rows else [()] * len(headers)
     whole = [(header, *column) for header, column in zip(headers, columns, strict=True)]
-    least, natural = ([max(map(of, cells)) for cells in whole] for of in (_longest_word, len))
+    least, natural = ([max(map(of, cells)) for cells in whole] for of in (lambda cell: _words(cell)[1], len))
     least[0] = natural[0]
     if sum(least) + GAP * (len(least) - 1) > width:
         return None
@@ -138,10 +138,6 @@ def limits(headers: Sequence[str], rows: Sequence[Sequence[str]], width: int) ->
 def height(rows: Sequence[Sequence[str]], widths: Sequence[int]) -> int:
     """Lines that rows take in columns of these widths."""
     return sum(max(map(_lines, row, widths), default=1) for row in rows)
-
-
-def _longest_word(cell: str) -> int:
-    return _words(cell)[1]
 
 
 def _narrowed(widths: list[int], least: Sequence[int], columns: Sequence[Sequence[str]], width: int) -> list[int]:

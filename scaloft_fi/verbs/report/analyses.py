@@ -24,7 +24,7 @@ from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score
 from scaloft_fi.analysis.suite import NIST, NIST_SOURCE, interactions, minimal_suite, orders, subsumption
-from scaloft_fi.analysis.survivor import FAILING, Disposition, Judged, PhasedFault, Tried, backgrounds, judge
+from scaloft_fi.analysis.survivor import FAILING, Disposition, Judged, PhasedFault, backgrounds, judge
 from scaloft_fi.campaign.seeking.finds import words_of
 from scaloft_fi.campaign.store.held import nothing_to_show
 from scaloft_fi.hazop.matrix import Matrix, cell_of, class_of, parse, split_magnitude
@@ -284,7 +284,8 @@ def _threshold(fault: PhasedFault, listed: Sequence[Margin], cells: Matrix, safe
 def _situation(margin: Margin, against: Sequence[str]) -> dict[str, Any]:
     (key,) = margin.situations
     at = {tried.magnitude: tried for tried in margin.tried}
-    survivor, strong = (at.get(end) if end is not None else None for end in (margin.survives, margin.end))
+    survivor, strong = (None if end is None else at.get(end) for end in (margin.survives, margin.end))
+    mild, harsh = (dict(tried.rho) if tried else {} for tried in (survivor, strong))
     return {
         "key": key,
         "margin": margin_text(margin),
@@ -292,15 +293,10 @@ def _situation(margin: Margin, against: Sequence[str]) -> dict[str, Any]:
         "seen": finite(margin.seen),
         "kills": finite(margin.kills),
         "by": list(strong.requirements) if strong else [],
-        "rho": {name: [_rho(survivor, name), _rho(strong, name)] for name in against},
+        "rho": {name: [finite(mild.get(name)), finite(harsh.get(name))] for name in against},
         "again": [finite(magnitude) for magnitude in margin.again],
         "flown": [finite(magnitude) for magnitude in sorted(at, key=margin.scale.strength)],
     }
-
-
-def _rho(tried: Tried | None, requirement: str) -> float | str | None:
-    rho: Mapping[str, float] = dict(tried.rho) if tried else {}
-    return finite(rho.get(requirement))
 
 
 def finite(value: float | None) -> float | str | None:
