@@ -47,10 +47,9 @@ def _rows(check: Check) -> Iterator[tuple[TableCell, ...]]:
 
 
 def _built(grid: GridCheck) -> str:
-    if not grid.built:
-        return NOT_CHECKED
     which = "all" if grid.built == grid.situations else str(grid.built)
-    return f"{grid.situations} situations, {which} built with {grid.pairs} pairs of values; {grid.legs} places and legs"
+    told = f"{grid.situations} situations, {which} built with {grid.pairs} pairs of values; {grid.legs} places and legs"
+    return told if grid.built else NOT_CHECKED
 
 
 def _known(number: int | None) -> TableCell:

@@ -198,12 +198,11 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
         InputError: there is no baseline pool to decide by.
     """
     judged = judged_survivors(study, scored, today)
-    for entry in judged:
-        if entry.state is Standing.STALE:
-            say(f"warning: {complaint(entry)}")
+    stale = [entry for entry in judged if entry.state is Standing.STALE]
     failing = [entry for entry in judged if entry.state.fails]
-    for entry in failing:
-        say(f"ratchet: {complaint(entry)}")
+    for sign, entries in (("warning", stale), ("ratchet", failing)):
+        for entry in entries:
+            say(f"{sign}: {complaint(entry)}")
     if not scored.tested.part:
         say("ratchet: no counted mutant was put to the test; there is nothing to hold")
     return ExitCode.BELOW if failing or not scored.tested.part else ExitCode.DONE

@@ -261,9 +261,8 @@ def _packages(packages: Sequence[Package]) -> Table:
     )
     lacking = sorted({f"extra {one.extra}" for one in packages if one.version is None and one.extra})
     notes = (f"`pip install 'scaloft-fi[...]'` installs what is missing: {', '.join(lacking)}.",) if lacking else ()
-    if not packages:
-        notes = ("scaloft-fi is not installed as a package, so its extras are not known.",)
-    return Table("Packages", ("package", "version", "for", "asks"), rows, notes)
+    unknown = "scaloft-fi is not installed as a package, so its extras are not known."
+    return Table("Packages", ("package", "version", "for", "asks"), rows, notes if packages else (unknown,))
 
 
 def _places(study: FoundStudy, machine: Machine) -> Table:

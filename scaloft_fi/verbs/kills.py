@@ -52,10 +52,8 @@ def with_detected(shown: Sequence[Table], matrix: KillMatrix) -> list[Table]:
     if matrix.not_firm:
         notes[0] += f"  Not firm: {', '.join(matrix.not_firm)}."
     if matrix.scattered:
-        notes.append(
-            f"Detected without a kill, so in no table of kills: {', '.join(matrix.scattered)}.  Their violations are "
-            "spread over situations; in none do most flights violate."
-        )
+        spread = "Their violations are spread over situations; in none do most flights violate."
+        notes.append(f"Detected without a kill, so in no table of kills: {', '.join(matrix.scattered)}.  {spread}")
     return [replace(shown[0], notes=(*shown[0].notes, *notes)), *shown[1:]]
 
 
@@ -119,13 +117,12 @@ def suite_table(suite: suites.Suite, matrix: KillMatrix) -> Table:
         words = ", ".join(matrix.space.words_of(key))
         rows.append((key, words, needed, own.killed.part, str(so_far.killed), str(so_far.dominator_score)))
     size = len(suite.situations)
-    if suite.exact:
-        others = "an unknown number" if suite.alternatives is None else str(suite.alternatives)
-        notes = [f"Fewest situations that keep every kill: {size}, proved; sets of that size: {others}."]
-    else:
-        notes = [f"Fewest situations that keep every kill: at most {size}; chosen greedily, too many to prove it."]
+    others = "an unknown number" if suite.alternatives is None else str(suite.alternatives)
+    proved = f"{size}, proved; sets of that size: {others}"
+    found = proved if suite.exact else f"at most {size}; chosen greedily, too many to prove it"
     headers = ("situation", "values", "needed", "killed there", "killed so far", "minimal so far")
-    return Table("Smallest set of situations", headers, tuple(rows), (*notes, COUNTED))
+    notes = f"Fewest situations that keep every kill: {found}.", COUNTED
+    return Table("Smallest set of situations", headers, tuple(rows), notes)
 
 
 def chosen_table(chosen: suites.ChosenKills) -> Table:

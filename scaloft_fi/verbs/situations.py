@@ -298,14 +298,10 @@ def coverage_tables(covered: Coverage, space: Space, choices: Sequence[Choice] =
         ("realised", str(covered.realised), "situations whose every value came true in a baseline flight"),
         ("steady pairs", str(covered.steady), "situation x safety requirement, where the baseline has a pool"),
     ]
-    rows += [
-        (f"realised {axis}", str(ratio), "flown situations where the value on that axis came true")
-        for axis, ratio in covered.by_axis
-    ]
-    rows += [
-        (f"triggered {name}", str(ratio), "flown situations where it was triggered and judged")
-        for name, ratio in covered.requirements
-    ]
+    true = "flown situations where the value on that axis came true"
+    rows += [(f"realised {axis}", str(ratio), true) for axis, ratio in covered.by_axis]
+    judged = "flown situations where it was triggered and judged"
+    rows += [(f"triggered {name}", str(ratio), judged) for name, ratio in covered.requirements]
     states = tuple((state.value, covered.states[state], meaning) for state, meaning in MEANINGS.items())
     tables = [
         Table("Situation coverage", ("coverage", "part/whole", "of"), tuple(rows)),

@@ -48,6 +48,7 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
     """The argument's nodes by id, the module's head among them."""
     names = ", ".join(requirement.name for requirement in dossier.requirements)
     seeds = ", ".join(map(str, dossier.seeds)) or "none"
+    size = f"{len(dossier.space.axes)} axes, {len(dossier.space.points)} situations"
     argument: dict[str, Any] = {
         "module": {"name": "situation_coverage_and_fault_detection", "brief": f"Campaign {dossier.campaign}"},
         "G1": {
@@ -55,9 +56,7 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
             "supportedBy": ["S1"],
             "inContextOf": ["C1", "C2", "C3", "A1"],
         },
-        "C1": {
-            "text": f"Operational domain model: {len(dossier.space.axes)} axes, {len(dossier.space.points)} situations"
-        },
+        "C1": {"text": f"Operational domain model: {size}"},
         "C2": {"text": f"Requirements in signal temporal logic: {names}"},
         "C3": {"text": f"{len(dossier.score.mutants)} mutants from a HAZOP deviation matrix, seeds {seeds}"},
         "A1": {"text": "The simulator represents the operating environment (argued elsewhere)"},

@@ -245,10 +245,11 @@ def _ratios(dossier: Dossier) -> Table:
 def _of(dossier: Dossier, verdict: Verdict) -> Table:
     """The mutants of a verdict, each with what it rests on."""
     members = dossier.of(verdict)
-    rows = [(m.subject.id, class_of(m.severity), dossier.why(m) + dossier.find_told(m)) for m in members]
-    if not any(mutant.severity for mutant in members):
-        return Table(f"{len(rows)} {verdict.words}", ("mutant", "why"), tuple((id_, why) for id_, _, why in rows))
-    return Table(f"{len(rows)} {verdict.words}", ("mutant", "severity", "why"), tuple(rows))
+    classed = any(mutant.severity for mutant in members)
+    rows = tuple(
+        (m.subject.id, *[class_of(m.severity)] * classed, dossier.why(m) + dossier.find_told(m)) for m in members
+    )
+    return Table(f"{len(rows)} {verdict.words}", ("mutant", *["severity"] * classed, "why"), rows)
 
 
 def _findings(dossier: Dossier) -> Table:
