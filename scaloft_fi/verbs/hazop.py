@@ -127,9 +127,8 @@ def fault_yaml(fault: Fault) -> dict[str, Any]:
         for key, value in asdict(fault.magnitude).items()
         if key != "place" and value not in (None, "") and (key, value) != ("scale", 1.0)
     }
-    told = {
-        "arguments": dict(fault.arguments), "magnitude": magnitude and {"unit": "", **magnitude}, "phases": fault.phases
-    }  # fmt: skip
+    raised = magnitude and {"unit": "", **magnitude}
+    told = {"arguments": dict(fault.arguments), "magnitude": raised, "phases": fault.phases}
     return {"seam": fault.seam, "operator": fault.operator, **{key: value for key, value in told.items() if value}}
 
 

@@ -143,10 +143,8 @@ def _chosen(
     known = {mutant.id for mutant in chosen}
     if cells or not patterns:
         chosen += [m for m in derived if (not cells or m.cell in cells) and m.id not in known]
-    if not only_defaults:
-        return chosen
     kept = {mutant.id for mutant in catalogue.defaults(matrix)}
-    return [mutant for mutant in chosen if mutant.id in kept]
+    return [mutant for mutant in chosen if mutant.id in kept or not only_defaults]
 
 
 def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) -> str:

@@ -372,8 +372,7 @@ class Dossier:
 
     def acceptance(self, mutant: MutantScore) -> str:
         """Who accepted a survivor, until when and why; empty where nobody did."""
-        known = self.accepted.get(mutant.subject.id)
-        return acceptance(known) if known else ""
+        return acceptance(known) if (known := self.accepted.get(mutant.subject.id)) else ""
 
     def verdict(self, mutant: MutantScore) -> str:
         """The verdict on a mutant and what it rests on, in a line."""

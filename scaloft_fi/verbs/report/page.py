@@ -168,15 +168,10 @@ def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any
     """What the gates of a campaign say of these flights, and the counts behind them."""
     outcomes, roster = evidence.outcomes, evidence.study.roster
     flown = {outcome.situation for outcome in outcomes}
+    whole, same = flown == evidence.study.space.point.keys(), evidence.study.stack.deterministic
+    spending = Spending(scored.alpha)
     try:
-        check_gates(
-            outcomes,
-            roster,
-            canary=None,
-            whole_grid=flown == evidence.study.space.point.keys(),
-            deterministic=evidence.study.stack.deterministic,
-            spending=Spending(scored.alpha),
-        )
+        check_gates(outcomes, roster, canary=None, whole_grid=whole, deterministic=same, spending=spending)
         failed = ""
     except GateError as error:
         failed = str(error)
@@ -229,10 +224,8 @@ def html(content: Mapping[str, Any], packed: Mapping[str, str]) -> str:
     """The page of these figures and packs of flights."""
     style = "\n".join(map(asset, STYLES))
     script = '"use strict";\n(() => {\n' + "\n".join(map(asset, SCRIPTS)) + "\n})();\n"
-    policy = (
-        f"default-src 'none'; img-src data:; style-src '{_hash(style)}'; script-src '{_hash(script)}';"
-        " base-uri 'none'; form-action 'none'"
-    )
+    sources = f"style-src '{_hash(style)}'; script-src '{_hash(script)}'"
+    policy = f"default-src 'none'; img-src data:; {sources}; base-uri 'none'; form-action 'none'"
     parts = {"POLICY": policy, "STYLE": style, "SCRIPT": script}
     parts |= {"FIGURES": inert(content), "FLIGHTS": inert(packed)}
     # in one pass, so that no part is searched for the places of others
