@@ -29,7 +29,7 @@ from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import realise, source_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
-from scaloft_fi.verbs.options import Option, SeedsOption, Several, answer, campaign_over, several, typed, verb
+from scaloft_fi.verbs.options import Option, SeedsOption, Several, campaign_over, several, typed, verb
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verdict import in_campaign
 from scaloft_fi.views.output import Answer, Output
@@ -643,11 +643,9 @@ def margin_command(
     jobs: options.Jobs,
     same_platform: options.SamePlatform,
     untrusted: options.Untrusted,
-    style: options.TableFormat,
-    tables_folder: options.TablesFolder,
     warnings: options.Warnings,
     quiet: options.Quiet,
-) -> None:
+) -> Answer:
     """Find the smallest magnitude of each fault that is killed, situation by situation.
 
     The whole ladder is flown, then the interval between the strongest magnitude that survives and the mildest of which
@@ -662,19 +660,18 @@ def margin_command(
     if when:
         if situations or seeds != "1" or tolerance is not None:
             raise click.UsageError("--when flies nothing and goes with no --situation, --seeds or --tolerance")
-        found = when_answer(Study.open(study_folder, grid), campaign, mutants, operability=operability)
-    else:
-        study = study_of(study_folder, campaign, grid)
-        options.allow(study, untrusted=untrusted)
-        found = margin(
-            study,
-            campaign,
-            mutants,
-            RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),
-            situations=situations,
-            seeds=parse_seeds(seeds),
-            tolerance=tolerance,
-            operability=operability,
-            progress=Silence if quiet else Progress,
-        )
-    answer(found, style, tables_folder)
+        return when_answer(Study.open(study_folder, grid), campaign, mutants, operability=operability)
+
+    study = study_of(study_folder, campaign, grid)
+    options.allow(study, untrusted=untrusted)
+    return margin(
+        study,
+        campaign,
+        mutants,
+        RunOptions(jobs=jobs or cores(), warnings=warnings, same_platform=same_platform, command=typed()),
+        situations=situations,
+        seeds=parse_seeds(seeds),
+        tolerance=tolerance,
+        operability=operability,
+        progress=Silence if quiet else Progress,
+    )

@@ -29,17 +29,7 @@ from scaloft_fi.sim.grid import FOUND_FILE, Break, grid_names, own_name, read_fi
 from scaloft_fi.sim.stacks import claims_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
-from scaloft_fi.verbs.options import (
-    CampaignOption,
-    GridOption,
-    Option,
-    SeedOption,
-    Several,
-    answer,
-    check_own,
-    typed,
-    verb,
-)
+from scaloft_fi.verbs.options import CampaignOption, GridOption, Option, SeedOption, Several, check_own, typed, verb
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verdict import words
 from scaloft_fi.views.output import Answer, Output
@@ -437,11 +427,9 @@ def seek_command(
     jobs: options.Jobs,
     same_platform: options.SamePlatform,
     untrusted: options.Untrusted,
-    style: options.TableFormat,
-    tables_folder: options.TablesFolder,
     warnings: options.Warnings,
     quiet: options.Quiet,
-) -> None:
+) -> Answer:
     """Find situations that show mutants: the mutant violates a safety requirement, the unmutated drone does not.
 
     Sought are the named mutants, else every cell's default that the score of --campaign does not call detected and no
@@ -467,4 +455,4 @@ def seek_command(
     search = Search(into or grid, run_options, seed, finds.Allowance.parse(budget), progress, anyhow, replicate)
     study = study_to_search(study_folder, grid, search.into)
     options.allow(study, untrusted=untrusted)
-    answer(seek(study, campaign, mutants, search, named=study_folder), style, tables_folder)
+    return seek(study, campaign, mutants, search, named=study_folder)
