@@ -248,9 +248,8 @@ def judged_table(told: JudgedRecords) -> Table:
         for one in told.readings
         if one.between_s is not None
     ]
-    counted = f"{verdicts.count(RecordVerdict.VIOLATED)} of {len(rows)} readings are violated."
-    if RecordVerdict.VACUOUS in verdicts:
-        counted += "  Vacuous: the condition of the requirement never came true."
+    vacuous = "  Vacuous: the condition of the requirement never came true." * (RecordVerdict.VACUOUS in verdicts)
+    counted = f"{verdicts.count(RecordVerdict.VIOLATED)} of {len(rows)} readings are violated.{vacuous}"
     return Table("Requirements on records", HEADERS, rows, (*notes, counted))
 
 
