@@ -9,15 +9,15 @@ def start() -> None:
 
     if _signal.getsignal(_signal.SIGINT) is _signal.default_int_handler:
         _signal.signal(_signal.SIGINT, _signal.SIG_DFL)  # ends the process without a word, until there is a handler
-    from scaloft_fi import output
+    from scaloft_fi.output import end_at_signals, ignore_signals
 
-    output.end_at_signals()
+    end_at_signals()
     from scaloft_fi.cli import main
 
     try:
         main()
     finally:
-        output.ignore_signals()  # what is left to do has no place for a traceback
+        ignore_signals()  # what is left to do has no place for a traceback
 
 
 if __name__ == "__main__":

@@ -82,7 +82,7 @@ class Setup:
 
     @cached_property
     def grid(self) -> Grid:
-        """The situations.  Verbs that only read results build no sensors, whose import needs the compiler.
+        """The situations.  Verbs that only read results build no worlds; `sim` proves that the worlds are possible.
 
         Raises:
             InputError: a predicate of an axis compares a signal with a threshold beyond its cap.
@@ -100,7 +100,7 @@ class Setup:
     @cached_property
     def signals(self) -> tuple[str, ...]:
         """Names of the signals that requirements and situations may use; a command adds those of its record."""
-        world = self.grid.world()
+        world = self.grid.recorded
         ours = signal_names(world.surfaces, self.stack.beliefs, world.signals)
         path = self.folder / "sim" / "record.yaml"
         if self.command is None or not is_there(path):
@@ -114,7 +114,7 @@ class Setup:
         return self._caps(self.grid)
 
     def _caps(self, grid: Grid) -> Mapping[str, float]:
-        optional = (SIGNALS[name] for name in grid.world().signals)
+        optional = (SIGNALS[name] for name in grid.recorded.signals)
         return {**self.stack.caps, **{signal.name: signal.most for signal in optional if math.isfinite(signal.most)}}
 
     @cached_property

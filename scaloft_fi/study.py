@@ -375,7 +375,7 @@ class Study(Setup):
             if self.grid_name is not None or path.parts[0] != FOLDER
         }
         others |= {f"../{name}": digest(self.folder / name) for name in (self.command.inputs if self.command else ())}
-        roles = [(b.name, ROLES[b.role].seen_as) for b in self.grid.world().bodies.values()]
+        roles = [(b.name, ROLES[b.role].seen_as) for b in self.grid.recorded.bodies.values()]
         judged = [(r.name, r.kind, r.text, r.trigger, r.definitions) for r in self.requirements]
         code = closure(self.flying_modules)
         modules = self.operator_modules
@@ -406,7 +406,7 @@ class Study(Setup):
         makers = [
             self.stack.make,
             *(kinds[name].make for name in sensors if name in kinds),
-            *(SIGNALS[name].make for name in self.grid.world().signals),
+            *(SIGNALS[name].make for name in self.grid.recorded.signals),
             *(HAPPENINGS[name].effect for name in self._kinds_of_happenings if name in HAPPENINGS),
         ]
         return *FLYING, *(COMMANDED if self.command else ()), *dict.fromkeys(make.__module__ for make in makers)

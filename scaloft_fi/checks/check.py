@@ -38,6 +38,7 @@ from scaloft_fi.sim.grid import (
     assembled,
     contradictions,
     grid_names,
+    impossible_worlds,
     is_grid_name,
 )
 from scaloft_fi.sim.happenings import HAPPENINGS
@@ -89,7 +90,9 @@ def check_grid(study: Study, grid: Grid | None, known: KnownSignals | None, find
     axes = grid.axes if grid else _axes(study, findings)
     predicates = [(axis, value) for axis in axes for value in (*axis.values, *axis.extremes) if value.realised]
     # the situations of a search are in the axes of another grid, which has been checked
-    agreed = grid is not None and (grid.listed is not None or findings.all_of(contradictions(grid)))
+    agreed = grid is not None and (
+        grid.listed is not None or findings.all_of((*contradictions(grid), *impossible_worlds(grid)))
+    )
     if known is not None:
         passing = grid.passing_signals if grid and agreed else _thinkable(study)
         for axis, value in predicates:

@@ -140,8 +140,6 @@ def _patched(
 
 def _check_event(name: Name, fault: Fault, written: str) -> None:
     """Refuse an event that does not exist or cannot come."""
-    if not fault.events:
-        raise InputError(f"mutant {written!r}: operator {fault.operator!r} strikes at times only, such as #5s")
     if name.event not in fault.events:
         raise InputError(f"mutant {written!r}: no event {name.event!r}{did_you_mean(name.event, fault.events)}")
     if why_not := fault.events[name.event]:
@@ -149,18 +147,16 @@ def _check_event(name: Name, fault: Fault, written: str) -> None:
 
 
 def with_events(matrix: Matrix, events: Mapping[str, str]) -> Matrix:
-    """The matrix whose faults with phases strike at events too, where their operator opens windows at events.
+    """The matrix whose faults with phases strike at events too.
 
     Args:
         matrix: the matrix.
         events: by name of an event of a flight why it can come in no flight of the study; "" if it can.
     """
-
-    def struck(fault: Fault) -> Fault:
-        awaits = fault.phases and fault.operator in OPERATORS and OPERATORS[fault.operator].awaits_events
-        return replace(fault, events=events) if awaits else fault
-
-    cells = {key: replace(cell, faults=tuple(map(struck, cell.faults))) for key, cell in matrix.cells.items()}
+    cells = {
+        key: replace(cell, faults=tuple(replace(f, events=events) if f.phases else f for f in cell.faults))
+        for key, cell in matrix.cells.items()
+    }
     return replace(matrix, cells=cells)
 
 

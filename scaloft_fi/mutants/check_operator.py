@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from scaloft_fi.mutants.operator import Occurrences
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.registry import load_plugins
 
@@ -71,6 +72,9 @@ def check_operator(name: str) -> OperatorCheck:
             for place, (said, there) in enumerate(zip(example.after, arrived, strict=False))
             if not alike(said, there)
         ]
+    one.tap(replace(example.context(), event=(event := Occurrences())), example.arguments)
+    if event.awaited != one.awaits_events:
+        failures.append("it must have the argument phase_s if, and only if, it takes its windows from its context")
     if not one.summary.endswith("."):
         failures.append("its docstring must begin with a sentence: it is what lists of operators show")
     return OperatorCheck(name, arrived, tuple(failures))

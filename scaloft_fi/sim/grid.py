@@ -54,7 +54,7 @@ from scaloft_fi.sim.situation import (
     overlap,
     patched,
 )
-from scaloft_fi.sim.world import World, read_world
+from scaloft_fi.sim.world import World, read_world, without_rock
 
 MOST_CONSTRAINTS = 100
 """Each is compared with every point of the grid."""
@@ -415,6 +415,11 @@ class Grid:
         return read_world(document, self.mine if unchanged else None)
 
     @cached_property
+    def recorded(self) -> World:
+        """The world that no axis changes, without its rock: what flights record has the names of its bodies."""
+        return without_rock(self.documents["world"])
+
+    @cached_property
     def mine(self) -> Mine:
         """The mine of every world whose situation does not change it; reading a mesh takes seconds."""
         return read_mine(self.documents["world"].need("mine"))
@@ -476,7 +481,7 @@ class FurtherGridModel(GridModel):
 
 
 def read_grid(item: Item, documents: Mapping[str, Item], name: str | None = None) -> Grid:
-    """Read the axes, and check the world of each single value.
+    """Read the axes, and check that they agree.
 
     Args:
         item: the file of the grid.
@@ -532,7 +537,7 @@ def contradictions(grid: Grid) -> Iterator[InputError]:
     """What the axes of a grid cannot agree on, error by error.
 
     The constraints exclude every situation of a value, or leave one in which two axes set one path; an alias names no
-    situation; a value changes an unknown path, or makes an impossible world.
+    situation.
     """
     yield from lonely_values(grid.axes, grid.situations, grid.constraints)
     yield from common_paths(grid.axes, grid.situations)
@@ -542,6 +547,10 @@ def contradictions(grid: Grid) -> Iterator[InputError]:
             grid.situation(grid.aliases[alias])
         except InputError as error:
             yield InputError(f"{entry.place}: alias {alias!r}: {error}")
+
+
+def impossible_worlds(grid: Grid) -> Iterator[InputError]:
+    """An error for each value that changes an unknown path, or makes an impossible world."""
     try:
         _ = grid.mine
     except InputError as error:
@@ -607,7 +616,7 @@ def load_grid(folder: Path, name: str | None = None, *, proved: bool = True) -> 
     Args:
         folder: the `sim` folder.
         name: name of a file in `grids/`, or of the own grid with `+found`; None for the study's own grid.
-        proved: whether the axes may not contradict each other; who only looks up situations need not make worlds.
+        proved: whether the axes may not contradict each other.
 
     Raises:
         InputError: as `read_grid`, or a file cannot be read.

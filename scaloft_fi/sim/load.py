@@ -21,7 +21,7 @@ from scaloft_fi.document import load as load_document
 from scaloft_fi.errors import Faults, InputError, did_you_mean
 from scaloft_fi.marks import Called, Choices
 from scaloft_fi.model import read
-from scaloft_fi.sim.grid import FILE, Grid, read_grid, remedy
+from scaloft_fi.sim.grid import FILE, Grid, impossible_worlds, read_grid, remedy
 from scaloft_fi.sim.mine import WallPoint
 from scaloft_fi.sim.sensors import SensorsConfig, read_sensors
 from scaloft_fi.sim.sensors.camera import look
@@ -302,10 +302,13 @@ def load(
     documents = patched(documents, places)
     if grid is None:
         grid = read_grid(documents["situations"], documents)
-    elif grid.item is not None:
+    elif (own := grid.item) is not None:
         # what the grid adds is in its documents
-        entries = {key: entry for key, entry in grid.item.mapping().items() if key != "adds"}
-        documents = {**documents, **grid.documents, "situations": replace(grid.item, value=entries)}
+        entries = {key: entry for key, entry in own.mapping().items() if key != "adds"}
+        documents = {**documents, **grid.documents, "situations": replace(own, value=entries)}
+    faults = Faults()
+    faults.add(*impossible_worlds(grid))
+    faults.end()
     for value in grid.proved_values:
         if any(not path.startswith("world.") for path in value.changes):  # the grid itself has read the world
             _read(grid, grid.documents_with([value]))

@@ -355,6 +355,11 @@ def assembled(item: Item, mine: Mine | None = None) -> World:
     return world if mine is not None else replace(world, mine=found)
 
 
+def without_rock(item: Item) -> World:
+    """A world of which only names are asked: its `mine`, which takes seconds to read from a mesh, is None."""
+    return read(World, item, fixed={"mine": None})
+
+
 ON_FLOOR_M = 0.05
 """Approximate height of a standing vehicle's centre [m]."""
 MOST_TRIED = 20

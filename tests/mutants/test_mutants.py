@@ -111,16 +111,15 @@ def test_events_change_no_default_and_no_mutant_that_strikes_at_times():
     assert tuple(mutant for mutant in derive(struck) if not mutant.event) == derive(matrix)
 
 
-def test_an_operator_that_opens_no_windows_at_events_strikes_at_times_only(monkeypatch: pytest.MonkeyPatch):
+def test_an_operator_whose_phase_shifts_windows_of_its_own_fails_its_check(monkeypatch: pytest.MonkeyPatch):
     def deafened(_context: TapContext, *, burst_s: Hold, period_s: Period = 20.0, phase_s: Seconds = 0.0) -> Tap:
+        """Lose samples in windows."""
         windows = Windows.periodic(period_s, phase_s, burst_s)
         return lambda t_s, sample: None if windows.open(t_s) else sample
 
+    assert check_operator("outage").failures == ()
     monkeypatch.setitem(OPERATORS._entries, "outage", replace(OPERATORS["outage"], make=deafened))
-    matrix = with_events(a_matrix(BURSTS), EVENTS)
-    assert not [mutant for mutant in derive(matrix) if mutant.event]
-    with pytest.raises(InputError, match="operator 'outage' strikes at times only, such as #5s"):
-        realise(matrix, "NO-human#sight")
+    assert ["phase_s" in failure for failure in check_operator("outage").failures] == [True]
 
 
 def test_every_fault_of_the_reference_study_with_phases_strikes_at_events(matrix: Matrix):

@@ -495,7 +495,7 @@ class Archive(Store):
         """The flights by key, ordered by mutant, situation, seed."""
         path, said, study = self.place / OUTCOMES, self.manifest, self.study
         listed = read_outcomes(path, self._content(OUTCOMES), tuple(said.requirements.items()), said.axes)
-        flown = {(one.mutant, one.situation, one.seed): one for one in listed}
+        flown = {(one.subject.id, one.situation, one.seed): one for one in listed}
         if len(flown) < len(listed):
             raise InputError(f"{path}: a flight occurs twice")
         _ = study.grid, study.matrix  # read here, so that an error in them is raised
