@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -170,31 +171,33 @@ def _of(parent: str, sample: str, axes: str = "xyz") -> Mapping[str, str]:
 
 TWIST = {**_of("linear", "velocity"), "angular.z": "turn_radps"}
 
-LAYOUTS: Mapping[type, tuple[Layout, ...]] = {
-    PoseEstimate: (
-        Layout("nav_msgs/Odometry", odometry, WORLD),
-        Layout("geometry_msgs/PoseStamped", pose_stamped, WORLD),
-    ),
-    DepthFrame: (Layout("sensor_msgs/Image", image, OPTICAL),),
-    CameraInfo: (Layout("sensor_msgs/CameraInfo", camera_info, OPTICAL),),
-    Imu: (Layout("sensor_msgs/Imu", imu, BODY),),
-    Detections: (
-        Layout("sensor_msgs/PointCloud2", point_cloud, BODY),
-        Layout("vision_msgs/Detection3DArray", detections_3d, BODY),
-    ),
-    Battery: (Layout("sensor_msgs/BatteryState", battery, BODY),),
-    Bumper: (Layout("std_msgs/Bool", hull),),
-    Motion: (
-        Layout("geometry_msgs/Twist", read=TWIST),
-        Layout("geometry_msgs/TwistStamped", read={f"twist.{theirs}": ours for theirs, ours in TWIST.items()}),
-    ),
-    Goal: (
-        Layout("geometry_msgs/PoseStamped", read=_of("pose.position", "point")),
-        Layout("geometry_msgs/PointStamped", read=_of("point", "point")),
-    ),
-    SpeedLimit: (Layout("std_msgs/Float64", read={"data": "limit_mps"}, also={"norm": "euclidean"}),),
-    Land: (Layout("std_msgs/Empty"),),
-}
+LAYOUTS: Mapping[type, tuple[Layout, ...]] = MappingProxyType(
+    {
+        PoseEstimate: (
+            Layout("nav_msgs/Odometry", odometry, WORLD),
+            Layout("geometry_msgs/PoseStamped", pose_stamped, WORLD),
+        ),
+        DepthFrame: (Layout("sensor_msgs/Image", image, OPTICAL),),
+        CameraInfo: (Layout("sensor_msgs/CameraInfo", camera_info, OPTICAL),),
+        Imu: (Layout("sensor_msgs/Imu", imu, BODY),),
+        Detections: (
+            Layout("sensor_msgs/PointCloud2", point_cloud, BODY),
+            Layout("vision_msgs/Detection3DArray", detections_3d, BODY),
+        ),
+        Battery: (Layout("sensor_msgs/BatteryState", battery, BODY),),
+        Bumper: (Layout("std_msgs/Bool", hull),),
+        Motion: (
+            Layout("geometry_msgs/Twist", read=TWIST),
+            Layout("geometry_msgs/TwistStamped", read={f"twist.{theirs}": ours for theirs, ours in TWIST.items()}),
+        ),
+        Goal: (
+            Layout("geometry_msgs/PoseStamped", read=_of("pose.position", "point")),
+            Layout("geometry_msgs/PointStamped", read=_of("point", "point")),
+        ),
+        SpeedLimit: (Layout("std_msgs/Float64", read={"data": "limit_mps"}, also={"norm": "euclidean"}),),
+        Land: (Layout("std_msgs/Empty"),),
+    }
+)
 """The usual messages of each port, the first one where a topic names none."""
 
 

@@ -59,6 +59,7 @@ def _parts(value: Any, seen: set[int]) -> Iterator[str]:
             return
         seen.add(id(value))
         code, known = value.__code__, value.__globals__
+        yield _name_of(value)
         yield from _of_code(code, value.__doc__)
         yield repr(value.__defaults__)
         for name in sorted({step.argval for step in dis.get_instructions(code) if step.opname == "LOAD_GLOBAL"}):
@@ -73,16 +74,23 @@ def _parts(value: Any, seen: set[int]) -> Iterator[str]:
     elif isinstance(value, np.ndarray):
         yield from (value.dtype.str, repr(value.shape), value.tobytes().hex())
     elif isinstance(value, tuple):
-        yield type(value).__qualname__
+        yield _name_of(type(value))
         for one in value:
             yield from _parts(one, seen)
     elif isinstance(value, bool | int | float | complex | str | bytes | np.generic | None):
         yield repr(value)
-    elif isinstance(value, type | ModuleType):
-        yield f"{value.__name__} {getattr(value, '_fields', '')}"
+    elif isinstance(value, type):
+        yield f"{_name_of(value)} {getattr(value, '_fields', '')}"
+    elif isinstance(value, ModuleType):
+        yield value.__name__
     else:  # such as an intrinsic, whose definition is a function
         yield type(value).__qualname__
         yield from _parts(getattr(value, "_defn", None), seen)
+
+
+def _name_of(value: type | FunctionType) -> str:
+    """Where machine code imports `value` from when it is loaded."""
+    return f"{value.__module__}.{value.__qualname__}"
 
 
 def _of_code(code: CodeType, about: str | None) -> Iterator[str]:

@@ -30,6 +30,7 @@ from scaloft_fi.hazop.matrix import (
 )
 from scaloft_fi.mutants import catalogue
 from scaloft_fi.mutants.catalogue import default_of, defaults, derive, realise, select, source_of, with_events
+from scaloft_fi.mutants.check_operator import check_operator
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.mutants.operator import Facts, Hold, Period, Seconds, Tap, TapContext, Windows
 from scaloft_fi.mutants.operators import OPERATORS

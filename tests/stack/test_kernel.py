@@ -38,6 +38,7 @@ def test_machine_code_is_found_again_wherever_its_source_stands(monkeypatch, tmp
         "STEP = 2.0\ndef own(x):\n    return x\ndef part(x):\n    return own(x) * STEP\n",
         "STEP = 1.0\ndef own(x):\n    return -x\ndef part(x):\n    return own(x) * STEP\n",
         "STEP = 1.0\ndef own(x):\n    return x\ndef part(x):\n    return own(x) + STEP\n",
+        "__name__ = 'elsewhere'\nSTEP = 1.0\ndef own(x):\n    return x\ndef part(x):\n    return own(x) * STEP\n",
         "import numpy as np\nSTEP = np.zeros(2)\ndef own(x):\n    return x\ndef part(x):\n    return own(x) * STEP\n",
     ],
 )
