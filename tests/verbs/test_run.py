@@ -188,7 +188,7 @@ def test_a_lender_from_another_platform_is_onesentence(call: Call, monkeypatch: 
     lender = str(tmp_path / "lender" / "c")
     where = ("--mutant", "PLACEBO", "--situation", "T0O0W0D0H0", "--quiet")
     call("run", *where, "--campaign", lender, campaign=False)
-    monkeypatch.setattr("scaloft_fi.campaign.store.archive.fingerprint", lambda: {"machine": "PDP-11"})
+    monkeypatch.setattr("scaloft_fi.campaign.store.platforms.fingerprint", lambda: {"machine": "PDP-11"})
     assert "was flown on another platform" in sentence(call("run", *where, "--baseline-from", lender))
 
 
