@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from processes import ROOT, call, install_project
+from processes import ROOT, call, install_project, printed
 
 EXAMPLE = ROOT / "examples" / "own_planner"
 WATCH = """
@@ -30,15 +30,13 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def study(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("planner") / "study"
-    done = call(site, EXAMPLE / "copy_study.py", folder, cwd=ROOT)
-    assert done.returncode == 0, done.stderr
+    printed(EXAMPLE / "copy_study.py", folder, site=site)
     return folder
 
 
 @pytest.mark.release
 def test_the_catalogue_of_the_reference_study_serves_it(site: Path, study: Path):
-    done = call(site, "-m", "scaloft_fi", "mutants", "--check", "--study", study, cwd=study)
-    assert done.returncode == 0, done.stderr
+    printed("-m", "scaloft_fi", "mutants", "--check", "--study", study, site=site, cwd=study)
 
 
 @pytest.mark.release

@@ -7,12 +7,11 @@ import io
 import json
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
 from options import usually
-from processes import ROOT, call, called, install, install_project
+from processes import ROOT, called, install, install_project, printed
 
 from scaloft_fi.stack.reference.declaration import SEAMS
 
@@ -49,15 +48,13 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return Path(shutil.copytree(EXAMPLE / "study", tmp_path_factory.mktemp("own") / "study"))
 
 
-@pytest.fixture(scope="module")
-def campaign(site: Path, study: Path) -> subprocess.CompletedProcess[str]:
-    return call(site, "-m", "scaloft_fi", *FLOWN, "--study", study, cwd=study)
-
-
 def _verb(site: Path, study: Path, *words: str | Path) -> str:
-    done = call(site, "-m", "scaloft_fi", *words, "--study", study, cwd=study)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+    return printed("-m", "scaloft_fi", *words, "--study", study, site=site, cwd=study)
+
+
+@pytest.fixture(scope="module")
+def campaign(site: Path, study: Path) -> str:
+    return _verb(site, study, *FLOWN)
 
 
 def test_the_six_cells_are_read_and_their_catalogue_is_current(site: Path, study: Path):
@@ -69,7 +66,7 @@ def test_the_six_cells_are_read_and_their_catalogue_is_current(site: Path, study
 
 def test_its_seams_are_its_own(site: Path, study: Path):
     code = "from scaloft_fi.api import Study; print(*Study.open('.').stack.by_name)"
-    seams = set(call(site, "-c", code, cwd=study).stdout.split())
+    seams = set(printed("-c", code, site=site, cwd=study).split())
 
     assert seams == {"gyro", "place", "height", "sight", "range", "drive", "rotors"}
     assert not seams & {seam.name for seam in SEAMS}
@@ -79,17 +76,15 @@ def test_its_seams_are_its_own(site: Path, study: Path):
 @pytest.mark.flight
 def test_it_keeps_its_contract(site: Path, study: Path):
     code = f"from scaloft_fi.api import check_stack; print(check_stack('.', situation={SITUATION!r}))"
-    done = call(site, "-c", code, cwd=study)
-    assert "it keeps its contract" in done.stdout, done.stdout + done.stderr
+    assert "it keeps its contract" in printed("-c", code, site=site, cwd=study)
 
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_a_run_scores_it_and_its_control_shows_itself(campaign: subprocess.CompletedProcess[str]):
-    assert campaign.returncode == 0, campaign.stderr
-    assert "Controls, in no ratio: 1 of 1 show" in campaign.stdout
-    assert re.search(r"REVERSE-drive .*SR2", campaign.stdout), campaign.stdout
-    assert "1 situations with a pool it holds steadily SR1 in 1, SR2 in 1" in campaign.stdout
+def test_a_run_scores_it_and_its_control_shows_itself(campaign: str):
+    assert "Controls, in no ratio: 1 of 1 show" in campaign
+    assert re.search(r"REVERSE-drive .*SR2", campaign), campaign
+    assert "1 situations with a pool it holds steadily SR1 in 1, SR2 in 1" in campaign
 
 
 VERBS = [
@@ -123,7 +118,7 @@ VERBS = [
 
 
 @pytest.fixture(scope="module")
-def told(site: Path, study: Path, campaign: subprocess.CompletedProcess[str]) -> dict[str, tuple[int, str]]:
+def told(site: Path, study: Path, campaign: str) -> dict[str, tuple[int, str]]:
     """By verb, its exit code and what it printed."""
     return {" ".join(words): said for words, said in zip(VERBS, called(site, *VERBS, cwd=study), strict=True)}
 
@@ -166,9 +161,7 @@ print(json.dumps({
 @pytest.mark.flight
 def test_two_stacks_in_one_process_fly_as_each_does_alone(tmp_path: Path):
     install_project(tmp_path, EXAMPLE)
-    done = call(tmp_path, "-c", TWO, EXAMPLE / "study", ROOT, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    answer = json.loads(done.stdout.splitlines()[-1])
+    answer = json.loads(printed("-c", TWO, EXAMPLE / "study", ROOT, site=tmp_path).splitlines()[-1])
     own, reference = answer["seams"]
     assert not set(own) & set(reference)
     assert answer["before"] == answer["after"]

@@ -7,8 +7,8 @@ import shutil
 
 import pytest
 from builders import CRUISE, with_range
-from finding import SMALL, small_study
-from studies import LIGHT
+from finding import small_study
+from studies import GRIDS
 
 from scaloft_fi.campaign.runs.request import choose_situations
 from scaloft_fi.errors import InputError
@@ -209,7 +209,7 @@ def test_the_reference_study_has_the_grid_of_the_paper_two_further_ones_and_that
 
 
 def test_a_further_grid_has_its_own_axes_over_the_same_world(study):
-    (study / "grids" / "light.yaml").write_text(LIGHT)
+    shutil.copy(GRIDS / "light.yaml", study / "grids")
     grid = load_grid(study, "light")
     assert keys(grid.situations) == ["L0", "L1", "L2"]
     assert grid.world(grid.situation("L1")).light == 0.2
@@ -225,11 +225,11 @@ def test_the_name_of_the_own_grid_is_a_name_or_situations(edited):
 
 def test_files_that_are_no_grids_are_passed_over_and_a_name_is_used_once(study):
     for name in (".hidden", "my grid", "..", "light"):
-        (study / "grids" / f"{name}.yaml").write_text(LIGHT)
+        shutil.copy(GRIDS / "light.yaml", study / "grids" / f"{name}.yaml")
     (study / "grids" / "folder.yaml").mkdir()
     assert set(grid_names(study)) - {"light"} == set(grid_names(SIM)) - {"paper+found"}
     path = study / "grids" / "paper.yaml"
-    path.write_text(LIGHT)
+    shutil.copy(GRIDS / "light.yaml", path)
     with pytest.raises(InputError, match=rf"^{path}: the grid of situations\.yaml is called 'paper' already"):
         grid_names(study)
 
@@ -291,34 +291,9 @@ def test_a_free_axis_at_its_benign_value_is_left_out_and_changes_nothing(searche
     assert searched.grid.at({"T": 0, "O": 0, "W": 0, "D": 0, "H": 1}, {"Cs": 0.5}).key == "T0O0W0D0H1"
 
 
-BELT = """
-  Be:
-    title: belt conveyor of height
-    category: environment, static obstacle
-    set: bodies.belt.size_m.2
-    from: 0.4
-    to: 1.2
-    unit: m
-    distribution: uniform
-    benign: 0.9
-    also: {bodies.belt.present: true}
-adds:
-  world:
-    bodies:
-      belt:
-        role: structure
-        shape: box
-        size_m: [0.7, 5.0, 0.9]
-        position: [0.15, 4.0]
-        reflectivity: 0.3
-        present: false
-        optional: true
-"""
-
-
 def test_an_optional_body_has_a_signal_only_where_it_stands(tmp_path):
     own = small_study(tmp_path)
-    (tmp_path / "sim" / "grids" / "belt.yaml").write_text(SMALL + BELT, encoding="utf-8")
+    shutil.copy(GRIDS / "belt.yaml", tmp_path / "sim" / "grids")
     belt = Study.open(tmp_path, "belt")
     without, with_ = (belt.scenario(belt.grid.situation(f"T0D0H0{number}")) for number in ("", "Be=0.8"))
     assert "belt" not in without.world.surfaces

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from paper_flyer import Whole
-from studies import copied
+from studies import GRIDS, copied
 
 from scaloft_fi.analysis.seeking import Breach, Signature
 from scaloft_fi.campaign.flights.fly import Flight
@@ -148,41 +149,8 @@ def flies(mutant: str, find: str = "", campaign: str = "") -> str:
     )
 
 
-SMALL = """
-axes:
-  T:
-    title: turning a corner
-    category: mine structure
-    values:
-      - {id: 0, title: straight}
-      - {id: 1, title: corner, set: {mission.route: [corner, end, corner, home]}, realised: eventually(x_m < -1)}
-  D:
-    title: lighting condition
-    category: environment, light level
-    values:
-      - {id: 0, title: light}
-      - {id: 1, title: dark, set: {light: 0.003}, realised: always(light <= 0.05)}
-  H:
-    title: human presence
-    category: operational domain, people
-    values:
-      - {id: 0, title: no human}
-      - {id: 1, title: human, set: {bodies.person.present: true}, realised: eventually(person_sight_m <= 3)}
-free:
-  Cs:
-    title: cruise speed
-    category: operational domain, speed
-    set: mission.cruise_mps
-    from: 0.3
-    to: 1.2
-    unit: m/s
-    distribution: uniform
-    benign: 0.5
-"""
-
-
 def small_study(folder: Path) -> Study:
     """A copy of the reference study with a grid that is searched fast."""
     copied(folder, "found.yaml")
-    (folder / "sim" / "grids" / "small.yaml").write_text(SMALL, encoding="utf-8")
+    shutil.copy(GRIDS / "small.yaml", folder / "sim" / "grids")
     return Study.open(folder, "small")

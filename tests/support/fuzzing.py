@@ -29,6 +29,27 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.mutants import catalogue
 from scaloft_fi.study import Study
 
+HOSTILE = (
+    "<script>alert(1)</script>",
+    "\"quotes\" and 'others'",
+    "=cmd|' /C calc'!A0",
+    "@SUM(1+1)*cmd|' /C calc'!A0",
+    "+1",
+    "-1+1",
+    "=HYPERLINK(...)",
+    "人が検出されない — Ürümqi ñ ٣",
+    "a|b||c",
+    r"\input{/etc/passwd} $x_1^2$ 100 % #1 & ~ {} \\",
+    "line one\nline two\r\nline three\ttab",
+    "[x](javascript:1) *b* _i_ `c` ![i](u) &lt; # h",
+    "\x1b[31mred\x1b[0m\x07\x00",
+    "x" * 40_000,
+    "--- \\ | \\| \\\\|",
+    "_x0041_ x",
+    "long " * 8000,
+)
+"""Texts that a format could take for its own words: a tag, a formula, an escape; and long ones."""
+
 
 def text(words: str) -> Callable[[Path], object]:
     return lambda path: path.write_text(words)

@@ -84,6 +84,13 @@ def call(site: Path, *words: str | Path, cwd: Path) -> subprocess.CompletedProce
     return subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, check=False)
 
 
+def printed(*words: str | Path, site: Path = ROOT, cwd: Path = ROOT) -> str:
+    """What Python with these words prints, as `call` has it; it must succeed."""
+    done = call(site, *words, cwd=cwd)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
 _RUNNER = """
 import contextlib, io, json, sys
 from scaloft_fi.cli import main

@@ -34,6 +34,8 @@ def made_by(example: str, script: str, *words: Any) -> None:
     run_path(str(ROOT / "examples" / example / f"{script}.py"))[script](*words)
 
 
+GRIDS = Path(__file__).parent / "grids"
+"""Further grids for the `sim/grids/` of a study."""
 OWN = Path(__file__).parent / "every_key_study"
 """What it has of its own; the rest is the reference study's."""
 
@@ -48,22 +50,6 @@ def every_key_study(folder: Path) -> Path:
     return folder
 
 
-LIGHT = """
-choose: first:2
-adds:
-  world:
-    happenings:
-      dust: {kind: dust, active: false, haze_per_m: 0.5}
-axes:
-  L:
-    title: light
-    category: environment, light level
-    values:
-      - {id: 0, title: bright}
-      - {id: 1, title: dim, set: {light: 0.2}, realised: always(light <= 0.3)}
-      - {id: 2, title: dusty, set: {happenings.dust.active: true}, realised: eventually(haze_per_m > 0.1)}
-"""
-"""A further grid of three situations, of which two are flown."""
 T = TypeVar("T")
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 from printed import of_form, run
-from processes import call, install_project
+from processes import install_project, printed
 
 from scaloft_fi.document import load
 from scaloft_fi.hazop.matrix import CellStatus
@@ -179,22 +179,20 @@ def test_two_packages_can_be_installed_together(plugin: Path, tmp_path: Path):
     assert run("new", tmp_path / "other", "--plugin") == 0
     install_project(tmp_path / "site", plugin)
     install_project(tmp_path / "site", tmp_path / "other")
-    done = call(tmp_path / "site", "-m", "scaloft_fi", "mutants", "--check", "--study", "other/study", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    words = ("mutants", "--check", "--study", "other/study")
+    printed("-m", "scaloft_fi", *words, site=tmp_path / "site", cwd=tmp_path)
 
 
 @pytest.mark.release
 @pytest.mark.flight
 def test_the_tests_of_the_package_pass(site: Path, plugin: Path):
-    done = call(site, "-m", "pytest", "-q", "-p", "no:cacheprovider", cwd=plugin)
-    assert done.returncode == 0, done.stdout
+    printed("-m", "pytest", "-q", "-p", "no:cacheprovider", site=site, cwd=plugin)
 
 
 @pytest.mark.release
 @pytest.mark.flight
 def test_a_run_of_its_study_is_green(site: Path, plugin: Path):
     words = ("run", "--study", "study", "--situation", "O0H0", "--quiet", "--jobs", "1")
-    done = call(site, "-m", "scaloft_fi", *words, cwd=plugin)
-    assert done.returncode == 0, done.stderr
-    assert re.search(r"REVERSE-velocity .*SR1", done.stdout), done.stdout
-    assert "it holds steadily SR1 in 1" in done.stdout
+    screen = printed("-m", "scaloft_fi", *words, site=site, cwd=plugin)
+    assert re.search(r"REVERSE-velocity .*SR1", screen), screen
+    assert "it holds steadily SR1 in 1" in screen

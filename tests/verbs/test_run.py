@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import pytest
 from builders import with_range
 from paper_flyer import Paper
 from printed import STUDY, Call, sentence, told_by
-from studies import LIGHT, edit_in
+from studies import GRIDS, edit_in
 
 from scaloft_fi.campaign.store.held import remembered
 from scaloft_fi.campaign.store.store import Store
@@ -197,7 +198,7 @@ WORDS = ("--mutant", "LATE-human", "--quiet", "--format", "json")
 
 @pytest.fixture
 def study(copy: Path) -> Path:
-    (copy / "sim" / "grids" / "light.yaml").write_text(LIGHT)
+    shutil.copy(GRIDS / "light.yaml", copy / "sim" / "grids")
     return copy
 
 

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path, PurePath
 from typing import Any
 
 import pytest
 from jsonschema import Draft202012Validator
 from printed import run
-from processes import ROOT, call, install_project
+from processes import ROOT, install_project, printed
 from studies import every_key_study, keys_of
 
 from scaloft_fi.document import Item, load
@@ -94,8 +92,7 @@ assert sigma_m["type"] == "number" and sigma_m["minimum"] == 0.0, sigma_m
 
 def test_a_plugin_s_stack_sensor_and_operator_are_in_the_schemas_that_its_process_makes(tmp_path: Path):
     install_project(tmp_path / "site", ROOT / PLUGINS[0])
-    done = call(tmp_path / "site", "-c", VALIDATING, ROOT / PLUGINS[0] / "study", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    printed("-c", VALIDATING, ROOT / PLUGINS[0] / "study", site=tmp_path / "site", cwd=tmp_path)
 
 
 def test_the_published_schemas_are_those_of_the_code():
@@ -105,8 +102,7 @@ def test_the_published_schemas_are_those_of_the_code():
         "import json; from scaloft_fi.verbs.schema import declared_names, schema_texts\n"
         "print(json.dumps(schema_texts(declared_names(own=True))))"
     )
-    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
-    assert published == json.loads(done.stdout), "run python docs/schemas/write.py"
+    assert published == json.loads(printed("-c", program)), "run python docs/schemas/write.py"
 
 
 def test_without_a_name_the_documents_are_listed(capsys: pytest.CaptureFixture[str]):

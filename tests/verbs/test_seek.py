@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import shutil
 import sys
 from pathlib import Path
 
 import pytest
 from click.testing import Result
-from finding import SMALL, Ruled, breached, fast, flies, found
+from finding import Ruled, breached, fast, flies, found
 from pages import embedded
 from printed import Call, no_terms, of_form, sentence, told_by
+from studies import GRIDS
 
 import scaloft_fi
 from scaloft_fi.analysis.seeking import Effort
@@ -128,7 +130,7 @@ def test_what_breaks_the_unmutated_drone_is_printed_and_written(
     told = "scaloft_fi.campaign.seeking.breaks.recalled"
     monkeypatch.setattr(told, lambda _study, _flight, violations: breached(violations, "person detection"))
     ruled.baseline = fast
-    (copy / "sim" / "grids" / "small.yaml").write_text(SMALL, encoding="utf-8")
+    shutil.copy(GRIDS / "small.yaml", copy / "sim" / "grids")
     words = ("baseline", "--grid", "small", "--into", "where", "--budget", "70flights", "--jobs", "1")
     done = call("seek", *words, "--format", "json", study=copy)
     assert done.exit_code == 0, done.output

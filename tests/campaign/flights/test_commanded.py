@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,37 +32,13 @@ print("mass", mass, os.environ["SEED"])
 if fault:
     print(json.dumps({"altered": 4, "carried": 8, "first_altered_s": 0.5}))
 """
-FLYER = """
-flyer: command
-run: ["{python}", fly.py, "{situation}", "{seed}", "{fault}", "{record}", "{vehicle.mass_kg}", "{H}"]
-env: {SEED: "{seed}"}
-record: flight.csv
-limit_s: 20
-inputs: [fly.py]
-seams: {every: {parameter: true}}
-"""
-MAPPING = """
-time: {column: t}
-signals:
-  x_m: {column: x}
-  y_m: {constant: 0}
-  z_m: {constant: 1.6}
-  speed_mps: {constant: 0.2}
-  clearance_m: {column: near}
-  clearance_person_m: {constant: 1}
-  person_sight_m: {column: person}
-  told_person: {constant: 0}
-  told_range_m: {constant: 100}
-  landed: {constant: 0}
-"""
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     copied(tmp_path)
     (tmp_path / "fly.py").write_text(PROGRAM)
-    (tmp_path / "sim" / "flyer.yaml").write_text(FLYER)
-    (tmp_path / "sim" / "record.yaml").write_text(MAPPING)
+    shutil.copytree(Path(__file__).parent / "commanded", tmp_path / "sim", dirs_exist_ok=True)
     return tmp_path
 
 
@@ -125,8 +102,8 @@ def test_a_fault_whose_altered_samples_nobody_counts_is_invalid(folder: Path):
 @pytest.mark.parametrize(
     ("file", "old", "new", "said"),
     [
-        ("flyer.yaml", '"{python}"', "no-such-program", "flyer.yaml:3: there is no program 'no-such-program' here"),
-        ("flyer.yaml", "{H}", "{Q}", "flyer.yaml:3: there is no value {Q}"),
+        ("flyer.yaml", '"{python}"', "no-such-program", "flyer.yaml:2: there is no program 'no-such-program' here"),
+        ("flyer.yaml", "{H}", "{Q}", "flyer.yaml:2: there is no value {Q}"),
         ("flyer.yaml", "flight.csv", "flight.cvs", "did you mean '.csv'"),
         ("record.yaml", "  speed_mps: {constant: 0.2}\n", "", "needs the signal 'speed_mps'"),
         ("record.yaml", "told_range_m", "told_rnge_m", "needs the signal 'told_range_m'"),

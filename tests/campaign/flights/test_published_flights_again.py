@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 from options import usually
+from processes import printed
 
 pytest.importorskip("pyarrow.parquet")
 
@@ -86,7 +86,5 @@ def test_kernels_are_asked_for_only_where_they_can_run(
 @pytest.mark.parametrize("grid", ["paper", pytest.param("wide", marks=pytest.mark.release)])
 def test_published_flights_flown_again_are_the_published_ones(grid: str):
     number = FLOWN[grid]
-    words = [sys.executable, "-m", "experiments.reflown", "--grid", grid, "--sample", str(number), "--jobs", "1"]
-    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.endswith(f"{number} flights flown again, 0 differ\n")
+    told = printed("-m", "experiments.reflown", "--grid", grid, "--sample", str(number), "--jobs", "1")
+    assert told.endswith(f"{number} flights flown again, 0 differ\n")

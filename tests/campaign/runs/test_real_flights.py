@@ -18,7 +18,7 @@ from typing import Any
 import published_flights
 import pytest
 from builders import with_range
-from processes import alive, install, saved, soon
+from processes import alive, install, printed, saved, soon
 from studies import copied, edit_in
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
@@ -32,11 +32,8 @@ MUTANTS = ("--mutant", "LATE-human", "--mutant", "UNINTENDED-collision@20s")
 WORDS = (*MUTANTS, "--situation", "T0O0W0D0H1", "--baseline-seeds", "2", "--quiet")
 
 
-def _call(*words: str | Path) -> subprocess.CompletedProcess[str]:
-    call = [sys.executable, "-m", "scaloft_fi", *map(str, words)]
-    done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done
+def _call(*words: str | Path) -> str:
+    return printed("-m", "scaloft_fi", *words)
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +45,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def _rows(campaign: Path) -> dict[str, dict[str, Any]]:
     """The flights with the mutants' own seed, without the pool's others."""
-    return {row["mutant"]: row for row in json.loads(_call("export", "--campaign", campaign).stdout) if not row["seed"]}
+    return {row["mutant"]: row for row in json.loads(_call("export", "--campaign", campaign)) if not row["seed"]}
 
 
 def test_placebo_is_the_baseline_bit_for_bit(campaign: Path):
@@ -68,7 +65,7 @@ def test_the_person_reported_late_is_revealed_by_sr2(campaign: Path):
 def test_a_replay_is_bit_for_bit_the_campaigns_flight_and_draws_it(campaign: Path, tmp_path: Path):
     picture = tmp_path / "map.png"
     done = _call("replay", "LATE-human@3s/T0O0W0D0H1/0", "--campaign", campaign, "--output", picture)
-    assert "bit for bit" in done.stdout
+    assert "bit for bit" in done
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
@@ -78,20 +75,20 @@ def test_a_replay_of_a_drawn_number_is_bit_for_bit_the_campaigns_flight(tmp_path
     where = ("--study", with_range(study), "--campaign", tmp_path / "c")
     corner = ("--situation", "T0O0W0D1H0C1", "--situation", "T0O0W0D1H0C3", "--choose", "random:2")
     _call("run", "--mutant", "PLACEBO", *corner, "--baseline-seeds", "1", "--jobs", "1", "--quiet", *where)
-    rows = [row for row in json.loads(_call("export", *where).stdout) if row["mutant"] == "baseline"]
+    rows = [row for row in json.loads(_call("export", *where)) if row["mutant"] == "baseline"]
     slow, fast = (row["situation"] for row in rows)
     assert slow.startswith("T0O0W0D1H0C1=")
     assert fast.startswith("T0O0W0D1H0C3=")
     assert rows[0]["duration_s"] > rows[1]["duration_s"] + 1
     done = _call("replay", f"baseline/{fast}/0", *where)
-    assert "bit for bit" in done.stdout
-    assert f"{float(fast.split('=')[1]):g} m/s" in done.stdout
+    assert "bit for bit" in done
+    assert f"{float(fast.split('=')[1]):g} m/s" in done
 
 
 @pytest.mark.release
 def test_placebo_is_the_baseline_bit_for_bit_in_every_situation(tmp_path: Path):
     _call("run", "--quiet", "--mutant", "PLACEBO", "--campaign", tmp_path / "c")
-    rows = json.loads(_call("export", "--campaign", tmp_path / "c").stdout)
+    rows = json.loads(_call("export", "--campaign", tmp_path / "c"))
     digests = {(row["mutant"], row["situation"]): row["digest"] for row in rows if row["seed"] == 0}
     keys = {situation for mutant, situation in digests if mutant == "PLACEBO"}
     assert len(keys) == 32
@@ -119,24 +116,13 @@ THEIR_WORDS = (
 Export = Callable[..., str]
 
 
-def _start(*words: str | Path) -> subprocess.Popen[str]:
-    call = [sys.executable, "-m", "scaloft_fi", *map(str, words)]
-    return subprocess.Popen(call, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-
-
-def _output(process: subprocess.Popen[str]) -> str:
-    output, errors = process.communicate()
-    assert process.returncode == 0, errors
-    return output
-
-
 def _export(folder: Path) -> str:
-    return _output(_start("export", "--campaign", folder))
+    return _call("export", "--campaign", folder)
 
 
 def _flown(folder: Path, *words: str | Path) -> str:
     """What a campaign flown so exports."""
-    _output(_start("run", *THEIR_WORDS, "--quiet", "--campaign", folder, *words))
+    _call("run", *THEIR_WORDS, "--quiet", "--campaign", folder, *words)
     return _export(folder)
 
 
@@ -169,7 +155,7 @@ def test_flights_that_are_flown_whole(one_process: str, tmp_path: Path):
 def test_shards_that_are_merged(one_process: str, tmp_path: Path):
     for number in (1, 2):
         _flown(tmp_path / str(number), "--shard", f"{number}/2")
-    _output(_start("merge", tmp_path / "1", tmp_path / "2", "--campaign", tmp_path / "c"))
+    _call("merge", tmp_path / "1", tmp_path / "2", "--campaign", tmp_path / "c")
     assert _export(tmp_path / "c") == one_process
 
 
@@ -178,7 +164,9 @@ def test_a_cluster_whose_worker_is_killed_in_flight_and_another_joins(one_proces
     address = dask.scheduler()
     killed = dask.worker(address, "--no-nanny")
     cluster = ("--executor", f"dask://{address}", "--cluster-security", dask.certificates)
-    run = _start("run", *THEIR_WORDS, "--campaign", tmp_path / "c", *cluster)
+    words = ("run", *THEIR_WORDS, "--campaign", tmp_path / "c", *cluster)
+    call = [sys.executable, "-m", "scaloft_fi", *words]
+    run = subprocess.Popen(call, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     assert soon(lambda: saved(tmp_path / "c" / STORE_NAME) >= 2 or run.poll() is not None, 300.0)
     flying = _children(killed.pid)
     killed.send_signal(signal.SIGKILL)
@@ -187,17 +175,15 @@ def test_a_cluster_whose_worker_is_killed_in_flight_and_another_joins(one_proces
     assert flying
     assert soon(lambda: not any(map(alive, flying))), "what flew for the worker outlived it"
     dask.worker(address, "--no-nanny")
-    _output(run)
+    _, errors = run.communicate()
+    assert run.returncode == 0, errors
     assert _export(tmp_path / "c") == one_process
 
 
 @pytest.mark.release
 def test_a_campaign_killed_and_resumed_exports_the_bytes_of_an_undisturbed_one():
     words = ("--kills", "1", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--baseline-seeds", "2")
-    call = [sys.executable, "benchmarks/kill.py", *words]
-    done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    figures = json.loads(done.stdout)
+    figures = json.loads(printed("benchmarks/kill.py", *words))
     assert figures["kills"] == figures["sound"] == 1
     assert figures["campaigns"] == figures["right"] > 0
     assert figures["outlived"] == 0

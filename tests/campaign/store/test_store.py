@@ -13,7 +13,7 @@ import sys
 import tempfile
 import textwrap
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -35,6 +35,12 @@ from scaloft_fi.judge.requirement import Kind
 M = "LATE-human@3s"
 
 
+@pytest.fixture
+def open_store(tmp_path: Path) -> Iterator[Store]:
+    with Store(tmp_path / "s.sqlite") as store:
+        yield store
+
+
 def test_what_was_put_is_there_after_reopening(tmp_path: Path):
     kept = replace(outcome(M), track=b"\x00\x01")
     with Store(tmp_path / "deep" / "campaign.sqlite") as store:
@@ -45,29 +51,26 @@ def test_what_was_put_is_there_after_reopening(tmp_path: Path):
         assert store.known(["k", "other"]) == {"k"}
 
 
-def test_putting_again_changes_nothing(tmp_path: Path):
-    with Store(tmp_path / "s.sqlite") as store:
-        assert store.put("k", outcome(M))
-        assert not store.put("k", outcome(M))
-        assert not store.put("k", outcome(M, violated={"SR1": 3.0}))
-        assert list(store.outcomes()) == [outcome(M)]
+def test_putting_again_changes_nothing(open_store: Store):
+    assert open_store.put("k", outcome(M))
+    assert not open_store.put("k", outcome(M))
+    assert not open_store.put("k", outcome(M, violated={"SR1": 3.0}))
+    assert list(open_store.outcomes()) == [outcome(M)]
 
 
-def test_an_invalid_flight_gives_way_to_one_that_counts(tmp_path: Path):
-    with Store(tmp_path / "s.sqlite") as store:
-        store.put("k", outcome(M, invalid="the worker died"))
-        assert store.known(["k"]) == set()
-        assert store.put("k", outcome(M))
-        assert not store.put("k", outcome(M, invalid="the worker died"))
-        assert list(store.outcomes()) == [outcome(M)]
+def test_an_invalid_flight_gives_way_to_one_that_counts(open_store: Store):
+    open_store.put("k", outcome(M, invalid="the worker died"))
+    assert open_store.known(["k"]) == set()
+    assert open_store.put("k", outcome(M))
+    assert not open_store.put("k", outcome(M, invalid="the worker died"))
+    assert list(open_store.outcomes()) == [outcome(M)]
 
 
-def test_outcomes_come_without_tracks_in_one_order(tmp_path: Path):
-    with Store(tmp_path / "s.sqlite") as store:
-        for seed in (2, 0, 1):
-            store.put(f"k{seed}", replace(outcome(M, seed=seed), track=b"x"))
-        assert list(store.outcomes()) == [outcome(M, seed=seed) for seed in range(3)]
-        assert list(store.outcomes(["k1"])) == [outcome(M, seed=1)]
+def test_outcomes_come_without_tracks_in_one_order(open_store: Store):
+    for seed in (2, 0, 1):
+        open_store.put(f"k{seed}", replace(outcome(M, seed=seed), track=b"x"))
+    assert list(open_store.outcomes()) == [outcome(M, seed=seed) for seed in range(3)]
+    assert list(open_store.outcomes(["k1"])) == [outcome(M, seed=1)]
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=10)
@@ -82,11 +85,10 @@ def test_a_campaign_survives_the_store(tmp_path: Path, outcomes: list[Outcome]):
         assert sorted(store.outcomes(), key=lambda o: o.name) == sorted(outcomes, key=lambda o: o.name)
 
 
-def test_the_first_fact_about_a_campaign_stays(tmp_path: Path):
-    with Store(tmp_path / "s.sqlite") as store:
-        store.set_meta({"numpy": "1", "system": "Linux"})
-        store.set_meta({"numpy": "2"})
-        assert store.meta() == {"numpy": "1", "system": "Linux"}
+def test_the_first_fact_about_a_campaign_stays(open_store: Store):
+    open_store.set_meta({"numpy": "1", "system": "Linux"})
+    open_store.set_meta({"numpy": "2"})
+    assert open_store.meta() == {"numpy": "1", "system": "Linux"}
 
 
 def test_two_processes_may_write_one_store(tmp_path: Path):
@@ -158,12 +160,11 @@ def test_a_full_disk_is_one_sentence_and_loses_nothing_that_was_put(tmp_path: Pa
         assert [store.get(str(one.seed)) for one in flown] == flown
 
 
-def test_a_track_that_many_flights_have_is_kept_once(tmp_path: Path):
-    with Store(tmp_path / "s.sqlite") as store:
-        for seed, track in enumerate((b"same", b"same", b"other", b"")):
-            store.put(str(seed), replace(outcome(M, seed=seed), track=track))
-        assert [flown.track for _, flown in store.rows()] == [b"same", b"same", b"other", b""]
-        assert store._connection.execute("SELECT count(*) FROM tracks").fetchone() == (2,)
+def test_a_track_that_many_flights_have_is_kept_once(open_store: Store):
+    for seed, track in enumerate((b"same", b"same", b"other", b"")):
+        open_store.put(str(seed), replace(outcome(M, seed=seed), track=track))
+    assert [flown.track for _, flown in open_store.rows()] == [b"same", b"same", b"other", b""]
+    assert open_store._connection.execute("SELECT count(*) FROM tracks").fetchone() == (2,)
 
 
 def test_there_is_no_campaign_where_none_was_made(tmp_path: Path):
@@ -197,11 +198,10 @@ def test_what_was_planned_is_there_with_what_entered_its_key(tmp_path: Path):
         assert store._connection.execute("SELECT count(*) FROM origins").fetchone() == (1,)
 
 
-def test_a_canary_that_is_asked_for_later_is_none_any_more(tmp_path: Path):
-    with Store(tmp_path / "s.sqlite") as store:
-        for canary in (True, False, True):
-            store.plan([Planned("k", M, "T0O0W0D0H0", 0, canary)])
-        assert store.planned() == [Planned("k", M, "T0O0W0D0H0", 0)]
+def test_a_canary_that_is_asked_for_later_is_none_any_more(open_store: Store):
+    for canary in (True, False, True):
+        open_store.plan([Planned("k", M, "T0O0W0D0H0", 0, canary)])
+    assert open_store.planned() == [Planned("k", M, "T0O0W0D0H0", 0)]
 
 
 @pytest.mark.parametrize("schema", [SCHEMA - 1, SCHEMA + 1])
