@@ -21,7 +21,6 @@ from scaloft_fi.outside.records import load_record_map
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[2]
-EXAMPLE = ROOT / "examples" / "own_simulator"
 VIOLATES = {
     "baseline/T1O0W0D1H0/0": True,
     "PLACEBO/T0O0W0D0H1/0": False,

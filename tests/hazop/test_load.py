@@ -26,7 +26,6 @@ LATE = """LATE:
       operator: delay
       magnitude: {argument: delay_s, unit: s, ladder: [1, 3], default: 3}
 """
-FAULTS = LATE.splitlines()[6]
 
 
 def hazop(folder: Path, human: str = LATE + MORE, **files: str) -> Path:
@@ -57,56 +56,53 @@ def with_class(name: str) -> str:
     return f"{LATE}  severity: {name}\n{MORE}"
 
 
+BAD_CELLS = {
+    "a blank cell": LATE,
+    "an empty cell": LATE + "MORE:\n",
+    "an unknown guideword": LATE + MORE + "LATER: {}\n",
+    "an unknown status": LATE + "MORE: {status: credibel}\n",
+    "a reason left out": LATE + "MORE: {status: not_meaningful}\n",
+    "an empty reason": LATE + "MORE: {status: not_meaningful, reason: ''}\n",
+    "a deviation that is not meaningful": LATE + "MORE: {status: not_meaningful, reason: none, effect: x}\n",
+    "an unknown key": LATE.replace("effect:", "efect:") + MORE,
+    "a key too many": LATE.replace("  effect", "  likelihood: 3\n  effect") + MORE,
+    "no cause": LATE.replace("[slow]", "[]") + MORE,
+    "one requirement without a list": LATE.replace("[SR2]", "SR2") + MORE,
+    "an unknown key of a fault": LATE.replace("operator:", "operater:") + MORE,
+    "a ladder that is a number": with_magnitude("{argument: delay_s, unit: s, ladder: 3, default: 3}"),
+    "an empty ladder": with_magnitude("{argument: delay_s, unit: s, ladder: [], default: 3}"),
+    "a default off the ladder": with_magnitude("{argument: delay_s, unit: s, ladder: [1, 2], default: 3}"),
+    "a ladder that repeats": with_magnitude("{argument: delay_s, unit: s, ladder: [1, 1.0], default: 1}"),
+    "a ladder of numbers and names": with_magnitude("{argument: delay_s, unit: s, ladder: [1, x], default: 1}"),
+    "a truth value on the ladder": with_magnitude("{argument: delay_s, unit: s, ladder: [yes], default: 1}"),
+    "a name with a slash": with_magnitude("{argument: axis, ladder: [x/y], default: x/y}"),
+    "a unit of a name": with_magnitude("{argument: axis, unit: m, ladder: [x], default: x}"),
+    "a unit with a slash": with_magnitude("{argument: v, unit: m/s, ladder: [1], default: 1}"),
+    "a direction that is none": with_magnitude("{argument: v, unit: m, worse: lager, ladder: [1, 2], default: 1}"),
+    "a direction of names": with_magnitude("{argument: axis, worse: larger, ladder: [x], default: x}"),
+    "a neutral magnitude without an order": with_magnitude(
+        "{argument: v, unit: m, worse: unordered, neutral: 1, ladder: [1, 2], default: 1}"
+    ),
+    "a scale of zero": with_magnitude("{argument: v, unit: m, scale: 0, ladder: [1], default: 1}"),
+    "a scale of a name": with_magnitude("{argument: axis, scale: 2, ladder: [x], default: x}"),
+    "a fixed argument that varies": LATE.replace("      magnitude", "      arguments: {delay_s: 1}\n      magnitude")
+    + MORE,
+    "a list as argument": LATE.replace("      magnitude", "      arguments: {axes: [1, 2]}\n      magnitude") + MORE,
+    "phases that are no flag": LATE + "      phases: 4\n" + MORE,
+    "phases of nothing": LATE + "      phases: true\n" + MORE,
+    "an expectation that is another": LATE + "      expected: {status: survived, reason: x}\n" + MORE,
+    "an expectation without reason": LATE + "      expected: {status: not_infected}\n" + MORE,
+    "an expectation off the ladder": LATE
+    + "      expected: {status: not_infected, reason: x, magnitudes: [2]}\n"
+    + MORE,
+    "two faults in one unit": LATE + LATE.split("faults:\n")[1] + MORE,
+    "a second fault without magnitude": LATE + "    - {seam: person, operator: drop}\n" + MORE,
+    "a syntax error": LATE + MORE + "EARLY: {status: [\n",
+    "a cell that stands twice": LATE + MORE + MORE,
+}
+"""Cells of a parameter that are wrong."""
 BAD: dict[str, dict[str, str]] = {
-    "a blank cell": {"human": LATE},
-    "an empty cell": {"human": LATE + "MORE:\n"},
-    "an unknown guideword": {"human": LATE + MORE + "LATER: {}\n"},
-    "an unknown status": {"human": LATE + "MORE: {status: credibel}\n"},
-    "a reason left out": {"human": LATE + "MORE: {status: not_meaningful}\n"},
-    "an empty reason": {"human": LATE + "MORE: {status: not_meaningful, reason: ''}\n"},
-    "a deviation that is not meaningful": {"human": LATE + "MORE: {status: not_meaningful, reason: none, effect: x}\n"},
-    "an unknown key": {"human": LATE.replace("effect:", "efect:") + MORE},
-    "a key too many": {"human": LATE.replace("  effect", "  likelihood: 3\n  effect") + MORE},
-    "no cause": {"human": LATE.replace("[slow]", "[]") + MORE},
-    "one requirement without a list": {"human": LATE.replace("[SR2]", "SR2") + MORE},
-    "an unknown key of a fault": {"human": LATE.replace("operator:", "operater:") + MORE},
-    "a ladder that is a number": {"human": with_magnitude("{argument: delay_s, unit: s, ladder: 3, default: 3}")},
-    "an empty ladder": {"human": with_magnitude("{argument: delay_s, unit: s, ladder: [], default: 3}")},
-    "a default off the ladder": {"human": with_magnitude("{argument: delay_s, unit: s, ladder: [1, 2], default: 3}")},
-    "a ladder that repeats": {"human": with_magnitude("{argument: delay_s, unit: s, ladder: [1, 1.0], default: 1}")},
-    "a ladder of numbers and names": {
-        "human": with_magnitude("{argument: delay_s, unit: s, ladder: [1, x], default: 1}")
-    },
-    "a truth value on the ladder": {"human": with_magnitude("{argument: delay_s, unit: s, ladder: [yes], default: 1}")},
-    "a name with a slash": {"human": with_magnitude("{argument: axis, ladder: [x/y], default: x/y}")},
-    "a unit of a name": {"human": with_magnitude("{argument: axis, unit: m, ladder: [x], default: x}")},
-    "a unit with a slash": {"human": with_magnitude("{argument: v, unit: m/s, ladder: [1], default: 1}")},
-    "a direction that is none": {
-        "human": with_magnitude("{argument: v, unit: m, worse: lager, ladder: [1, 2], default: 1}")
-    },
-    "a direction of names": {"human": with_magnitude("{argument: axis, worse: larger, ladder: [x], default: x}")},
-    "a neutral magnitude without an order": {
-        "human": with_magnitude("{argument: v, unit: m, worse: unordered, neutral: 1, ladder: [1, 2], default: 1}")
-    },
-    "a scale of zero": {"human": with_magnitude("{argument: v, unit: m, scale: 0, ladder: [1], default: 1}")},
-    "a scale of a name": {"human": with_magnitude("{argument: axis, scale: 2, ladder: [x], default: x}")},
-    "a fixed argument that varies": {
-        "human": LATE.replace("      magnitude", "      arguments: {delay_s: 1}\n      magnitude") + MORE
-    },
-    "a list as argument": {
-        "human": LATE.replace("      magnitude", "      arguments: {axes: [1, 2]}\n      magnitude") + MORE
-    },
-    "phases that are no flag": {"human": LATE + "      phases: 4\n" + MORE},
-    "phases of nothing": {"human": LATE + "      phases: true\n" + MORE},
-    "an expectation that is another": {"human": LATE + "      expected: {status: survived, reason: x}\n" + MORE},
-    "an expectation without reason": {"human": LATE + "      expected: {status: not_infected}\n" + MORE},
-    "an expectation off the ladder": {
-        "human": LATE + "      expected: {status: not_infected, reason: x, magnitudes: [2]}\n" + MORE
-    },
-    "two faults in one unit": {"human": LATE + LATE.split("faults:\n")[1] + MORE},
-    "a second fault without magnitude": {"human": LATE + "    - {seam: person, operator: drop}\n" + MORE},
-    "a syntax error": {"human": LATE + MORE + "EARLY: {status: [\n"},
-    "a cell that stands twice": {"human": LATE + MORE + MORE},
+    **{what: {"human": cells} for what, cells in BAD_CELLS.items()},
     "a guideword in small letters": {"guidewords": "late: {title: LATE, meaning: x}\n"},
     "a guideword without meaning": {"guidewords": "LATE: {title: LATE}\n"},
     "an extension without reason": {"guidewords": "LATE: {title: LATE, meaning: x, extension: true}\n"},
@@ -128,7 +124,7 @@ BAD: dict[str, dict[str, str]] = {
     "a class with its rank": {"severities": "injury: {title: t, meaning: m, rank: 1}\n"},
     "a list of classes": {"severities": "[injury]\n"},
 }
-"""Files of a study that are wrong."""
+"""Files of a study that are wrong, by their names."""
 
 
 def test_whatever_is_wrong_is_one_sentence_with_its_place(tmp_path: Path):

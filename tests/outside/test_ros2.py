@@ -17,7 +17,6 @@ from scaloft_fi.outside.ros2 import DOMAINS, Ros2Border, take_domain
 from scaloft_fi.study import Study
 
 ROOT = Path(__file__).parents[2]
-EXAMPLE = ROOT / "examples" / "outside_planner"
 KEY = "T0O0W0D0H1"
 LOOPBACK, MULTICAST = "0100007F", "0100FFEF"
 LIMIT_S = 400.0

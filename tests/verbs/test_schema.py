@@ -30,8 +30,6 @@ FILES = sorted(
     if document_of(str(path))
 )
 PLUGINS = ("examples/own_stack/", "examples/testbed/")
-COMPLETED = {"examples/testbed/study/sim/stack.yaml": "sim/stack.yaml"}
-"""The example's script fills `inside` with the settings of this file."""
 
 
 @pytest.fixture(scope="module")

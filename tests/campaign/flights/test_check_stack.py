@@ -20,7 +20,6 @@ from scaloft_fi.sim.stacks import CLAIMS, STACKS
 from scaloft_fi.stack import messages
 from scaloft_fi.stack.declaration import TICK_HZ, Claim, Declaration, Instant, Seam, Task, Wire
 
-ROOT = Path(__file__).resolve().parents[3]
 pytestmark = pytest.mark.flight
 
 Check = Callable[..., StackCheck]

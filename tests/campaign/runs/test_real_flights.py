@@ -11,7 +11,6 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -113,7 +112,6 @@ THEIR_WORDS = (
     *(word for situation in SITUATIONS for word in ("--situation", situation)),
     *("--baseline-seeds", "2"),
 )
-Export = Callable[..., str]
 
 
 def _export(folder: Path) -> str:
