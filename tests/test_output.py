@@ -14,13 +14,11 @@ import time
 from pathlib import Path
 
 import pytest
-from processes import marked
+from processes import ROOT, marked
 
 from scaloft_fi import output
 from scaloft_fi.campaign.processes import HANGUP
 from scaloft_fi.output import write_whole
-
-ROOT = Path(__file__).parents[1]
 
 
 def test_a_new_file_and_an_earlier_file_get_the_whole_content_and_nothing_else_stays(tmp_path: Path):

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 import yaml
+from processes import ROOT
 from studies import copied
 
 from scaloft_fi.checks.check import check_study
 from scaloft_fi.checks.finding import Finding, Severity
 
-ROOT = Path(__file__).parents[2]
 TABLE = Path(__file__).parents[1] / "support" / "defects.yaml"
 
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 from printed import printed_enumerations
+from processes import ROOT
 
 from scaloft_fi.cli import VERBS, command_of
 from scaloft_fi.errors import ExitCode
@@ -22,7 +23,6 @@ from scaloft_fi.verbs.export.dossier import EXPORT
 from scaloft_fi.views.table import TERMS
 
 pytestmark = pytest.mark.release
-ROOT = Path(__file__).resolve().parents[2]
 NEEDED = ("material", "mkdocstrings")
 LOADED = {("script", "src"), ("link", "href"), ("img", "src"), ("iframe", "src")}
 """What a browser loads when it opens a page."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from options import usually
-from processes import call
+from processes import ROOT, call
 from studies import copied, made_by
 
 from scaloft_fi.campaign.flights.fly import fly_log, judged
@@ -20,7 +20,6 @@ from scaloft_fi.outside.command import load_command
 from scaloft_fi.outside.records import load_record_map
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[2]
 VIOLATES = {
     "baseline/T1O0W0D1H0/0": True,
     "PLACEBO/T0O0W0D0H1/0": False,

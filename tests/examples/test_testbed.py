@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
-from processes import marked
+from processes import ROOT, marked
 from scaloft_ros1.border import unimportable
 from studies import made_by
 
@@ -20,7 +20,6 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "testbed"
 LACKING = unimportable(("rospy", "rosmaster", "rosgraph_msgs", "nav_msgs", "gazebo_msgs", "darknet_ros_msgs"))
 needs_ros = pytest.mark.skipif(

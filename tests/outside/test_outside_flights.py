@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from processes import marked
+from processes import ROOT, marked
 from studies import edit_in, made_by
 
 import scaloft_fi.outside.stack  # noqa: F401 - it declares an operator
@@ -21,7 +21,6 @@ from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.outside.border import BORDERS, BorderError
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "outside_planner"
 
 

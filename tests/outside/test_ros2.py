@@ -9,14 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from processes import python_with_ros2
+from processes import ROOT, python_with_ros2
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside.border import Motion, Topic
 from scaloft_fi.outside.ros2 import DOMAINS, Ros2Border, take_domain
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[2]
 KEY = "T0O0W0D0H1"
 LOOPBACK, MULTICAST = "0100007F", "0100FFEF"
 LIMIT_S = 400.0

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from openpyxl import load_workbook
 from options import usually
 from printed import of_form, sentence
+from processes import ROOT
 from studies import copied
 
 from scaloft_fi.cli import main
@@ -26,7 +27,6 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.hazop import edits_of
 from scaloft_fi.verbs.worksheet import SheetRow, to_csv, to_xlsx
 
-ROOT = Path(__file__).parents[2]
 MATRIX = load_matrix(ROOT / "hazop", REFERENCE.by_name)
 SHEET = """Node,Guideword,Deviation,Possible causes,Consequence,Safeguards,Severity,Action
 Depth camera,LATE,Image comes late,overload,hits rock,bumper,high,measure it

@@ -14,7 +14,7 @@ from pathlib import Path
 import crafted
 import pytest
 from click.testing import CliRunner, Result
-from processes import marked, soon
+from processes import ROOT, marked, soon
 from studies import copied, edit_in, made_by
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
@@ -24,7 +24,6 @@ from scaloft_fi.outside.exchange import FlightFolder, Processes
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import options
 
-ROOT = Path(__file__).parents[2]
 FLOWN = "baseline/T0O0W0D0H1/0"
 FLIES = {
     "run": ("--mutant", "LATE-human"),

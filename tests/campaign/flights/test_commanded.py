@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from processes import ROOT
 from studies import copied, edit_in
 
 from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker
@@ -18,7 +19,6 @@ from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.outside.command import CommandError
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[3]
 PROGRAM = """
 import json, os, sys
 situation, seed, fault, record, mass, level = sys.argv[1:]

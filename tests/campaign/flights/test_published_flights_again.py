@@ -9,11 +9,10 @@ from types import ModuleType
 
 import pytest
 from options import usually
-from processes import printed
+from processes import ROOT, printed
 
 pytest.importorskip("pyarrow.parquet")
 
-ROOT = Path(__file__).parents[3]
 NUMBER = 180
 FLOWN = {"paper": usually(6, release=NUMBER), "wide": 24}
 """How many flights of each grid are flown again."""

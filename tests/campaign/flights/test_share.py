@@ -14,6 +14,7 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from options import usually
+from processes import ROOT
 from studies import copied
 
 from scaloft_fi.campaign.flights.fly import CAN_FORK, Batch, Flight, Worker, fly_log
@@ -25,7 +26,6 @@ from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[3]
 pytestmark = [pytest.mark.flight, pytest.mark.skipif(not CAN_FORK, reason="this platform flies every flight whole")]
 SHORT = ("T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H1")
 """Situations without a corner: the shortest missions."""

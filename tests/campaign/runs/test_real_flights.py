@@ -17,14 +17,13 @@ from typing import Any
 import published_flights
 import pytest
 from builders import with_range
-from processes import alive, install, printed, saved, soon
+from processes import ROOT, alive, install, printed, saved, soon
 from studies import copied, edit_in
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.mutants.catalogue import source_of
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.flight
 
 MUTANTS = ("--mutant", "LATE-human", "--mutant", "UNINTENDED-collision@20s")

@@ -10,10 +10,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from processes import ROOT
 
 from scaloft_fi.campaign.store.platforms import fingerprint
 
-ROOT = Path(__file__).parents[3]
 CPUINFO = Path("/proc/cpuinfo")
 pytestmark = [
     pytest.mark.flight,

@@ -6,6 +6,7 @@ import io
 from pathlib import Path
 
 import pytest
+from processes import ROOT
 
 from scaloft_fi.campaign.flights.fly import Flight, fly_log, judged
 from scaloft_fi.campaign.flights.physics import Physics
@@ -19,7 +20,6 @@ from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[3]
 pytestmark = pytest.mark.flight
 
 

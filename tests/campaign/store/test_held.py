@@ -14,6 +14,7 @@ import pytest
 from builders import with_range
 from hypothesis import given
 from hypothesis import strategies as st
+from processes import ROOT
 from running import CONTROL, LATE, MORE, Runs, asked
 from studies import copied
 
@@ -32,7 +33,6 @@ from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.study import PACKAGE, Study
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 
-ROOT = Path(__file__).parents[3]
 CODE = "the code that flies and judges"
 HELD, LATEST, CURRENT = (operator.attrgetter(name) for name in ("held", "latest", "outcomes"))
 

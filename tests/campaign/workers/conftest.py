@@ -7,14 +7,13 @@ import sys
 import warnings
 from collections.abc import Iterator
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import pytest
+from processes import ROOT
 
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[3]
 FLYER = """
 import os, signal, time
 from dataclasses import dataclass

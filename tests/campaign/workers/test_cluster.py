@@ -19,7 +19,7 @@ from typing import Any
 
 import distributed
 import pytest
-from processes import alive, soon
+from processes import ROOT, alive, soon
 
 from scaloft_fi.campaign.flights.fly import Batch, Flight
 from scaloft_fi.campaign.processes import HANGUP
@@ -40,7 +40,6 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
-ROOT = Path(__file__).parents[3]
 LATE, MORE = "LATE-human@3s", "MORE-goal@1m"
 
 
