@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from builders import GRID
+from refused import refusal
 from studies import ROOT, copied, edit_in
 
 from scaloft_fi.analysis.survivor import Disposition
@@ -270,10 +271,9 @@ def test_a_bare_cell_is_its_default_and_the_place_is_remembered(tmp_path: Path):
     ],
 )
 def test_what_it_does_not_understand_it_refuses_with_the_place(tmp_path: Path, old: str, new: str, says: str):
-    with pytest.raises(InputError) as error:
-        loaded(tmp_path, GOOD.replace(old, new))
-    assert says in str(error.value)
-    assert "dispositions.yaml:" in str(error.value)
+    told = refusal(loaded, tmp_path, GOOD.replace(old, new))
+    assert says in told
+    assert "dispositions.yaml:" in told
 
 
 @pytest.mark.parametrize("again", ["LATE-human", "LATE-human@3s", "LATE-human@3.0s"])

@@ -3,10 +3,9 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-import pytest
 from builders import GRID, SIGNALS, space_of, with_range
+from refused import refusal
 
-from scaloft_fi.errors import InputError
 from scaloft_fi.judge.space import Realisation, Space
 from scaloft_fi.sim.load import load
 
@@ -41,9 +40,8 @@ def test_a_predicate_that_is_no_formula_is_named_with_file_and_line(tmp_path: Pa
     text = path.read_text(encoding="utf-8").replace("eventually(x_m < -1)", "eventually(x < -1)")
     path.write_text(text, encoding="utf-8")
     line = 1 + next(number for number, row in enumerate(text.splitlines()) if "eventually(x < -1)" in row)
-    with pytest.raises(InputError) as caught:
-        Realisation.read(load(sim).grid, SIGNALS)
-    assert str(caught.value).startswith(f"{path}:{line}: realised names the unknown signal 'x'")
+    said = refusal(Realisation.read, load(sim).grid, SIGNALS)
+    assert said.startswith(f"{path}:{line}: realised names the unknown signal 'x'")
 
 
 def test_drawn_situations_have_the_point_of_their_bins_and_come_after_it(tmp_path: Path):

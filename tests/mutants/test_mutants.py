@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import pickle
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from options import as_recorded
+from refused import refusal
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import (
@@ -145,12 +145,6 @@ WRONG: dict[str, dict[str, Any]] = {
 }
 """What is wrong with a fault of the matrix, which stands in line 5."""
 PLACES = {"operator": "human.yaml:7", "seam": "human.yaml:6", "share": "human.yaml:9", "delay_s": "human.yaml:9"}
-
-
-def refusal(call: Callable[..., object], *arguments: object) -> str:
-    with pytest.raises(InputError) as caught:
-        call(*arguments)
-    return str(caught.value)
 
 
 def test_what_is_no_mutant_is_refused_with_the_reason_and_the_nearest_name(matrix: Matrix):
@@ -317,9 +311,7 @@ def test_writing_twice_gives_the_same_bytes_and_reading_gives_the_mutants_back(m
 
 def stale(tmp_path: Path, matrix: Matrix, lines: list[str]) -> str:
     (tmp_path / catalogue.CATALOGUE).write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        catalogue.check_catalogue(tmp_path, matrix)
-    return str(caught.value)
+    return refusal(catalogue.check_catalogue, tmp_path, matrix)
 
 
 def test_a_stale_catalogue_is_refused_at_the_first_id_that_differs(matrix: Matrix, tmp_path: Path):

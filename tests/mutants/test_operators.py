@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from refused import refusal
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.check_operator import check_operator, operators_of
@@ -170,10 +171,7 @@ BAD = [
 def test_a_wrong_use_is_one_sentence_that_says_what_is_allowed(
     name: str, seam: str, arguments: dict[str, Any], sentence: str
 ):
-    with pytest.raises(InputError) as caught:
-        OPERATORS[name].check(seam, REFERENCE.by_name[seam].message, arguments)
-    assert sentence in str(caught.value)
-    assert "\n" not in str(caught.value)
+    assert sentence in refusal(OPERATORS[name].check, seam, REFERENCE.by_name[seam].message, arguments)
 
 
 @pytest.mark.parametrize("asked", [OPERATORS.__getitem__, check_operator])

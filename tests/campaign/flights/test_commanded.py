@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from processes import ROOT
+from refused import refusal
 from studies import copied, edit_in
 
 from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker
@@ -114,9 +115,7 @@ def test_what_would_fail_in_every_flight_is_refused_before_the_first(
 ):
     edit_in(folder / "sim" / file, old, new)
     study = Study.open(folder)
-    with pytest.raises(InputError) as refused:
-        Commanded().prepare(study, lambda _: None)
-    assert said in str(refused.value)
+    assert said in refusal(Commanded().prepare, study, print)
 
 
 def test_the_matrix_may_use_only_the_seams_that_the_command_offers(folder: Path):

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from paper_flyer import made
+from refused import refusal
 from running import Runs, asked, quiet
 
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margin_of, margins
@@ -22,7 +23,6 @@ from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.margin import WIDENINGS, Search, find, target
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.study import Study
@@ -210,9 +210,7 @@ def test_the_unit_picks_the_fault(study: Any):
     ],
 )
 def test_a_fault_without_an_order_is_refused_in_a_sentence(study: Any, text: str, says: str):
-    with pytest.raises(InputError) as error:
-        target(study.matrix, text)
-    assert says in str(error.value)
+    assert says in refusal(target, study.matrix, text)
 
 
 @pytest.mark.flight

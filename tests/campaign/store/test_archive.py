@@ -23,6 +23,7 @@ import pytest
 from builders import AXES, GRID, KINDS, ROSTER, campaigns, outcome
 from crafted import campaign
 from hypothesis import given
+from refused import refusal
 from studies import copied
 
 from scaloft_fi.campaign.flights.fly import Flight
@@ -85,10 +86,7 @@ def without_documents(files: dict[str, bytes]) -> dict[str, bytes]:
 
 
 def refused(place: Path) -> str:
-    with pytest.raises(InputError) as error:
-        list(opened(Study.open(STUDY), place)[1].rows())
-    told = str(error.value)
-    assert "\n" not in told
+    told = refusal(lambda: list(opened(Study.open(STUDY), place)[1].rows()))
     assert str(place) in told
     return told
 
@@ -320,11 +318,9 @@ NAN = float("nan")
     ],
 )
 def test_what_no_store_holds_is_refused(change: Change, said: str):
-    with pytest.raises(InputError) as refused:
-        read(changed(change))
-    assert str(refused.value).startswith(f"{PATH}: ")
-    assert said in str(refused.value)
-    assert "\n" not in str(refused.value)
+    told = refusal(read, changed(change))
+    assert told.startswith(f"{PATH}: ")
+    assert said in told
 
 
 def test_a_requirement_that_the_archive_does_not_name_is_refused():
@@ -342,9 +338,7 @@ def test_a_requirement_that_the_archive_does_not_name_is_refused():
 
 @pytest.mark.parametrize("content", [b"", b"PAR1", b"PAR1" + bytes(100) + b"PAR1", changed(lambda table: table)[:-9]])
 def test_a_damaged_file_is_refused(content: bytes):
-    with pytest.raises(InputError, match="holds no flights of an archive") as refused:
-        read(content)
-    assert "\n" not in str(refused.value)
+    assert "holds no flights of an archive" in refusal(read, content)
 
 
 def test_a_file_that_grows_in_memory_is_refused(monkeypatch: pytest.MonkeyPatch):

@@ -20,6 +20,7 @@ from typing import Any
 import distributed
 import pytest
 from processes import ROOT, alive, soon
+from refused import refusal
 
 from scaloft_fi.campaign.flights.fly import Batch, Flight
 from scaloft_fi.campaign.processes import HANGUP
@@ -359,9 +360,7 @@ def test_an_executor_is_local_or_the_address_of_a_scheduler(certificates: Path):
 
 @pytest.mark.parametrize("address", ["host:1", "127.0.0.1:8786", "[::1]:8786"])
 def test_a_cluster_without_a_certificate_is_refused_with_the_command_that_makes_one(address: str):
-    with pytest.raises(InputError) as caught:
-        executor_named(f"dask://{address}", None)
-    assert MAKE in str(caught.value)
+    assert MAKE in refusal(executor_named, f"dask://{address}", None)
 
 
 def test_files_that_do_not_fit_are_told_before_anything_is_flown(certificates: Path):
