@@ -12,9 +12,12 @@ from typing import Any
 import pytest
 from hypothesis import settings
 from options import EFFORT, usually
+from processes import ROOT
+from studies import copied
 
 import scaloft_fi.mutants.reference  # noqa: F401 - a study that names the reference stack declares its operators so
 from scaloft_fi.campaign.processes import HANGUP
+from scaloft_fi.study import Study
 
 collect_ignore = ["support/ros2_border.py"]
 """A program for a Python with ROS 2."""
@@ -44,6 +47,18 @@ def pytest_configure(config: pytest.Config) -> None:
     settings.load_profile("scaloft-fi")
     if _runs_programs(MEMORY) and shutil.disk_usage(MEMORY).free > ROOM:
         os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
+
+
+@pytest.fixture(scope="session")
+def study() -> Study:
+    """The reference study, which no test changes."""
+    return Study.open(ROOT)
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    """A study of one's own: a copy of the reference study."""
+    return copied(tmp_path)
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from builders import GRID
 from refused import refusal
-from studies import ROOT, copied, edit_in
+from studies import ROOT, edit_in
 
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.errors import InputError
@@ -24,16 +24,6 @@ from scaloft_fi.sim.world import ROLES
 from scaloft_fi.sources import closure
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.study import PACKAGE, Study, draft, load_dispositions
-
-
-@pytest.fixture(scope="module")
-def study() -> Study:
-    return Study.open(ROOT)
-
-
-@pytest.fixture
-def copy(tmp_path: Path) -> Path:
-    return copied(tmp_path)
 
 
 def test_the_reference_study_passes_every_check(study: Study):

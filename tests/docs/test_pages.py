@@ -138,11 +138,6 @@ FLIGHTS: Mapping[str, tuple[Told, Told]] = {
 
 
 @pytest.fixture(scope="module")
-def study() -> Study:
-    return Study.open(ROOT)
-
-
-@pytest.fixture(scope="module")
 def patterns(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Requirement]:
     blocks = re.findall(r"^```yaml requirement\n(.*?)^```$", REQUIREMENTS.read_text(), re.MULTILINE | re.DOTALL)
     path = tmp_path_factory.mktemp("cookbook") / "requirements.yaml"

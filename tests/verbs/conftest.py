@@ -38,12 +38,6 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, paper: Paper) -> Call:
     return calling
 
 
-@pytest.fixture(scope="session")
-def study() -> Study:
-    """The reference study."""
-    return Study.open(STUDY)
-
-
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
     """A study of one's own: a copy of the reference study."""

@@ -172,11 +172,6 @@ def _drawn(study: Study, key: str) -> str:
     return draw_plan(plan_of(study, study.grid.situation(key)), title=key, subtitle="words")
 
 
-@pytest.fixture(scope="module")
-def study() -> Study:
-    return Study.open(STUDY)
-
-
 def test_bodies_waypoints_and_facts_stand_by_name(study: Study):
     texts = _texts(_drawn(study, "T1O1W0D0H1"))
     assert {"bar", "obstacle", "person", "corner (1, 3)", "end (2)", "home (4)", "x [m]", "1 m"} <= set(texts)

@@ -16,7 +16,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from processes import ROOT
 from running import CONTROL, LATE, MORE, Runs, asked
-from studies import copied
 
 from scaloft_fi import sources
 from scaloft_fi.campaign.plan import plan
@@ -233,11 +232,6 @@ SOURCES = {
     "views/table": (),
 }
 """Modules of the package, and the subjects whose flights an edit of them can change."""
-
-
-@pytest.fixture
-def copy(tmp_path: Path) -> Path:
-    return copied(tmp_path)
 
 
 def _origins(folder: Path) -> dict[tuple[str, str], Origin]:
