@@ -101,7 +101,7 @@ def known_finds(folder: Path, matrix: Matrix, requirements: Collection[str]) -> 
         return NO_FINDS
     grid = own_name(folder) + WITH_FOUND
     try:
-        searched = searched_grid(folder, found, proved=False)
+        searched = searched_grid(folder, found)
     except InputError as error:
         return KnownFinds((), dict.fromkeys(found.named, str(error)), grid)
     misfits: dict[str, str] = {}

@@ -62,6 +62,18 @@ def test_the_time_expected_of_a_flight_grows_with_the_route_and_a_person(study: 
     assert straight < turn < slow
 
 
+def test_who_asks_for_names_and_keys_reads_no_mine_and_who_flies_does(study: Study, monkeypatch: pytest.MonkeyPatch):
+    def unread(_item):
+        raise InputError("the mine was read")
+
+    again = Study.open(study.folder)
+    for module in ("grid", "world"):
+        monkeypatch.setattr(f"scaloft_fi.sim.{module}.read_mine", unread)
+    assert (again.signals, again.catalogue, again.inputs) == (study.signals, study.catalogue, study.inputs)
+    with pytest.raises(InputError, match="the mine was read"):
+        _ = again.sim
+
+
 def test_formulas_are_proved_wherever_requirements_are_read(copy: Path):
     edit_in(copy / "sim" / "requirements.yaml", "speed_mps / 0.25", "speed_mps 0.25")
     for read in (lambda: Study(copy).requirements, Study(copy).check):

@@ -438,7 +438,7 @@ class Operator:
 
     @property
     def awaits_events(self) -> bool:
-        """Whether its windows, which `phase_s` shifts, open at an event of its context: `check_operator` asks that."""
+        """Whether its windows open at an event of its context: those that `phase_s` shifts must (`check_operator`)."""
         return "phase_s" in self.arguments
 
     def check(self, seam: str, message: type, arguments: Mapping[str, Any]) -> dict[str, Value]:

@@ -610,29 +610,27 @@ def grid_names(folder: Path) -> tuple[str, ...]:
     return own, *further, *([own + WITH_FOUND] if is_there(folder / FOUND_FILE) else [])
 
 
-def load_grid(folder: Path, name: str | None = None, *, proved: bool = True) -> Grid:
+def load_grid(folder: Path, name: str | None = None) -> Grid:
     """Read a grid of a study's `sim` folder and the documents that it changes.
 
     Args:
         folder: the `sim` folder.
         name: name of a file in `grids/`, or of the own grid with `+found`; None for the study's own grid.
-        proved: whether the axes may not contradict each other.
 
     Raises:
         InputError: as `read_grid`, or a file cannot be read.
     """
     documents = {part: load(folder / f"{part}.yaml") for part in PARTS}
-    read = read_grid if proved else assembled
     if name is None:
-        return read(load(folder / FILE), documents)
+        return read_grid(load(folder / FILE), documents)
     found = read_finds(folder)
     if found is not None and name.endswith(WITH_FOUND):
         return _with_found(load_grid(folder), searched_grid(folder, found), found, name, folder / FOUND_FILE)
-    grid = read(load(folder / FOLDER / f"{name}.yaml"), documents, name)
+    grid = read_grid(load(folder / FOLDER / f"{name}.yaml"), documents, name)
     if found is None or found.grid != name:
         return grid
     named = {name: key for name, key in found.named.items() if _has(grid, key)}
-    return replace(grid, aliases={**grid.aliases, **named}, selected=_selected(found, load_grid(folder, proved=proved)))
+    return replace(grid, aliases={**grid.aliases, **named}, selected=_selected(found, load_grid(folder)))
 
 
 def _has(grid: Grid, key: str) -> bool:
@@ -644,7 +642,7 @@ def _has(grid: Grid, key: str) -> bool:
     return True
 
 
-def searched_grid(folder: Path, found: Finds, *, proved: bool = True) -> Grid:
+def searched_grid(folder: Path, found: Finds) -> Grid:
     """The grid that was searched; arguments as `load_grid`.
 
     Raises:
@@ -654,7 +652,7 @@ def searched_grid(folder: Path, found: Finds, *, proved: bool = True) -> Grid:
     if found.grid not in (own, *further) or found.grid.endswith(WITH_FOUND):
         place = f"{folder / FOUND_FILE}: grid={shown(found.grid)}"
         raise InputError(f"{place} must be a grid of the study{did_you_mean(found.grid, (own, *further))}")
-    return load_grid(folder, None if found.grid == own else found.grid, proved=proved)
+    return load_grid(folder, None if found.grid == own else found.grid)
 
 
 def _with_found(own: Grid, searched: Grid, found: Finds, name: str, place: Path) -> Grid:
