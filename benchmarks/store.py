@@ -137,7 +137,7 @@ class Maker:
         return all(value in (None, levels[axis.id]) for axis, value in zip(self._axes, box, strict=True))
 
     def _time_s(self) -> float:
-        return round(self._draw.uniform(0.0, 120.0) * 20) / 20
+        return round(self._draw.uniform(0.0, 75.0) * 20) / 20
 
 
 def flights(study: Study) -> Iterator[Flight]:

@@ -209,15 +209,16 @@ class Reporter:
         warnings: whether each violation is shown when its outcome arrives.
 
     Attributes:
-        left_s: expected cost of the remaining flights [s, simulated].
+        left_s: expected cost of the announced flights that remain [s, simulated].
+        maybe_s: expected cost of flights that may be announced later [s, simulated].
     """
 
     def __init__(self, study: Study, progress: Progress, log: Path, *, share: bool, warnings: bool) -> None:
-        self.progress, self.left_s = progress, 0.0
+        self.progress, self.left_s, self.maybe_s = progress, 0.0, 0.0
         self._study, self._log, self._warnings = study, log, warnings
         self._share = SHARE if share else 1.0
         self._due, self._violations = set[str](), Counter[str]()
-        progress.left_s = lambda: self.left_s
+        progress.left_s = lambda: self.left_s + self.maybe_s
 
     def cost_s(self, flight: Flight) -> float:
         """Expected cost of a flight [s, simulated]."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 import time
+from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import InitVar, dataclass, field
@@ -255,7 +256,8 @@ class Run:
         log, warns = self.folder / archive.LOG_NAME, self.options.warnings
         self.reporter = Reporter(self.study, progress, log, share=self._shares, warnings=warns)
         self._keys, self._ours, self._platforms = Keys(self.study), fingerprint(), Platforms(self.store)
-        self._planned, self._expected, self._claimed = Plan((), (), None), set[Situation](), set[Pair]()
+        self._claimed, self._pools = set[Pair](), dict[Situation, tuple[Flight, ...]]()
+        self._untested, self._needed, self._spared = Counter[Situation](), 0, 0
 
     @property
     def spending(self) -> Spending:
@@ -315,14 +317,42 @@ class Run:
             elif not news:
                 self.repeats.append(outcome)
             self.reporter.arrived(asked[outcome.name], outcome, news=news)
-            situation = asked[outcome.name].situation
-            if infects(outcome) and outcome.mutant in self._planned.subjects and situation not in self._expected:
-                self._expected.add(situation)
-                self.reporter.expect(self.missing(self._planned.pool(situation, LEAST)))
+            self._ask_for_pool(asked[outcome.name], outcome)
 
     def announce_pool(self, planned: Plan) -> None:
         """Announce the baseline pool of each situation as soon as a mutant of the plan infects there."""
-        self._planned = planned
+        needed, pools = set(planned.infected(self.outcomes(planned.mutants))), dict[Situation, tuple[Flight, ...]]()
+        for flight in planned.baselines:
+            pools.setdefault(flight.situation, self.missing(planned.pool(flight.situation, LEAST)))
+        self.reporter.expect(flight for situation in needed for flight in pools.pop(situation))
+        mutants = [flight for flight in planned.mutants if flight.mutant != PLACEBO and flight.situation in pools]
+        self._untested = Counter(flight.situation for flight in self.missing(mutants))
+        self._pools = {situation: pool for situation, pool in pools.items() if self._untested[situation]}
+        self._needed, self._spared = len(needed), 0
+        self._count_pools()
+
+    def _ask_for_pool(self, flight: Flight, outcome: Outcome) -> None:
+        """Announce the pool of a situation at its first infection; forget it when no mutant is left that could infect.
+
+        The time left counts the other pools at the share of the situations that needed theirs so far.
+        """
+        situation = flight.situation
+        if situation not in self._pools or flight.mutant in (None, PLACEBO):
+            return
+        self._untested[situation] -= 1
+        if infects(outcome):
+            self._needed += 1
+            self.reporter.expect(self._pools.pop(situation))
+        elif not self._untested[situation]:
+            self._spared += 1
+            del self._pools[situation]
+        else:
+            return
+        self._count_pools()
+
+    def _count_pools(self) -> None:
+        share = (self._needed + 1) / (self._needed + self._spared + 1)
+        self.reporter.maybe_s = share * sum(self.reporter.cost_s(one) for pool in self._pools.values() for one in pool)
 
     def repeat(self, flights: Sequence[Flight]) -> None:
         """Repeat the shortest of the stored `flights`, if this run flew any; a gate compares the digests."""

@@ -292,7 +292,7 @@ def _check(columns: Mapping[str, Sequence[Any]], kinds: Mapping[str, Kind]) -> N
             if None in column:
                 raise BadCellError(name, "a list")
             column = list(chain.from_iterable(column))
-        if not all(map(cell.holds, column)):
+        if not cell.holds(column):
             raise BadCellError(name, cell.allowed)
     for name, other in _ALONG.items():
         if list(map(len, columns[name])) != list(map(len, columns[other])):

@@ -6,9 +6,9 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import fields
-from itertools import repeat, starmap
+from itertools import chain, repeat, starmap
 from operator import attrgetter
 from sys import intern
 from typing import Any, Generic, NamedTuple, NoReturn, TypeVar
@@ -78,33 +78,44 @@ def most_flights() -> int:
 
 
 class Cell(NamedTuple):
-    """What a column may hold: its type in SQL, what is allowed in words, and whether a value is."""
+    """What a column may hold.
+
+    Attributes:
+        sql: type in SQL.
+        allowed: what is allowed, in words.
+        kinds: types of its values.
+        test: whether a value of these types is allowed; None: each is.
+    """
 
     sql: str
     allowed: str
-    holds: Callable[[Any], bool]
+    kinds: frozenset[type]
+    test: Callable[[Any], bool] | None = None
 
-
-def _is_finite(value: Any) -> bool:
-    return type(value) in (float, int) and math.isfinite(value)
+    def holds(self, column: Collection[Any]) -> bool:
+        """Whether the column may hold these values; equal values are tested once."""
+        if not self.kinds.issuperset(map(type, column)):
+            return False
+        return self.test is None or all(map(self.test, {*column} - {None}))
 
 
 def _whole(most: int) -> Cell:
-    return Cell("INTEGER", f"a whole number from 0 to {most}", lambda value: type(value) is int and 0 <= value <= most)
+    return Cell("INTEGER", f"a whole number from 0 to {most}", frozenset({int}), lambda value: 0 <= value <= most)
 
 
 _KINDS = {kind.value: kind for kind in Kind}
-TEXT = Cell("TEXT", "a text", lambda value: type(value) is str)
+TEXT = Cell("TEXT", "a text", frozenset({str}))
 LABEL = Cell(
     "TEXT",
     f"a text of at most {MOST_LABEL} printable characters",
-    lambda value: type(value) is str and len(value) <= MOST_LABEL and value.isprintable(),
+    frozenset({str}),
+    lambda value: len(value) <= MOST_LABEL and value.isprintable(),
 )
-NUMBER = Cell("REAL", "a finite number", _is_finite)
-OPTIONAL = Cell("REAL", "a finite number or NULL", lambda value: value is None or _is_finite(value))
+NUMBER = Cell("REAL", "a finite number", frozenset({float, int}), math.isfinite)
+OPTIONAL = Cell("REAL", "a finite number or NULL", NUMBER.kinds | {type(None)}, math.isfinite)
 WHOLE, SEED = _whole(MOST_COUNT), _whole(MOST_SEED)
-FLAG = Cell("", "true or false", lambda value: type(value) is bool)
-KIND = Cell("", " or ".join(_KINDS), lambda value: type(value) is str and value in _KINDS)
+FLAG = Cell("", "true or false", frozenset({bool}))
+KIND = Cell("", " or ".join(_KINDS), frozenset({str}), _KINDS.__contains__)
 FLIGHT: Mapping[str, Cell] = {"key": TEXT, "mutant": LABEL, "situation": LABEL, "seed": SEED}
 """The columns that a flight and its plan have in common."""
 
@@ -122,8 +133,8 @@ def check_rows(table: str, rows: Sequence[Sequence[Any]], cells: Mapping[str, Ce
         BadCellError: a cell has a value that is not allowed.
     """
     for (name, cell), column in zip(cells.items(), zip(*rows, strict=True), strict=False):
-        for number, value in enumerate(() if all(map(cell.holds, column)) else column):
-            if not cell.holds(value):
+        for number, value in enumerate(() if cell.holds(column) else column):
+            if not cell.holds([value]):
                 row = f"table {table}, {'key' if named_by else next(iter(cells))} {shown(rows[number][named_by])}"
                 raise BadCellError(name, cell.allowed, row, value)
 
@@ -303,10 +314,11 @@ class _Lines(Generic[T]):
         """
         texts, read = set(column), dict[str, tuple[T, ...]]()
         try:
-            self._learn(texts)
+            split = {text: text.split("\n") for text in texts if text}
+            self._learn(list(set(chain.from_iterable(split.values())).difference(self._lines)))
             for text in texts:
-                entries = read[text] = tuple(map(self._lines.__getitem__, text.split("\n"))) if text else ()
-                if self._once and len(set(map(self._once, entries))) < len(entries):
+                entries = read[text] = tuple(map(self._lines.__getitem__, split.get(text, ())))
+                if self._once and len(entries) > 1 and len(set(map(self._once, entries))) < len(entries):
                     raise ValueError("an entry occurs twice")
         except (TypeError, ValueError) as error:
             for text in texts if len(texts) > 1 else ():  # which of them
@@ -316,8 +328,7 @@ class _Lines(Generic[T]):
             raise BadCellError(self.name, allowed, value=column[0]) from error
         return map(read.__getitem__, column)
 
-    def _learn(self, texts: Iterable[str]) -> None:
-        lines = list({line for text in texts if text for line in text.split("\n")} - self._lines.keys())
+    def _learn(self, lines: Sequence[str]) -> None:
         for start in range(0, len(lines), _AT_ONCE):
             some = lines[start : start + _AT_ONCE]
             self._characters += sum(map(len, some))
