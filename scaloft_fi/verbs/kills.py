@@ -322,7 +322,7 @@ def _survivors(now: Snapshot, matrix: KillMatrix) -> tuple[Survivor, ...]:
     """The survivors among `matrix`, judged beside all that the campaign holds."""
     ids = {row.id for row in matrix.mutants if row.verdict is not Verdict.DETECTED}
     seeds = sorted({outcome.seed for outcome in now.outcomes if outcome.mutant in ids})
-    tracked = now.with_tracks(now.outcomes, [BASELINE, *ids], seeds[:1])
+    tracked = now.with_tracks(now.outcomes, lambda one: one.seed in seeds[:1] and one.mutant in {BASELINE, *ids})
     known = backgrounds(now.study.matrix, [mutant.subject.id for mutant in now.score.mutants])
     units = short_units(now.study.requirements)
     return survivors(tracked, now.score, matrix, known, units, now.name, now.study.finds)

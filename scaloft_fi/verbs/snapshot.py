@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -243,10 +243,10 @@ class Snapshot:
         return remembered(self.store)
 
     def with_tracks(
-        self, outcomes: Iterable[Outcome], mutants: Collection[str], seeds: Collection[int] | None = None
+        self, outcomes: Iterable[Outcome], wanted: Callable[[Outcome], bool] | None = None
     ) -> tuple[Outcome, ...]:
-        """The same outcomes, those of `mutants` (`baseline` among the ids) and `seeds` (None: all) with tracks."""
-        return with_tracks(self.study, self.store, outcomes, mutants, seeds)
+        """The same outcomes, those that are `wanted` (None: all) with tracks."""
+        return with_tracks(self.study, self.store, outcomes, wanted)
 
 
 @contextmanager

@@ -12,7 +12,7 @@ import hashlib
 import json
 import math
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, partial
 from pathlib import Path
@@ -278,25 +278,23 @@ def with_tracks(
     study: Study,
     store: Store,
     outcomes: Iterable[Outcome],
-    mutants: Collection[str],
-    seeds: Collection[int] | None = None,
+    wanted: Callable[[Outcome], bool] | None = None,
 ) -> tuple[Outcome, ...]:
-    """Add tracks to the outcomes of `mutants`; `baseline` is a valid id.
+    """Add tracks to the outcomes that are `wanted`.
 
     Args:
         study: the current study.
         store: an open store.
         outcomes: current outcomes.
-        mutants: ids whose outcomes get their tracks.
-        seeds: seeds whose outcomes get their tracks; None = all.
+        wanted: whether an outcome gets its track; None: each does.
 
     Raises:
         InputError: a track is damaged, or longer than a flight in its situation.
     """
-    wanted, keys, most = set(mutants), Keys(study), dict[str, int]()
+    keys, most = Keys(study), dict[str, int]()
 
     def tracked(outcome: Outcome) -> Outcome:
-        if outcome.mutant not in wanted or (seeds is not None and outcome.seed not in seeds):
+        if wanted is not None and not wanted(outcome):
             return outcome
         flight = flight_named(study, outcome.mutant, outcome.situation, outcome.seed)
         found = store.get(keys.key(flight))

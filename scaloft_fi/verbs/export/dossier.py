@@ -580,7 +580,7 @@ def _tracks(now: Snapshot, kept: Callable[[bytes], array[float]]) -> bytes:
     for outcome in alike:
         if outcome.digest:
             first.setdefault(outcome.digest, outcome)
-    flown = now.with_tracks(first.values(), {outcome.mutant for outcome in first.values()})
+    flown = now.with_tracks(first.values())
     return track_file({one.digest: kept(one.track) for one in flown if one.track})
 
 

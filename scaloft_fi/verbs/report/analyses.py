@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
 from dataclasses import asdict, dataclass, field, replace
 from datetime import date
 from enum import StrEnum
@@ -38,6 +38,7 @@ from scaloft_fi.judge.stl import parse as parse_formula
 from scaloft_fi.sim.grid import Grid
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.margin import cell_margins, margin_text
+from scaloft_fi.verbs.report.flights import listed
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
 from scaloft_fi.verbs.verdict import short_units, survivors
 from scaloft_fi.views.output import by_field, plain
@@ -50,7 +51,8 @@ class Evidence:
     Attributes:
         study: what was flown.
         campaign: its name, for commands.
-        outcomes: those that the study still stands for, with their tracks.
+        outcomes: those that the study still stands for; the flights that the page lists have their tracks.
+        listed: situations and seeds whose flights the page lists; None = all.
         stale: flights that no longer count.
         owed: flights planned and not flown.
         fingerprint: of the platform that flew them, by name.
@@ -61,6 +63,7 @@ class Evidence:
     study: Study
     campaign: str
     outcomes: tuple[Outcome, ...]
+    listed: Set[tuple[str, int]] | None = None
     stale: Stale = NONE
     owed: int = 0
     fingerprint: Mapping[str, str] | None = None
@@ -76,10 +79,12 @@ def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
     """
     with snapshot(study, campaign) as now:
         known = now.held.current or nothing_to_show(now.store, now.folder)
+        pairs = listed(known)
         return Evidence(
             study=now.study,
             campaign=now.name,
-            outcomes=now.with_tracks(known, {outcome.mutant for outcome in known}),
+            outcomes=now.with_tracks(known, lambda one: (one.situation, one.seed) in pairs),
+            listed=pairs,
             stale=now.stale,
             owed=now.held.owed,
             fingerprint=now.platform,

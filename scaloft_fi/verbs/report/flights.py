@@ -14,7 +14,7 @@ import math
 import shlex
 import struct
 import zlib
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
@@ -154,6 +154,25 @@ DETAILS = (
     Detail(1, 1, 0),
 )
 """From the most to the least; the page takes the first that fits."""
+
+
+MOST_LISTED = 15_000
+"""Greatest number of flights that the page lists one by one; its figures count all."""
+
+
+def listed(outcomes: Iterable[Outcome], most: int = MOST_LISTED) -> frozenset[tuple[str, int]]:
+    """The situations and seeds whose flights the page lists: the lowest seeds, in whole, of at most `most` flights.
+
+    Flights of one pair are compared with each other, so the first pair is listed whatever its size.
+    """
+    kept, count = list[tuple[str, int]](), 0
+    flights = Counter((outcome.situation, outcome.seed) for outcome in outcomes)
+    for pair, number in sorted(flights.items(), key=lambda one: (one[0][1], one[0][0])):
+        count += number
+        if kept and count > most:
+            break
+        kept.append(pair)
+    return frozenset(kept)
 
 
 @dataclass(frozen=True)

@@ -206,7 +206,8 @@ def page(evidence: Evidence, most_bytes: int = MOST_BYTES) -> str:
     Raises:
         InputError: a part of the study is not what it should be.
     """
-    content, outcomes = figures(evidence), evidence.outcomes
+    content, pairs = figures(evidence), evidence.listed
+    outcomes = [one for one in evidence.outcomes if pairs is None or (one.situation, one.seed) in pairs]
     names = [requirement.name for requirement in evidence.study.requirements]
     text = ""
     for detail in DETAILS:
@@ -214,7 +215,8 @@ def page(evidence: Evidence, most_bytes: int = MOST_BYTES) -> str:
         if detail is not DETAILS[-1] and sample * SAMPLE > HOPELESS * most_bytes:
             continue
         packed = packs(outcomes, names, detail)
-        text = html(content | {"detail": packed.says, "columns": columns(detail)}, packed.texts)
+        told = {"detail": packed.says, "columns": columns(detail), "listed": len(outcomes)}
+        text = html(content | told, packed.texts)
         if len(text.encode()) <= most_bytes:
             break
     return text

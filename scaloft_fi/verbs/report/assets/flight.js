@@ -6,7 +6,7 @@ async function flightSheet(mutant, situation, seed) {
   const title = mutant === "baseline" ? "the unmutated drone" : mutant;
   const body = [];
   if (!CAN_INFLATE) body.push(h("p", { class: "notice" }, "This browser cannot open the flights in this file: it has no DecompressionStream (Chrome 80, Firefox 113 and Safari 16.4 have it).  Everything else on the page works; the command below shows the flight."));
-  else if (!flight) body.push(h("p", { class: "notice" }, `The campaign holds no flight ${mutant}/${situation}/${seed}.`));
+  else if (!flight) body.push(h("p", { class: "notice" }, DATA.listed < DATA.flights ? `The page lists ${DATA.listed.toLocaleString("en")} of ${DATA.flights.toLocaleString("en")} flights one by one, those of the lowest seeds; ${mutant}/${situation}/${seed} is not among them.  Its figures count all.` : `The campaign holds no flight ${mutant}/${situation}/${seed}.`));
   body.push(chooseFlight(flights, mutant, situation, seed));
   if (flight) body.push(...verdict(flight, situation), ...pictures(situation, flight, clean), readings(flight, mutant === "baseline" ? null : clean));
   body.push(command(mutant, situation, seed));
