@@ -127,7 +127,8 @@ GROUPS: dict[str, dict[str, str]] = {
         "worksheet": "print the HAZOP worksheet with the findings",
         "dispositions": "list the survivors beside the accepted ones",
         "report": "write one HTML file with the whole campaign",
-        "diff": "list the flights that differ between two campaigns",
+        "compare": "show what only one of two campaigns shows",
+        "diff": "list the flights that differ, as `compare --flights`",
     },
     "Exchange with other tools": {
         "export": "write one row per flight, or a file for another tool",
@@ -144,7 +145,8 @@ VERBS: dict[str, str] = dict(chain.from_iterable(group.items() for group in GROU
 """What each verb does."""
 MODULES = {
     **dict.fromkeys(("seams", "operators"), "listing"),
-    **dict.fromkeys(("status", "diff", "merge"), "campaigns"),
+    **dict.fromkeys(("status", "merge"), "campaigns"),
+    "diff": "compare",
     **dict.fromkeys(("axes", "coverage"), "situations"),
 }
 """The file of a verb, where it is not named after the verb."""

@@ -28,6 +28,7 @@ from scaloft_fi.output import write_named
 from scaloft_fi.scripting.flight import Figure, FlownFlight, described, in_python, number
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import campaigns, dispositions, kills, margin, situations, worksheet
+from scaloft_fi.verbs import compare as comparing
 from scaloft_fi.verbs import run as flying
 from scaloft_fi.verbs import seek as seeking
 from scaloft_fi.verbs.campaigns import MergedCampaigns, MergedPlatform
@@ -340,7 +341,8 @@ class OpenCampaign:
     when = of_campaign(margin.when_answer)
     worksheet = of_campaign(worksheet.worksheet)
     dispositions = of_campaign(dispositions.dispositions)
-    diff = of_campaign(campaigns.diff)
+    compare = of_campaign(comparing.compare)
+    diff = of_campaign(comparing.diff)
 
     @described
     def run(
