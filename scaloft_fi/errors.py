@@ -32,8 +32,8 @@ _MEANINGS = {
     ExitCode.DONE: "The verb did what was asked; violations, survivors and red baselines are results, not failures.",
     ExitCode.BAD_INPUT: "An option, a file or the environment was refused: one sentence on standard error says where, "
     "what is allowed and what to change; no result was written.",
-    ExitCode.BELOW: "The score is below `--fail-under`, or `--ratchet` found a survivor that nobody accepted or an "
-    "acceptance that has expired.",
+    ExitCode.BELOW: "The score is below `--fail-under`, `--fail-on-lost` found a fault that is lost, or `--ratchet` "
+    "found a survivor that nobody accepted or an acceptance that has expired.",
     ExitCode.GATE: "A gate failed, so the campaign gives no valid score: PLACEBO or a repeated flight differs, a "
     "control shows nothing, the stack raises in a baseline, a baseline never leaves the ground, no pair of a flown "
     "situation is steady, or the harness failed in too many flights.",

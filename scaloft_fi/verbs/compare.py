@@ -255,7 +255,7 @@ def compare(study: Study, campaign: Compared, other: Compared, *, flights: Fligh
 
 def _answer(told: CampaignComparison, warnings: Sequence[str]) -> Answer:
     tables = score_tables(told.scores) if told.flights is None else (differences_table(told.flights),)
-    rows = "flights.differences" if told.flights is not None else ""
+    rows = "flights_differences" if told.flights is not None else ""
     return Answer(COMPARE, lambda: told, lambda: tables, rows=rows, warnings=warnings)
 
 
@@ -267,8 +267,7 @@ def _answer(told: CampaignComparison, warnings: Sequence[str]) -> Answer:
             "Hold a stack against another, each in a study of its own",
             "scaloft-fi compare default ../b/results/campaigns/b",
         ),
-        ("Fail a pipeline where a fault is lost", "scaloft-fi compare default night --fail-on-lost"),
-        ("Put both matrices beside each other on a page", "scaloft-fi compare default night --output both.html"),
+        ("Fail a pipeline where a fault is lost", "scaloft-fi compare default night --fail-on-lost --output both.html"),
         ("List the flights that differ", "scaloft-fi compare default night --flights"),
     ),
 )

@@ -74,7 +74,8 @@ READERS: tuple[tuple[str, ...], ...] = (
     ("coverage",),
     ("dispositions",),
     ("worksheet",),
-    ("diff", "CAMPAIGN", "CAMPAIGN"),
+    ("compare", "CAMPAIGN", "CAMPAIGN"),
+    ("compare", "CAMPAIGN", "CAMPAIGN", "--flights"),
     ("doctor", "--no-flight"),
 )
 """Verbs that print tables and fly nothing, on a campaign."""

@@ -16,7 +16,20 @@ from scaloft_fi.cli import main
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
-NO_CAMPAIGN = ("mutants", "diff", "doctor", "signals", "seams", "operators", "axes", "map", "schema", "check", "judge")
+NO_CAMPAIGN = (
+    "mutants",
+    "compare",
+    "diff",
+    "doctor",
+    "signals",
+    "seams",
+    "operators",
+    "axes",
+    "map",
+    "schema",
+    "check",
+    "judge",
+)
 
 
 @pytest.fixture

@@ -25,8 +25,8 @@ OTHERS = (
     ("kills",),
     ("kills", "--format", "json", "--show", "survivors"),
     ("coverage",),
-    ("diff", "CRAFTED", "GOOD"),
-    ("diff", "GOOD", "CRAFTED"),
+    ("compare", "CRAFTED", "GOOD"),
+    ("compare", "GOOD", "CRAFTED", "--flights"),
     ("export",),
     ("export", "--format", "junit"),
     ("export", "--format", "parquet", "--output", "OUT"),
@@ -56,7 +56,7 @@ def read(good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Call:
 
     def calling(*words: str) -> Result:
         told = [names.get(word, word) for word in words]
-        where = () if words[0] == "diff" else ("--campaign", f"{tmp_path}/crafted")
+        where = () if words[0] == "compare" else ("--campaign", f"{tmp_path}/crafted")
         return CliRunner().invoke(main, [*told, "--study", str(STUDY), *where])
 
     return calling

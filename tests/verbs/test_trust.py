@@ -40,7 +40,7 @@ READS = {
     "export": ("--output", "flights.csv"),
     "judge": ("record.csv",),
     "hazop": ("import", "sheet.csv"),
-    "diff": ("default", "default"),
+    **dict.fromkeys(("compare", "diff"), ("default", "default")),
     "mutants": ("--write",),
     "report": ("--output", "report.html"),
     "doctor": ("--no-flight",),
