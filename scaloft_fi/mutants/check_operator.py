@@ -36,7 +36,7 @@ class OperatorCheck:
 def operators_of(package: str) -> tuple[str, ...]:
     """The names of the operators that a package or module declares, in the order of declaration; plugins are loaded.
 
-    >>> operators_of("scaloft_fi.mutants.operators.persons")[:3]
+    >>> operators_of("scaloft_fi.mutants.operators.sensors")[:3]
     ('scale_range', 'min_score', 'narrow')
     """
     load_plugins()
