@@ -1,5 +1,7 @@
 """The local planner of the 3DVFH* kind (PX4-Avoidance local_planner): histogram, costs, look-ahead tree, velocity.
 
+Two laws make a velocity of the plan: one turns before it moves, the other is the published one.
+
 Positions are relative to the vehicle and in single precision, which suffices for bins of 6 deg and doubles the width
 of the vector units.  Grids are (elevation, azimuth): row e covers -90 + 6 e to -84 + 6 e deg, column a -180 + 6 a to
 -174 + 6 a.
@@ -18,7 +20,8 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from scaloft_fi.marks import Bounds, Count, NotNegative, Positive
+from scaloft_fi.marks import Bounds, Choices, Count, NotNegative, Positive
+from scaloft_fi.stack.declaration import TICK_S
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Array, Point
 from scaloft_fi.stack.reference.messages import ObstacleMap, PoseEstimate, SpeedLimit
@@ -406,6 +409,100 @@ def shape_velocity(
     if plan.distance_m < config.slow_radius_m:
         speed = min(speed, max(config.creep_mps, config.slow_gain_per_s * plan.distance_m))
     return plan.direction * (share * speed), heading
+
+
+TURNING, PUBLISHED = "turning", "published"
+"""How a plan is flown: `shape_velocity`, which turns before it moves, or the published speed law of `SpeedLaw`."""
+
+
+@dataclass(frozen=True)
+class NavigatorConfig:
+    """How a plan is flown; the numbers are those of the published speed law.
+
+    Attributes:
+        law: turning, or published.
+        follow_s: with this time constant the speed follows its target [s].
+        goal_m: inside this distance of the goal the target is the distance per second, and the heading stays [m].
+        view_rad: width of the view; the target falls linearly from its axis to 0 at its edge [rad].
+        accel_mps2: greatest deceleration [m/s2].
+        jerk_mps3: how fast it grows [m/s3].
+        reach_m: how far the way is known to be free where nothing is seen on it [m].
+        side_m: half width of the way that has to be free [m].
+        ahead_m: from the vehicle's centre to its side, which the way ends before an obstacle [m].
+    """
+
+    law: Annotated[str, Choices((TURNING, PUBLISHED))]
+    follow_s: Positive
+    goal_m: NotNegative
+    view_rad: Positive
+    accel_mps2: Positive
+    jerk_mps3: Positive
+    reach_m: NotNegative
+    side_m: NotNegative
+    ahead_m: NotNegative
+
+
+class SpeedLaw:
+    """The published speed law of the local planner's model, which has a memory: the speed follows its target late.
+
+    Source: PX4-Avoidance c386852c, `WaypointGenerator::adaptSpeed`, `scaleToFOV`, `LocalPlanner::getAvoidanceOutput`.
+    As there, the speed that is left over after a turn is flown along the new way.  It deviates in two ways: the speed
+    limit acts at once, as the velocity limit of the paper's autopilot does; and the speed from which the vehicle can
+    stop, which its model takes from the range of the sensor, is taken from what was seen on the way.
+    """
+
+    def __init__(self, config: NavigatorConfig) -> None:
+        self.config = config
+        self._speed = 0.0
+        self._heading_at_goal: float | None = None
+        self._room_m = config.reach_m
+
+    def look(self, obstacles: ObstacleMap, plan: LocalPlan, pose: PoseEstimate) -> None:
+        """Measure the free way along a new plan on the map that it was made of."""
+        config = self.config
+        offsets = obstacles.points - pose.position
+        along = offsets @ plan.direction
+        beside = np.einsum("ij,ij->i", offsets, offsets) - along * along
+        ahead = along[(along > 0.0) & (beside < config.side_m * config.side_m)]
+        nearest = float(ahead.min()) - config.ahead_m if len(ahead) else math.inf
+        self._room_m = max(0.0, min(config.reach_m, nearest))
+
+    def rest(self) -> None:
+        """Forget the speed: the vehicle holds its position or retreats."""
+        self._speed, self._heading_at_goal = 0.0, None
+
+    def order(self, plan: LocalPlan, goal: Point, pose: PoseEstimate, limit: SpeedLimit) -> tuple[Array, float]:
+        """Velocity (3,) [m/s, world] and heading to take [rad, world] at a tick; `goal` (3,) is the waypoint [m]."""
+        config, direction = self.config, plan.direction
+        offset = np.asarray(goal, np.float64) - pose.position
+        distance_m = math.sqrt(float(offset @ offset))
+        if distance_m < config.goal_m:
+            direction = offset / distance_m if distance_m > 0.0 else np.zeros(3)
+            if self._heading_at_goal is None:
+                self._heading_at_goal = pose.yaw_rad
+            heading, target = self._heading_at_goal, distance_m
+        else:
+            self._heading_at_goal = None
+            heading = math.atan2(direction[1], direction[0])
+            off_axis = abs(math.remainder(heading - pose.yaw_rad, 2.0 * math.pi))
+            target = limit.limit_mps * max(0.0, 1.0 - 2.0 * off_axis / config.view_rad)
+        share = TICK_S / (config.follow_s + TICK_S)
+        self._speed = min(share * target + (1.0 - share) * self._speed, distance_m)
+        if not float(direction @ direction) > 0.0:
+            return np.zeros(3), heading
+        most = min(permitted_mps(direction, limit), stopping_mps(self._room_m, config.accel_mps2, config.jerk_mps3))
+        self._speed = min(self._speed, most)
+        return direction * self._speed, heading
+
+
+def stopping_mps(room_m: float, accel_mps2: float, jerk_mps3: float) -> float:
+    """Greatest speed from which a vehicle stops within `room_m` [m/s]: u^2 + 2 a (u a/j) - 2 a room = 0.
+
+    >>> round(stopping_mps(2.0, 3.0, 4.0), 3), stopping_mps(0.0, 3.0, 4.0)
+    (1.886, 0.0)
+    """
+    ramp = accel_mps2 * accel_mps2 / jerk_mps3
+    return math.sqrt(ramp * ramp + 2.0 * accel_mps2 * room_m) - ramp
 
 
 class LocalPlan(NamedTuple):

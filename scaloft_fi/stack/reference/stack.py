@@ -36,7 +36,15 @@ from scaloft_fi.stack.reference.mission import (
     SpeedLimitConfig,
     SpeedLimitStage,
 )
-from scaloft_fi.stack.reference.planner import LocalPlan, Planner, PlannerConfig, shape_velocity
+from scaloft_fi.stack.reference.planner import (
+    PUBLISHED,
+    LocalPlan,
+    NavigatorConfig,
+    Planner,
+    PlannerConfig,
+    SpeedLaw,
+    shape_velocity,
+)
 from scaloft_fi.stack.reference.proximity import ProximityConfig, ProximityMonitor, Recoil, RecoilConfig
 
 
@@ -155,6 +163,7 @@ class Stages:
     mission: Mission
     planner: Planner
     recoil: Recoil
+    speed_law: SpeedLaw | None = None
 
 
 class Companion:
@@ -267,19 +276,29 @@ class Companion:
         elif obstacles is not None:
             self.map_points = len(obstacles.points)
             self._plan = self.stages.planner.plan(obstacles, self._target.point, pose)
+            if self.stages.speed_law is not None:
+                self.stages.speed_law.look(obstacles, self._plan, pose)
         elif self._plan is None:
             self.map_points = 0
 
     def _command(self, now_s: float, pose: PoseEstimate) -> VelocityCommand:
         retreat = self.stages.recoil.order(now_s, pose, self.limit.limit_mps)
+        law = self.stages.speed_law
         if retreat is not None:
+            if law is not None:
+                law.rest()
             self._yaw_rad = retreat[1]
             return VelocityCommand(now_s, *retreat)
         stale = now_s - self._depth_s > self.config.depth_hover_s or now_s - self._pose_s > self.config.pose_hover_s
         if stale or self._plan is None or self._target is None:
+            if law is not None:
+                law.rest()
             return self._hover_order(now_s, pose)
         self._hover = None
-        velocity, self._yaw_rad = shape_velocity(self._plan, pose, self.limit, self.stages.planner.config)
+        if law is None:
+            velocity, self._yaw_rad = shape_velocity(self._plan, pose, self.limit, self.stages.planner.config)
+        else:
+            velocity, self._yaw_rad = law.order(self._plan, self._target.point, pose, self.limit)
         return VelocityCommand(now_s, velocity, self._yaw_rad)
 
     def _hover_order(self, now_s: float, pose: PoseEstimate) -> VelocityCommand:
@@ -317,6 +336,7 @@ class ReferenceConfig:
     recoil: RecoilConfig
     exposure: ExposureConfig
     battery: BatteryConfig
+    navigator: NavigatorConfig | None = None
 
 
 class ReferenceStack:
@@ -345,6 +365,7 @@ class ReferenceStack:
                 Mission(config.mission, (task.home[0], task.home[1], task.altitude_m)),
                 self.planner_kind(config.planner),
                 Recoil(config.recoil),
+                SpeedLaw(config.navigator) if config.navigator and config.navigator.law == PUBLISHED else None,
             ),
             wire,
             Route(task.route),
