@@ -426,6 +426,7 @@ class NavigatorConfig:
         view_rad: width of the view; the target falls linearly from its axis to 0 at its edge [rad].
         accel_mps2: greatest deceleration [m/s2].
         jerk_mps3: how fast it grows [m/s3].
+        delay_s: from a range until the vehicle brakes; the way flown meanwhile is not room [s].
         reach_m: how far the way is known to be free where nothing is seen on it [m].
         side_m: half width of the way that has to be free [m].
         ahead_m: from the vehicle's centre to its side, which the way ends before an obstacle [m].
@@ -437,6 +438,7 @@ class NavigatorConfig:
     view_rad: Positive
     accel_mps2: Positive
     jerk_mps3: Positive
+    delay_s: NotNegative
     reach_m: NotNegative
     side_m: NotNegative
     ahead_m: NotNegative
@@ -490,8 +492,9 @@ class SpeedLaw:
         self._speed = min(share * target + (1.0 - share) * self._speed, distance_m)
         if not float(direction @ direction) > 0.0:
             return np.zeros(3), heading
-        most = min(permitted_mps(direction, limit), stopping_mps(self._room_m, config.accel_mps2, config.jerk_mps3))
-        self._speed = min(self._speed, most)
+        room_m = self._room_m - config.delay_s * max(0.0, float(pose.velocity @ direction))
+        most = stopping_mps(max(0.0, room_m), config.accel_mps2, config.jerk_mps3)
+        self._speed = min(self._speed, most, permitted_mps(direction, limit))
         return direction * self._speed, heading
 
 
