@@ -1,0 +1,266 @@
+"""Fly the paper's three rows on a drone with the published speed law: accept the drone, then fly every arm once.
+
+    python -m experiments.documented --look SPEED [--set PATH=NUMBER]...   # baselines of the tuning seeds, kept nowhere
+    python -m experiments.documented --accept                              # baselines of the seeds of acceptance
+    python -m experiments.documented [--arm NAME]... [--jobs N]            # what is missing of the registered flights
+
+Finished flights are kept beside the page, in `documented_accepted.jsonl.gz` and `documented_flights.jsonl.gz`; the same
+command flies only the flights that are missing there.
+"""
+
+from __future__ import annotations
+
+import experiments.published_kernels  # noqa: F401 - it must be imported before numpy
+
+# isort: split
+
+import itertools
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from experiments import PUBLISHED, ROOT
+from experiments.flights import Flights, Varied, complete, flights_of, read, shared
+from experiments.operating_point import CRUISE, LIGHT
+from experiments.pages import Row, blocks, parser, registered, table
+from scaloft_fi.analysis.detection import ALPHA, Spending, adjusted, holm
+from scaloft_fi.analysis.pool import Pool
+from scaloft_fi.analysis.score import MutantScore, mutant_score, sample
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
+from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import INVALID, Situations, rulings_of
+from scaloft_fi.mutants.catalogue import realise
+from scaloft_fi.study import Study
+
+NAME = "documented"
+ACCEPTED, FLIGHTS = f"{NAME}_accepted.jsonl.gz", f"{NAME}_flights.jsonl.gz"
+Numbers = Mapping[str, float | str]
+DRONE: Numbers = {"stack.navigator.law": "published", "stack.control.accel_mps2": 3.0}
+"""What the drone with the published speed law changes in the study, but for its speed."""
+CRUISE_MPS = 1.8
+"""The published speed, and the one that is accepted."""
+TUNED, ASKED, SEEDS = range(1000, 1010), range(2000, 2010), range(10)
+"""Seeds of the baselines that were tuned on, of those that accept, and of the registered flights."""
+SAFETY, HELD, LEAST_HELD = ("SR1", "SR2"), ("SR1", "SR2", "OP1"), 9
+
+DOCUMENTED: Numbers = {**DRONE, CRUISE: CRUISE_MPS}
+ARMS: Mapping[str, Numbers] = {
+    "documented": DOCUMENTED,
+    **{f"{speed:g} m/s": {**DRONE, CRUISE: speed} for speed in (1.5, 1.2, 1.0, 0.8, 0.5)},
+    "yaw 60 deg/s": {**DOCUMENTED, "stack.control.yaw_rate_radps": 1.047},
+    "yaw 90 deg/s": {**DOCUMENTED, "stack.control.yaw_rate_radps": 1.571},
+    "heading 90 deg": {**DOCUMENTED, "world.mission.yaw_deg": 90.0},
+    "turning, 0.5 m/s": {},
+    "turning, 1.8 m/s": {CRUISE: CRUISE_MPS},
+}
+ROWS = {
+    "LATE": tuple(f"LATE-human@{delay}s" for delay in ("0.5", "1", "3", "5")),
+    "UNINTENDED": tuple(f"UNINTENDED-collision@{period}s" for period in (60, 20, 10, 5)),
+    "MORE": tuple(f"MORE-goal@{radius}m" for radius in ("0.3", "0.6", "1", "3")),
+}
+"""The ladder of the cell of each of the paper's rows."""
+MUTANTS = tuple(itertools.chain.from_iterable(ROWS.values()))
+SUBJECTS = (BASELINE, *MUTANTS)
+PRIMARY = ("documented", "MORE-goal@1m", "SR1")
+PER_ARM = len(SUBJECTS) * len(LIGHT) * len(SEEDS)
+
+
+def varied(study: Study, numbers: Numbers) -> Study:
+    """The study with changed numbers."""
+    return Varied(study.folder, overrides=tuple(numbers.items()))  # type: ignore[arg-type]
+
+
+def names_of(subjects: Iterable[str], seeds: Iterable[int]) -> list[str]:
+    """The names of flights in the light situations."""
+    return [f"{subject}/{key}/{seed}" for seed, key, subject in itertools.product(seeds, LIGHT, subjects)]
+
+
+def held(outcome: Outcome) -> bool:
+    """Whether a baseline holds each safety requirement, and OP1, to its end."""
+    readings = [outcome.reading(name) for name in HELD]
+    return not outcome.invalid and all(one is not None and not (one.violated or one.open) for one in readings)
+
+
+def holding(outcomes: Iterable[Outcome]) -> dict[str, tuple[int, int, str]]:
+    """By light situation the baselines that hold, all, and what the others violate first."""
+    by_key: dict[str, list[Outcome]] = {key: [] for key in LIGHT}
+    for outcome in outcomes:
+        if outcome.mutant == BASELINE:
+            by_key[outcome.situation].append(outcome)
+    return {
+        key: (
+            sum(map(held, own)),
+            len(own),
+            "; ".join(f"{v.requirement} at {v.t_s:.1f} s, {v.struck or '-'}" for o in own for v in o.violations[:1]),
+        )
+        for key, own in by_key.items()
+    }
+
+
+def is_accepted(outcomes: Iterable[Outcome]) -> bool:
+    """Whether at least nine of ten baselines hold in each light situation."""
+    return all(count >= LEAST_HELD and whole == len(ASKED) for count, whole, _ in holding(outcomes).values())
+
+
+def acceptance(flights: Flights) -> str:
+    """The lines on the baselines of the seeds of acceptance."""
+    parts = []
+    for arm, outcomes in flights.items():
+        verdict = "accepted" if is_accepted(outcomes.values()) else "not accepted"
+        rows = (
+            (key, f"{count} of {whole}", bad or "-") for key, (count, whole, bad) in holding(outcomes.values()).items()
+        )
+        parts += [f"**{arm}: {verdict}.**", "\n".join(table(("situation", "hold", "the others"), rows))]
+    return blocks(*parts).strip("\n")
+
+
+@dataclass(frozen=True)
+class Flown:
+    """The flights of an arm, scored.
+
+    Attributes:
+        arm: its name.
+        outcomes: of its flights, by name.
+        space: the grid.
+    """
+
+    arm: str
+    outcomes: Mapping[str, Outcome]
+    space: Space
+
+    @property
+    def complete(self) -> bool:
+        """Whether every flight of the arm was flown and counts."""
+        return sum(not outcome.invalid for outcome in self.outcomes.values()) == PER_ARM
+
+    @cached_property
+    def pool(self) -> Pool:
+        """The pool of the arm."""
+        return Pool.of(self.outcomes.values())
+
+    @cached_property
+    def rulings(self) -> Mapping[Subject, Situations]:
+        """The flights of each mutant beside their baselines."""
+        return rulings_of(self.outcomes.values()).mutants
+
+    @cached_property
+    def scores(self) -> Mapping[str, MutantScore]:
+        """The score of each mutant, in the order of the rows."""
+        flown = self.rulings.items()
+        made = {s.id: mutant_score(s, own, self.space, self.pool, Spending(ALPHA)) for s, own in flown}
+        return {mutant: made[mutant] for mutant in MUTANTS if mutant in made}
+
+    def p(self, mutant: str, requirement: str) -> float:
+        """The exact test of one requirement alone, without any adjustment."""
+        found = next((own for subject, own in self.rulings.items() if subject.id == mutant), {})
+        flown = {key: [one for one in ruled if one.ruling is not INVALID] for key, ruled in found.items()}
+        samples = [sample(key, ruled) for key, ruled in flown.items() if ruled]
+        return adjusted(samples, self.pool, (requirement,))[requirement]
+
+    def violated(self, mutant: str, requirement: str) -> str:
+        """Flights that violate a requirement where it is steady and the mutant infects, of all there; pool likewise."""
+        results = [one for one in self.scores[mutant].results if requirement in one.steady]
+        pairs = [self.pool.pairs[one.situation, requirement] for one in results]
+        own = sum(dict(one.violated).get(requirement, 0) for one in results), sum(one.flown for one in results)
+        clean = sum(pair.violated for pair in pairs), sum(pair.judged for pair in pairs)
+        return f"{own[0]}/{own[1]}, pool {clean[0]}/{clean[1]}"
+
+
+def told(flights: Flights, space: Space) -> str:
+    """The section with the results: every arm, as far as it was flown."""
+    arms = {name: Flown(name, flights.get(name, {}), space) for name in ARMS}
+    done = {name: one for name, one in arms.items() if one.complete}
+    missing = [name for name in arms if name not in done]
+    left = (
+        f"Not flown yet: {', '.join(missing)}.  The secondary tests are decided when every arm was flown."
+        if missing
+        else ""
+    )
+    return blocks(
+        "## Flown",
+        f"{sum(map(len, flights.values())):,} of {PER_ARM * len(ARMS):,} flights.  {left}".rstrip(),
+        "### The primary test",
+        primary(done),
+        "### The paper's rows",
+        "Flights that violate where the requirement is steady and the fault acts, and the pool's there; p of the "
+        "requirement alone; *shown*: at most 0.01 after Holm over every secondary test.",
+        table(("row", "arm", "mutant", "SR1", "p", "SR2", "p", "verdict", "shown by"), rows(done, decided=not missing)),
+        "### Baselines that hold SR1, SR2 and OP1",
+        table(("arm", *LIGHT), ((name, *clean(one)) for name, one in done.items())),
+    )
+
+
+def primary(arms: Mapping[str, Flown]) -> str:
+    """The sentence of the primary test."""
+    arm, mutant, requirement = PRIMARY
+    if arm not in arms:
+        return "Not decided: its arm was not flown yet."
+    p, score = arms[arm].p(mutant, requirement), arms[arm].scores[mutant]
+    firm = score.firmness.words if score.firmness and requirement in score.safety.by else "not detected by it"
+    verdict = "shown" if p <= ALPHA else "not shown"
+    return (
+        f"**{mutant} is {verdict} by {requirement}**: {arms[arm].violated(mutant, requirement)}, p = {p:.2g}; {firm}."
+    )
+
+
+def rows(arms: Mapping[str, Flown], *, decided: bool) -> Iterator[Row]:
+    """A row for each of the paper's rows, arm and mutant."""
+    tests = itertools.product(arms, MUTANTS, SAFETY)
+    raw = {test: arms[test[0]].p(*test[1:]) for test in tests}
+    secondary = holm({test: p for test, p in raw.items() if test != PRIMARY}) if decided else {}
+    for row, mutants in ROWS.items():
+        for arm, mutant in itertools.product(arms, mutants):
+            score = arms[arm].scores[mutant]
+            cells = [part for n in SAFETY for part in (arms[arm].violated(mutant, n), f"{raw[arm, mutant, n]:.2g}")]
+            firm = f", {score.firmness.words}" if score.firmness else ""
+            shown = [name for name in SAFETY if secondary.get((arm, mutant, name), 1.0) <= ALPHA]
+            yield (
+                row,
+                arm,
+                mutant,
+                *cells,
+                f"{score.verdict.words}{firm}",
+                " ".join(shown) or ("-" if decided else "open"),
+            )
+
+
+def clean(one: Flown) -> Iterator[str]:
+    """Of each light situation how many baselines hold."""
+    return (f"{count}/{whole}" for count, whole, _ in holding(one.outcomes.values()).values())
+
+
+def page(study: Study) -> str:
+    """The page: what was registered, and what the flights beside it say."""
+    return registered(NAME) + told(read(PUBLISHED / FLIGHTS), study.space)
+
+
+def main() -> None:
+    """Look, accept, or fly what is missing and write the page."""
+    options = parser(__doc__, NAME)
+    options.add_argument("--look", type=float, help="cruise speed of the drone [m/s]")
+    options.add_argument("--set", action="append", default=[], help="another number of the study")
+    options.add_argument("--accept", action="store_true", help="fly the seeds of acceptance")
+    options.add_argument("--arm", action="append", choices=list(ARMS), help="fly this arm alone (repeatable)")
+    asked, study = options.parse_args(), Study.open(ROOT)
+    if asked.look is not None:
+        more = {name: float(text) for name, _, text in (one.partition("=") for one in asked.set)}
+        drone = varied(study, {**DRONE, CRUISE: asked.look, **more})
+        flown = shared(drone, flights_of(drone, {}, names_of([BASELINE], TUNED)), asked.jobs)
+        print(
+            *table(("situation", "hold", "whole", "the others"), ((k, *v) for k, v in holding(flown).items())), sep="\n"
+        )
+        return
+    if asked.accept:
+        kept, drone, arm = read(PUBLISHED / ACCEPTED), varied(study, DOCUMENTED), f"{CRUISE_MPS:g} m/s"
+        complete(PUBLISHED / ACCEPTED, kept, arm, drone, flights_of(drone, {}, names_of([BASELINE], ASKED)), asked.jobs)
+        print(acceptance(kept))
+        return
+    mutants, kept = {name: realise(study.matrix, name) for name in MUTANTS}, read(PUBLISHED / FLIGHTS)
+    for arm in asked.arm or ARMS:
+        own = varied(study, ARMS[arm])
+        complete(PUBLISHED / FLIGHTS, kept, arm, own, flights_of(own, mutants, names_of(SUBJECTS, SEEDS)), asked.jobs)
+    asked.output.write_text(page(study), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
