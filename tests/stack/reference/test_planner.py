@@ -2,6 +2,7 @@
 
 import copy
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,9 +10,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from options import usually
 
+from scaloft_fi.stack.declaration import TICK_S
 from scaloft_fi.stack.reference import planner as compiled
 from scaloft_fi.stack.reference.messages import ObstacleMap, SpeedLimit
-from scaloft_fi.stack.reference.planner import BIN_DEG, COLUMNS, ROWS, LocalPlan, Planner, dilation_bins, shape_velocity
+from scaloft_fi.stack.reference.planner import (
+    BIN_DEG,
+    COLUMNS,
+    PUBLISHED,
+    ROWS,
+    LocalPlan,
+    Planner,
+    SpeedLaw,
+    dilation_bins,
+    shape_velocity,
+    stopping_mps,
+)
 from tests.stack.conftest import pose_at
 
 F = np.float32
@@ -269,3 +282,98 @@ def test_straight_up_it_keeps_its_heading_and_goes_and_without_a_direction_it_st
     assert (velocity.tolist(), heading) == ([0.0, 0.0, 0.5], 1.0)
     velocity, heading = shaped(direction=np.zeros(3), distance=0.0, yaw=0.3, norm="per_axis")
     assert (velocity.tolist(), heading) == ([0.0, 0.0, 0.0], 0.3)
+
+
+@pytest.fixture(scope="session")
+def numbers(config):
+    """The numbers of the published speed law, in the study."""
+    return replace(config.navigator, law=PUBLISHED)
+
+
+class Flying:
+    """A vehicle that follows the law's order at once, along x from the origin."""
+
+    def __init__(self, numbers, goal=(20.0, 0.0, 1.5), limit=1.8):
+        self.law, self.goal, self.limit = SpeedLaw(numbers), goal, limit
+        self.x = self.speed = 0.0
+
+    def tick(self, yaw=0.0, azimuth=0.0, obstacles=NOTHING):
+        pose = pose_at(self.x, yaw=yaw)._replace(velocity=np.array([self.speed, 0.0, 0.0]))
+        way = np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
+        plan = LocalPlan(way, self.goal[0] - self.x, blocked=False, expanded=1)
+        self.law.look(told(obstacles), plan, pose)
+        velocity, heading = self.law.order(plan, self.goal, pose, SpeedLimit(0.0, self.limit, "euclidean"))
+        self.speed = float(np.linalg.norm(velocity))
+        self.x += float(velocity[0]) * TICK_S
+        return self.speed, heading
+
+
+def test_the_speed_follows_its_target_with_the_published_time_constant(numbers):
+    flying = Flying(numbers)
+    speeds = [flying.tick()[0] for _ in range(40)]
+    share = TICK_S / (numbers.follow_s + TICK_S)
+    assert speeds == pytest.approx([1.8 * (1 - (1 - share) ** (n + 1)) for n in range(40)])
+    assert speeds[17] / 1.8 == pytest.approx(1 - math.exp(-1), abs=0.01)  # after 0.9 s
+
+
+@given(angles, angles)
+def test_the_target_falls_linearly_from_the_axis_to_the_edge_of_the_view(numbers, azimuth, yaw):
+    off_axis = abs(math.remainder(azimuth - yaw, 2 * math.pi))
+    flying = Flying(numbers)
+    speed, heading = flying.tick(yaw, azimuth)
+    target = 1.8 * max(0.0, 1 - off_axis / (0.5 * numbers.view_rad))
+    assert speed == pytest.approx(target * TICK_S / (numbers.follow_s + TICK_S))
+    assert math.remainder(heading - azimuth, 2 * math.pi) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_after_a_turn_the_speed_that_is_left_is_flown_along_the_new_way(numbers):
+    flying = Flying(numbers)
+    for _ in range(100):
+        flying.tick()
+    before = flying.speed
+    speeds = [flying.tick(azimuth=math.pi / 2)[0] for _ in range(18)]
+    assert before > 1.75
+    assert speeds[0] > 0.9 * before
+    assert speeds[-1] == pytest.approx(before * math.exp(-1), rel=0.03)
+
+
+def test_near_the_goal_the_distance_is_the_speed_and_the_heading_stays(numbers):
+    flying = Flying(numbers, goal=(0.8, 0.0, 1.5))
+    told_at = [flying.tick(yaw=0.3 + 0.01 * n) for n in range(400)]
+    assert {heading for _, heading in told_at} == {0.3}
+    assert all(speed <= 0.8 for speed, _ in told_at)
+    assert flying.x == pytest.approx(0.8, abs=0.01)
+
+
+@given(st.floats(1.0, 4.5), st.floats(0.2, 3.0))
+def test_it_stops_before_what_it_saw_on_its_way_and_passes_what_is_beside_it(numbers, ahead, limit):
+    stopping = Flying(numbers, limit=limit)
+    wall = np.array([[ahead, 0.9 * numbers.side_m, 1.5]])
+    for _ in range(600):
+        stopping.tick(obstacles=wall)
+    assert stopping.x <= ahead - numbers.ahead_m + 1e-9
+    passing = Flying(numbers, limit=limit)
+    for _ in range(600):
+        passing.tick(obstacles=np.array([[ahead, 1.1 * numbers.side_m, 1.5]]))
+    assert passing.x > ahead
+
+
+@given(st.lists(st.floats(0.05, 2.0), min_size=1, max_size=20))
+def test_the_speed_limit_acts_at_once(numbers, limits):
+    flying = Flying(numbers)
+    for flying.limit in [1.8] * 60 + limits:
+        assert flying.tick()[0] <= flying.limit * (1 + 1e-9)
+
+
+def test_after_a_rest_it_starts_from_standing(numbers):
+    flying = Flying(numbers)
+    for _ in range(60):
+        flying.tick()
+    flying.law.rest()
+    assert flying.tick()[0] < 0.1
+
+
+@given(st.floats(0.0, 50.0), st.floats(0.1, 10.0), st.floats(0.1, 20.0))
+def test_the_stopping_speed_solves_its_equation(room, accel, jerk):
+    u = stopping_mps(room, accel, jerk)
+    assert u * u + 2 * accel * (u * accel / jerk) == pytest.approx(2 * accel * room, abs=1e-6)
