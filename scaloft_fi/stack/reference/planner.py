@@ -502,7 +502,7 @@ def stopping_mps(room_m: float, accel_mps2: float, jerk_mps3: float) -> float:
     """Greatest speed from which a vehicle stops within `room_m` [m/s]: u^2 + 2 a (u a/j) - 2 a room = 0.
 
     >>> round(stopping_mps(2.0, 3.0, 4.0), 3), stopping_mps(0.0, 3.0, 4.0)
-    (1.886, 0.0)
+    (1.881, 0.0)
     """
     ramp = accel_mps2 * accel_mps2 / jerk_mps3
     return math.sqrt(ramp * ramp + 2.0 * accel_mps2 * room_m) - ramp
