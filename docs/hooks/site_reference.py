@@ -12,6 +12,7 @@ from typing import Any
 import scaloft_fi
 import scaloft_fi.mutants.reference
 from scaloft_fi import api
+from scaloft_fi.analysis.comparison import Change
 from scaloft_fi.analysis.detection import Firmness, Verdict
 from scaloft_fi.analysis.pool import State
 from scaloft_fi.analysis.score import By
@@ -46,6 +47,7 @@ VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
         Status,
     ),
     ("Verdict on a mutant", "All flights of a mutant together, beside the baseline pools.", Verdict),
+    ("Two campaigns", "What they say of a mutant, held against each other: `compare`.", Change),
     ("Firmness of a detected mutant", "What remains of the verdict when any one seed is left out.", Firmness),
     ("Where a survivor stopped", "The stage that its fault did not pass.", Stage),
     ("What to do next about a survivor", "The change that could show it.", Next),
