@@ -198,8 +198,8 @@ def duration(seconds: float) -> str:
 class Reporter:
     """Keeps the progress up to date.
 
-    What flights cost is expected from the nominal mission times of their situations.  In a run of the reference campaign
-    the remaining time was 20 % too short to 7 % too long from the first tenth of the run on.
+    What flights cost is expected from the nominal mission times of their situations.  In a run of the reference
+    campaign the remaining time was 20 % too short to 7 % too long from the first tenth of the run on.
 
     Args:
         study: the study.
