@@ -67,7 +67,7 @@ PER_ARM = len(SUBJECTS) * len(LIGHT) * len(SEEDS)
 
 def varied(study: Study, numbers: Numbers) -> Study:
     """The study with changed numbers."""
-    return Varied(study.folder, overrides=tuple(numbers.items()))  # type: ignore[arg-type]
+    return Varied(study.folder, overrides=tuple(numbers.items()))
 
 
 def names_of(subjects: Iterable[str], seeds: Iterable[int]) -> list[str]:

@@ -101,10 +101,10 @@ class Varied(Study):
     """A study with changed numbers.
 
     Attributes:
-        overrides: pairs of a dotted path, as in `sim/sources.yaml`, and a number.
+        overrides: pairs of a dotted path, as in `sim/sources.yaml`, and a value.
     """
 
-    overrides: tuple[tuple[str, float], ...] = ()
+    overrides: tuple[tuple[str, float | str], ...] = ()
 
     @cached_property
     def sim(self) -> SimConfig:

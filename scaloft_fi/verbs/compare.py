@@ -12,14 +12,16 @@ from typing import Annotated
 from scaloft_fi.analysis.comparison import Agreement, Change, ComparedCampaigns, ComparedMutant, Flown, compared
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.analysis.score import score_of
 from scaloft_fi.campaign.store.archive import campaign_folder, is_archive
+from scaloft_fi.campaign.store.held import nothing_to_show
 from scaloft_fi.console import say
 from scaloft_fi.errors import ExitCode, InputError, shown
 from scaloft_fi.hazop.load import nearest_study
 from scaloft_fi.hazop.matrix import Matrix, class_of
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import Facts, facts_of
+from scaloft_fi.judge.status import Facts, facts_of, rulings_of
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import campaigns
@@ -194,16 +196,25 @@ def compared_by(
     """
     with snapshot(_own(study, campaign), campaign) as here, snapshot(_own(study, other), other) as there:
         _same_grid(campaign, here, other, there)
-        first, second = (Flown(name, now.rulings, now.score) for name, now in ((campaign, here), (other, there)))
-        matrix, warnings = here.study.matrix, list[str]()
+        warnings = list[str]()
+        first, second = (_flown(name, now, warnings) for name, now in ((campaign, here), (other, there)))
+        matrix = here.study.matrix
         if changed := _redefined(matrix, there.study.matrix, first, second):
             warnings.append(f"of other faults in the second study, and not compared: {', '.join(sorted(changed))}")
             first, second = _without(first, changed), _without(second, changed)
         told = compared(first, second, here.study.roster, here.study.space)
         differ = _flights((campaign, other), here, there) if flights else None
-        for name, now in ((campaign, here), (other, there)):
-            warnings += [f"{name}: {text}" for text in (now.platform_warning, *now.stale.sentences) if text]
         return CampaignComparison(told, differ), matrix, warnings
+
+
+def _flown(name: str, now: Snapshot, warnings: list[str]) -> Flown:
+    """The flights that count; where none does, as after a change of the stack, all as they were flown."""
+    if now.held.current:
+        warnings += [f"{name}: {text}" for text in (now.platform_warning, *now.stale.sentences) if text]
+        return Flown(name, now.rulings, now.score)
+    rulings = rulings_of(now.latest or nothing_to_show(now.store, now.folder))
+    warnings.append(f"{name}: no flight is of the study as it is now, so all are compared as they were flown")
+    return Flown(name, rulings, score_of(rulings, now.study.roster, now.study.space, now.spending))
 
 
 def _own(study: Study, campaign: str) -> Study:

@@ -96,6 +96,17 @@ def test_campaigns_of_two_studies_are_compared_each_with_its_own(call: Call, two
     assert told["lost"] == [M]
 
 
+def test_a_campaign_that_a_change_made_stale_is_compared_as_it_was_flown(
+    call: Call, tmp_path: Path, two: tuple[str, str]
+):
+    changed = copied(tmp_path / "changed", "found.yaml")
+    world = changed / "sim" / "world.yaml"
+    world.write_text(world.read_text().replace("cruise_mps: 0.5", "cruise_mps: 0.6"))
+    done = call("compare", *two, "--format", "json", study=changed, campaign=False)
+    assert of_form("compare", told_by(done))["lost"] == [M]
+    assert done.stderr.count("no flight is of the study as it is now, so all are compared as they were flown") == 2
+
+
 def test_only_campaigns_of_one_grid_are_compared(call: Call, two: tuple[str, str], tmp_path: Path):
     wide = ("--grid", "wide", "--choose", "first:1", "--mutant", "LATE-human", "--quiet", "--campaign", f"{tmp_path}/w")
     told_by(call("run", *wide, campaign=False))

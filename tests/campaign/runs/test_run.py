@@ -21,7 +21,7 @@ from running import CONTROL, LATE, MORE, Change, Runs, asked, changed, interrupt
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.plan import plan
-from scaloft_fi.campaign.progress import Progress, violation_line
+from scaloft_fi.campaign.progress import FLIGHT_S, Progress, Reporter, violation_line
 from scaloft_fi.campaign.runs.gates import RISE_M, check_gates
 from scaloft_fi.campaign.runs.merge import merge
 from scaloft_fi.campaign.runs.run import Report, mission_log, run
@@ -212,6 +212,24 @@ def test_a_pool_of_ten_is_flown_in_each_situation_where_a_mutant_infects(study: 
         "D1H1": set(range(10)),
     }
     assert {o.seed for o in report.outcomes if o.mutant != "baseline"} == {0}
+
+
+def test_the_time_left_counts_each_pool_until_it_is_announced_or_nothing_there_can_need_it(
+    study: Any, fly: Runs, monkeypatch: pytest.MonkeyPatch
+):
+    waiting: list[float] = []
+    arrived = Reporter.arrived
+
+    def noting(reporter: Reporter, flight: Flight, outcome: Outcome, *, news: bool) -> None:
+        waiting.append(reporter.maybe_s)
+        arrived(reporter, flight, outcome, news=news)
+
+    monkeypatch.setattr(Reporter, "arrived", noting)
+    fly(asked(study, canary="").with_pool())
+    whole_s = sum(9 * (study.expected_s(situation) + FLIGHT_S) for situation in study.grid)
+    assert waiting[0] == pytest.approx(whole_s)
+    assert 0.0 < min(filter(None, waiting)) < whole_s
+    assert waiting[-1] == 0.0
 
 
 def test_a_resumed_run_completes_the_pool_and_flies_nothing_twice(study: Any, log: Any, fly: Runs):

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from builders import outcome
 from finding import BAR, flies, found
 from pages import Opened, counts_of, embedded, exported
 from papers import SEEDS, STUDY, campaign, evidence_of, flight
@@ -40,7 +41,7 @@ from scaloft_fi.verbs.report.analyses import (
     terms,
     thresholds,
 )
-from scaloft_fi.verbs.report.flights import STEP_M, broken
+from scaloft_fi.verbs.report.flights import STEP_M, broken, listed
 from scaloft_fi.verbs.report.flights import found as told_finds
 from scaloft_fi.verbs.report.page import asset, html, page
 
@@ -64,11 +65,11 @@ def both(evidence: Evidence) -> dict[str, Any]:
 
 def test_each_find_has_its_words_evidence_scene_and_command(both: dict[str, Any]):
     assert (both["grid"], both["misfits"]) == ("paper+found", ["lost"])
-    for find, listed in zip(FINDS, both["finds"], strict=True):
-        assert (listed["name"], listed["situation"], listed["mutant"]) == (find.name, find.situation, find.mutant)
-        assert listed["words"] == "human walks, cruise speed 0.8 m/s"
-        assert listed["command"] == flies(find.mutant)
-        assert [one["mutant"] for one in listed["shows"]] == list(find.shows)
+    for find, told in zip(FINDS, both["finds"], strict=True):
+        assert (told["name"], told["situation"], told["mutant"]) == (find.name, find.situation, find.mutant)
+        assert told["words"] == "human walks, cruise speed 0.8 m/s"
+        assert told["command"] == flies(find.mutant)
+        assert [one["mutant"] for one in told["shows"]] == list(find.shows)
     one = both["finds"][1]["shows"][0]
     assert (one["requirement"], one["struck"], one["violated"], one["flights"]) == ("SR2", "person", 6, 6)
     assert (one["p"], one["alpha"], one["held"], one["margin"], one["spread"]) == (0.00025, 0.005, 10, 0.071, 0.02)
@@ -474,3 +475,11 @@ def test_terms_of_axes_with_more_values_name_all_levels_that_they_admit():
     row = KillRow(Subject("X-x"), "mutant", True, Status.REVEALED, Verdict.DETECTED, Ratio(4, 6), entries)
     (term,) = terms(space, row)
     assert term["levels"] == [[0, 1], [0, 1]]
+
+
+def test_a_large_campaign_lists_whole_pairs_of_the_lowest_seeds_and_always_the_first():
+    flights = [outcome(mutant, key, seed) for mutant in ("baseline", LATE) for key in "ab" for seed in (0, 1)]
+    assert listed(flights) == {("a", 0), ("b", 0), ("a", 1), ("b", 1)}
+    assert listed(flights, most=5) == {("a", 0), ("b", 0)}
+    assert listed(flights, most=1) == {("a", 0)}
+    assert listed([]) == frozenset()
