@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Mapping
 
+import pytest
 from builders import CLASSED, GRID, ROSTER, outcome, pool, seeded
 from hypothesis import given
 
@@ -63,6 +64,31 @@ def test_a_fault_that_both_flights_would_allow_is_unsure_and_never_lost():
     fewer = [one for one in flights if one.mutant != LATE or one.situation == KEYS[0]]
     told = held_against(shown, fewer)
     assert (told.lost, told.unsure) == ((), (LATE,))
+
+
+def test_a_difference_that_one_fault_alone_would_show_is_unsure_among_three():
+    keys = KEYS[:2]
+    shown = [*pool(*KEYS), *(outcome(LATE, key, s, violated={"SR1": 9.0}) for key in keys for s in range(3))]
+    harmless = [*pool(*KEYS), *(outcome(LATE, key, s) for key in keys for s in range(3))]
+    others = [outcome(mutant, key, s) for mutant in (NO, GOAL) for key in keys for s in range(3)]
+    assert held_against(shown, harmless).lost == (LATE,)
+    among = held_against([*shown, *others], [*harmless, *others])
+    assert (among.lost, among.unsure) == ((), (LATE,))
+    assert min(mutant.lost_p for mutant in among.mutants) == pytest.approx(3 * 2 / 20**2)
+
+
+def test_a_verdict_that_hangs_on_a_seed_is_not_lost_and_the_halves_of_its_seeds_disagree():
+    keys = [key for key, _ in GRID.points[:12]]
+    shown = [
+        *pool(*keys),
+        *(outcome(LATE, k, s, violated={"SR1": 9.0} if s == 0 else {}) for k in keys for s in (0, 1)),
+    ]
+    harmless = [*pool(*keys), *(outcome(LATE, key, s) for key in keys for s in (0, 1))]
+    told = held_against(shown, harmless)
+    (mutant,) = told.mutants
+    assert mutant.lost_p < 0.01
+    assert (told.lost, told.unsure) == ((), (LATE,))
+    assert told.first_halves == Agreement(Ratio(0, 1), 0.0)
 
 
 def test_what_is_not_put_to_the_test_in_the_second_campaign_is_not_lost():

@@ -365,6 +365,25 @@ def test_the_speed_limit_acts_at_once(numbers, limits):
         assert flying.tick()[0] <= flying.limit * (1 + 1e-9)
 
 
+def test_the_way_flown_before_the_brakes_act_is_no_room(numbers):
+    flying = Flying(numbers)
+    for _ in range(100):
+        before = flying.tick()[0]
+    flying.x = 0.0
+    room = 2.0 - numbers.ahead_m - numbers.delay_s * before
+    speed, _ = flying.tick(obstacles=np.array([[2.0, 0.0, 1.5]]))
+    assert speed == pytest.approx(stopping_mps(room, numbers.accel_mps2, numbers.jerk_mps3))
+
+
+def test_on_the_way_to_the_next_goal_it_takes_a_heading_again(numbers):
+    flying = Flying(numbers, goal=(0.8, 0.0, 1.5))
+    assert flying.tick(yaw=0.3)[1] == 0.3
+    flying.goal = (5.0, 0.0, 1.5)
+    assert flying.tick(yaw=0.3)[1] == 0.0
+    flying.goal = (0.8, 0.0, 1.5)
+    assert flying.tick(yaw=0.1)[1] == 0.1
+
+
 def test_after_a_rest_it_starts_from_standing(numbers):
     flying = Flying(numbers)
     for _ in range(60):
