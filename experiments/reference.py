@@ -104,17 +104,23 @@ def _once(name: str) -> Iterator[None]:
 
 def picture(output: Path) -> None:
     """Take a picture of the matrix in the report."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright, tempfile.TemporaryDirectory() as made:
+    with tempfile.TemporaryDirectory() as made:
         page = Path(made) / "report.html"
         call("report", "--campaign", str(REFERENCE), "--output", str(page))
+        pictured(page, PART, output)
+
+
+def pictured(page: Path, part: str, output: Path) -> None:
+    """Take a picture of the part of a page that a selector of CSS names."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
         opened = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
         )
         tab = opened.new_page(viewport={"width": WIDTH_PX, "height": WIDTH_PX}, device_scale_factor=SCALE)
         tab.goto(page.as_uri())
-        tab.locator(PART).screenshot(path=output)
+        tab.locator(part).screenshot(path=output)
         opened.close()
 
 

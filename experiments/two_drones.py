@@ -1,0 +1,169 @@
+"""Fly the whole matrix on the second drone, and hold what it shows against what the reference drone shows.
+
+    python -m experiments.two_drones [--fly] [--picture]
+
+The second drone is the frozen one of `documented.md`.  `--fly` flies every cell's default mutant, the controls and
+PLACEBO in all situations of the paper's grid, three seeds beside a pool of twenty, in a study of its own; stored
+flights are not flown again.  Then it writes the archive `results/published/second_drone/`, which has that study.
+Without `--fly` the page, and the comparison beside it, are made from the two published records.  `--picture` takes a
+picture of the comparison: that needs `chromium` on the path and the packages of the extra `test`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import chdir
+from pathlib import Path
+
+from experiments import PUBLISHED, ROOT
+from experiments.pages import Row, blocks, registered, table
+from experiments.reference import REFERENCE, call, pictured, thin
+from scaloft_fi.analysis.comparison import Change, ComparedMutant
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.pool import State
+from scaloft_fi.hazop.load import FOLDERS
+from scaloft_fi.hazop.matrix import Matrix, class_of
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.compare import agreement_text, compared_by, matrices_page
+from scaloft_fi.verbs.export.dossier import archive_files
+from scaloft_fi.verbs.snapshot import Snapshot, snapshot
+
+NAME, CAMPAIGN = "two_drones", "second_drone"
+SECOND = PUBLISHED / CAMPAIGN
+FOLDER = ROOT / "results" / "campaigns" / "second_drone_study"
+"""The study in which the second drone flies; git ignores it."""
+CHANGES: Mapping[str, Mapping[str, str]] = {
+    "sim/stack.yaml": {
+        "  law: turning ": "  law: published ",
+        "  accel_mps2: 1.5              #": "  accel_mps2: 3.0              #",
+    },
+    "sim/world.yaml": {"  cruise_mps: 0.5\n": "  cruise_mps: 1.8\n"},
+}
+"""What the study of the second drone changes in the files of the reference study."""
+SEEDS, BASELINE_SEEDS = "3", "20"
+COMPARISON, PICTURE = PUBLISHED / f"{NAME}.html", PUBLISHED / f"{NAME}.png"
+
+
+def second_study(folder: Path = FOLDER) -> Study:
+    """The study of the second drone, written anew beside what was flown in it.
+
+    Raises:
+        ValueError: a file of the reference study has not exactly one place for a change.
+    """
+    for name in FOLDERS:
+        shutil.rmtree(folder / name, ignore_errors=True)
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("*.md"))
+    for name, changes in CHANGES.items():
+        text = (folder / name).read_text(encoding="utf-8")
+        for old, new in changes.items():
+            if text.count(old) != 1:
+                raise ValueError(f"{name} has {text.count(old)} places of {old!r}")
+            text = text.replace(old, new)
+        (folder / name).write_text(text, encoding="utf-8")
+    return Study.open(folder)
+
+
+def fly() -> None:
+    """Fly what is missing, and write the record."""
+    study = second_study()
+    with chdir(study.folder):
+        call("run", "--campaign", CAMPAIGN, "--seeds", SEEDS, "--baseline-seeds", BASELINE_SEEDS)
+    for name, content in archive_files(study, CAMPAIGN, documents=True, kept=thin).items():
+        (SECOND / name).parent.mkdir(parents=True, exist_ok=True)
+        (SECOND / name).write_bytes(content)
+
+
+def results(study: Study) -> tuple[str, str]:
+    """The section with the results, and the page with both matrices."""
+    told, matrix, _ = compared_by(study, str(REFERENCE), str(SECOND), flights=False)
+    with snapshot(study, str(REFERENCE)) as reference, snapshot(study, str(SECOND)) as second:
+        figures = [*zip(_figures(reference), _figures(second), strict=True)]
+    by_change = {change: [one for one in told.scores.mutants if one.change is change] for change in Change}
+    text = blocks(
+        "## Flown",
+        table(
+            ("", "reference drone", "second drone"),
+            ((name, one, two) for (name, one), (_, two) in figures),
+        ),
+        f"{len(by_change[Change.LOST])} lost, {len(by_change[Change.GAINED])} gained, "
+        f"{len(by_change[Change.UNSURE])} unsure, of {len(told.scores.mutants)} faults.  "
+        f"{agreement_text(told.scores)}",
+        *(_listed(change, by_change[change]) for change in (Change.LOST, Change.GAINED, Change.UNSURE)),
+        "### Every fault",
+        table(
+            ("parameter", "faults", "both show", "reference alone", "second alone", "neither"),
+            _by_parameter(told.scores.mutants, matrix),
+        ),
+    )
+    return text, matrices_page(told.scores, matrix)
+
+
+def _figures(now: Snapshot) -> list[tuple[str, str]]:
+    score = now.score
+    counted, states = score.counted, Counter(score.pool.states.values())
+    firm = [one for one in counted if one.firm]
+    tested = [one for one in counted if one.tested]
+    verdicts = Counter(one.verdict for one in counted)
+    return [
+        ("faults that the safety requirements show", f"{verdicts[Verdict.DETECTED]} of {len(counted)}"),
+        ("of these firm: without any one seed too", f"{len(firm)}"),
+        ("put to the test", f"{len(tested)}"),
+        ("put to the test and not shown", f"{verdicts[Verdict.NOT_DETECTED]}"),
+        ("undecided", f"{verdicts[Verdict.UNDECIDED]}"),
+        ("pairs of situation and requirement that are steady", f"{states[State.STEADY]}"),
+        ("pairs that are red", f"{states[State.RED]}"),
+    ]
+
+
+def _listed(change: Change, mutants: Sequence[ComparedMutant]) -> str:
+    if not mutants:
+        return ""
+    head = ("severity", "mutant", "reference drone", "second drone", "p", "violates", "reference", "second")
+    return "\n".join([f"### {change.capitalize()}", "", *table(head, map(_row, mutants))])
+
+
+def _row(one: ComparedMutant) -> Row:
+    first = one.first is Verdict.DETECTED
+    p = one.lost_p if first else one.gained_p
+    verdicts = [
+        f"{verdict.words}, firm" if firm else verdict.words
+        for verdict, firm in ((one.first, one.first_firm), (one.second, one.second_firm))
+    ]
+    counts = one.requirement or "-", one.first_violated.short, one.second_violated.short
+    return (class_of(one.severity), one.id, *verdicts, f"{p:.2g}", *counts)
+
+
+def _by_parameter(mutants: Sequence[ComparedMutant], matrix: Matrix) -> Iterator[Row]:
+    for parameter in (entry.id for entry in matrix.parameters):
+        own = [one for one in mutants if one.subject.parameter == parameter]
+        pairs = Counter((one.first is Verdict.DETECTED, one.second is Verdict.DETECTED) for one in own)
+        yield (
+            parameter,
+            len(own),
+            pairs[True, True],
+            pairs[True, False],
+            pairs[False, True],
+            pairs[False, False],
+        )
+
+
+def main() -> None:
+    """Fly where that is asked for, and write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--fly", action="store_true", help="fly the campaign, and publish its flights")
+    parser.add_argument("--picture", action="store_true", help="take a picture of the comparison")
+    options = parser.parse_args()
+    if options.fly:
+        fly()
+    text, page = results(Study.open(ROOT))
+    (PUBLISHED / f"{NAME}.md").write_text(registered(NAME) + text, encoding="utf-8")
+    COMPARISON.write_text(page, encoding="utf-8")
+    if options.picture:
+        pictured(COMPARISON, "main", PICTURE)
+
+
+if __name__ == "__main__":
+    main()
