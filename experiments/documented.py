@@ -214,6 +214,8 @@ def rows(arms: Mapping[str, Flown], *, decided: bool) -> Iterator[Row]:
             cells = [part for n in SAFETY for part in (arms[arm].violated(mutant, n), f"{raw[arm, mutant, n]:.2g}")]
             firm = f", {score.firmness.words}" if score.firmness else ""
             shown = [name for name in SAFETY if secondary.get((arm, mutant, name), 1.0) <= ALPHA]
+            if (arm, mutant) == PRIMARY[:2] and raw[PRIMARY] <= ALPHA:
+                shown.append(f"{PRIMARY[2]}, the primary test")
             yield (
                 row,
                 arm,

@@ -18,7 +18,7 @@ import pyarrow.parquet
 from experiments import PUBLISHED
 from scaloft_fi.campaign.flights.fly import Flight, fly_log, judged
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.plan import together
+from scaloft_fi.campaign.plan import alone, together
 from scaloft_fi.campaign.store.archive import STORE_NAME, outcome_of, subject_of
 from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.store import Store
@@ -156,7 +156,10 @@ def shared(study: Study, flights: Sequence[Flight], jobs: int) -> Iterator[Outco
         ScaloftError: the study cannot be flown.
     """
     with Local(jobs).workers(study, Physics(), stop=lambda: False, say=_say) as workers:
-        yield from workers.map(together(flights, lambda flight: study.expected_s(flight.situation), jobs))
+        if study.stack.forks:
+            yield from workers.map(together(flights, lambda flight: study.expected_s(flight.situation), jobs))
+        else:
+            yield from workers.map(alone(flights))
 
 
 def _say(text: str) -> None:

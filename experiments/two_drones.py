@@ -44,7 +44,7 @@ CHANGES: Mapping[str, Mapping[str, str]] = {
 }
 """What the study of the second drone changes in the files of the reference study."""
 SEEDS, BASELINE_SEEDS = "3", "20"
-COMPARISON, PICTURE = PUBLISHED / f"{NAME}.html", PUBLISHED / f"{NAME}.png"
+COMPARISON, PICTURE = PUBLISHED / "two_matrices.html", PUBLISHED / "two_matrices.png"
 
 
 def second_study(folder: Path = FOLDER) -> Study:

@@ -16,8 +16,10 @@ PUBLISHED = ROOT / "results" / "published"
 PICTURES = {
     "experiments/report.png": PUBLISHED / "report.png",
     "experiments/unintended.png": PUBLISHED / "unintended.png",
+    "experiments/two_matrices.png": PUBLISHED / "two_matrices.png",
+    "experiments/two_matrices.html": PUBLISHED / "two_matrices.html",
 }
-"""Pictures of these pages, by their place in the site."""
+"""Pictures of these pages, and the comparison of the two drones, by their place in the site."""
 REPORT = "reference/report.html"
 """The report of the published campaign, beside these pages."""
 SECTIONS = {

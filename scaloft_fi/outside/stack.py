@@ -92,6 +92,7 @@ def shaped(settings: Any) -> Declaration:
         settings=lambda: VelocityConfig if config.below == "flight_control" else GoalConfig,
         canaries=(*orders[:1], *odometry[:1]),
         deterministic=config.deterministic,
+        version=config.version,
     )
 
 

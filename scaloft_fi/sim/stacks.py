@@ -56,6 +56,7 @@ def claims_of(declared: Declaration, signals: Collection[str]) -> tuple[Claim, .
 STACKS = Registry[Declaration]("stack")
 STACKS.promise("reference", "scaloft_fi.stack.reference.declaration:REFERENCE")
 STACKS.promise("outside", "scaloft_fi.outside.stack:OUTSIDE")
+STACKS.promise("firmware", "scaloft_fi.firmware.stack:FIRMWARE")
 
 
 def declare_stack(declared: Declaration) -> None:

@@ -392,6 +392,8 @@ class Declaration:
             `ConfigError`.
         rehearse: makes a stack for the trial flight before the first flight, without threads or other processes; None =
             `make`.
+        files: paths, from the folder of the study, of files outside `sim/` whose content decides a flight.
+        version: of the programs that fly, in words; "" where all of them are ours.
 
     Raises:
         ValueError: a name is taken twice, or a canary is no seam.
@@ -408,6 +410,8 @@ class Declaration:
     forks: bool = True
     shape: Callable[[Any], Declaration] | None = None
     rehearse: Callable[[Task, Wire], Stack] | None = None
+    files: tuple[str, ...] = ()
+    version: str = ""
 
     def __post_init__(self) -> None:
         for noun, names in (("seam", [s.name for s in self.seams]), ("belief", [b.name for b in self.beliefs])):
@@ -417,6 +421,11 @@ class Declaration:
         lost = [name for name in self.canaries if name not in self.by_name]
         if lost:
             raise ValueError(f"stack {self.name!r} has no seam {lost[0]!r} for a canary")
+
+    @property
+    def title(self) -> str:
+        """Name and version, in words."""
+        return f"{self.name}, {self.version}" if self.version else self.name
 
     @property
     def rehearsed(self) -> Declaration:

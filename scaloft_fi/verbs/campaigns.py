@@ -47,6 +47,7 @@ class CampaignStatus:
         campaign: folder of the campaign.
         archive: SHA-256 of its `campaign.json`, which lists every other file's; null: it is no archive.
         platform: on which most flights were flown, part by part.
+        stack: name of the stack that the study names, and the version of its programs in words.
         grid: name of the grid that was flown.
         counted: flights that count.
         owed: flights that are planned and not flown.
@@ -63,6 +64,7 @@ class CampaignStatus:
     campaign: str
     archive: str | None
     platform: Mapping[str, str]
+    stack: str
     grid: str
     counted: int
     owed: int
@@ -76,7 +78,7 @@ class CampaignStatus:
     reasons: tuple[Reason, ...]
 
 
-STATUS = Output("status", "1.1", CampaignStatus, rows="statuses")
+STATUS = Output("status", "1.2", CampaignStatus, rows="statuses")
 
 
 def campaign_status(now: Snapshot) -> CampaignStatus:
@@ -93,6 +95,7 @@ def campaign_status(now: Snapshot) -> CampaignStatus:
         campaign=str(held.folder),
         archive=now.archive.digest if now.archive else None,
         platform=now.platform,
+        stack=now.study.stack.title,
         grid=now.study.grid.name,
         counted=len(flown),
         owed=held.owed,

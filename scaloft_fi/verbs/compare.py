@@ -343,7 +343,7 @@ SIGNS = {
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; margin: 1.5rem auto; max-width: 84rem; padding: 0 1rem;
   color: #1b1f24; background: #fff }
-main { display: flex; flex-wrap: wrap; gap: 1.5rem } section { overflow-x: auto }
+main { display: flex; flex-wrap: wrap; gap: 1.5rem; width: fit-content; max-width: 100% } section { overflow-x: auto }
 table { border-collapse: collapse } caption { text-align: left; font-weight: 600; padding: .3rem 0 }
 th { font-weight: 500; font-size: 12px; padding: .15rem .4rem; text-align: left }
 thead th { writing-mode: vertical-rl; transform: rotate(180deg) }

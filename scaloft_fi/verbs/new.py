@@ -1,26 +1,29 @@
-"""`scaloft-fi new`: write a small study, or a plugin package with a study that uses it.
+"""`scaloft-fi new`: write a small study, a plugin package with a study that uses it, or a study of a real autopilot.
 
 The templates are the folder `templates/` of the checkout, which the wheel carries as `_templates`.  The files of the
-vehicle, the sensors and the stack are those of the reference study.
+vehicle, the sensors and the stack are those of the reference study; a study of an autopilot has its mine too.
 """
 
 from __future__ import annotations
 
+import json
 import keyword
 import shlex
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from itertools import takewhile
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated, Literal
 
-from scaloft_fi.document import is_folder, is_there, read_bytes
-from scaloft_fi.errors import InputError, shown
+from scaloft_fi.document import is_file, is_folder, is_there, read_bytes
+from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import reference_study
 from scaloft_fi.output import write_whole
+from scaloft_fi.registry import load_plugins
 from scaloft_fi.verbs.options import LineFormat, Option, answer, verb
 from scaloft_fi.views.output import Answer, Output
 
@@ -33,6 +36,25 @@ MORE = ".more.yaml"
 """The end of the name of a template whose text is appended to the file of the study."""
 SHARED = ("sim/vehicle.yaml", "sim/sensors.yaml", "sim/stack.yaml")
 """The files of the reference study that a new study takes as they are."""
+MINE = (
+    *SHARED,
+    *(f"sim/{name}.yaml" for name in ("world", "situations", "requirements")),
+    *(f"hazop/{name}.yaml" for name in ("guidewords", "severities", "matrix/imu", "matrix/pose", "matrix/velcmd")),
+)
+"""The files of the reference study that a study of a firmware takes, with `CHANGES`."""
+QUAD_X = b"""\
+# The layout of PX4, ArduPilot and Betaflight: front right and rear left turn counter-clockwise seen from above, so
+# their torque on the body is clockwise.
+spins: [-1, -1, 1, 1]"""
+PARAMETERS = "sim/firmware/parameters.txt"
+"""The firmware's own parameters, for a kind that has a template of them."""
+CHANGES = (
+    ("sim/stack.yaml", b"name: reference  ", b"name: firmware   "),
+    ("sim/stack.yaml", b"spins: [1, 1, -1, -1]", b"spins: [-1, -1, 1, 1]"),
+    ("sim/vehicle.yaml", b"spins: [1, 1, -1, -1]", QUAD_X),
+    ("sim/world.yaml", b": sources.yaml.", b": sources.yaml of the reference study."),
+)
+"""What differs there: file, text, which it has once, and the text in its place."""
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -49,13 +71,69 @@ def plugin_files(package: str) -> Files:
         package: name of the package; see `check_package_name`.
     """
     files = {f"study/{name}": text for name, text in study_files().items() if not name.startswith(("hazop", "mutants"))}
-    for name, text in _template("plugin").items():
-        if name.endswith(MORE):
-            below = f"{name.removesuffix(MORE)}.yaml"
-            files[below] = files[below] + b"\n" + text
-        else:
-            files[name] = text
-    return {name.replace(WORD, package): text.replace(WORD.encode(), package.encode()) for name, text in files.items()}
+    return _filled(_joined(files, _template("plugin")), {WORD: package})
+
+
+def firmware_files(kind: str, program: Path) -> Files:
+    """The files of a study of the paper's mine with a firmware, and a HAZOP of its seams.
+
+    Args:
+        kind: of firmware, a key of `KINDS`.
+        program: the firmware's program.
+
+    Raises:
+        InputError: the firmware lacks a seam of the HAZOP.
+    """
+    from scaloft_fi.firmware.kind import ATTITUDE, KINDS, POSITION
+
+    seams, reference = KINDS[kind].seams, reference_study()
+    position, owner = ("position", "firmware") if POSITION in seams else ("fix", "companion")
+    orders, units = ("attitude", "rad, rad/s, 0..1") if ATTITUDE in seams else ("velocity", "m/s, rad")
+    files = {name: read_bytes(reference / name) for name in MINE}
+    for name, old, new in CHANGES:
+        assert files[name].count(old) == 1, name
+        files[name] = files[name].replace(old, new)
+    template = _template("firmware")
+    own = {PARAMETERS: template[f"{kind}.txt"]} if f"{kind}.txt" in template else {}
+    words = {
+        "your_kind": kind,
+        "your_program": json.dumps(str(program.absolute()), ensure_ascii=False),
+        "your_node": f"positioning -> estimator of the {owner}",
+        "your_position": position,
+        "your_order": units,
+        "your_parameters": f"[{', '.join(own)}]",
+    }
+    more = {**_template("firmware/study"), **_template(f"firmware/{orders}"), **own}
+    files = _filled(_joined(files, more), words)
+    return files | {"mutants/catalogue.jsonl": _catalogue(files)}
+
+
+def _joined(files: Files, more: Files) -> dict[str, bytes]:
+    """The files and those of a template; one whose name ends in `MORE` is appended to the file of the study."""
+    joined = dict(files)
+    for name, text in more.items():
+        below = name.removesuffix(MORE) + ".yaml"
+        joined |= {below: joined[below] + b"\n" + text} if name.endswith(MORE) else {name: text}
+    return joined
+
+
+def _filled(files: Files, words: Mapping[str, str]) -> dict[str, bytes]:
+    """The files with each word, in names and texts, replaced by what it stands for."""
+    filled = dict(files)
+    for word, said in words.items():
+        filled = {name.replace(word, said): t.replace(word.encode(), said.encode()) for name, t in filled.items()}
+    return filled
+
+
+def _catalogue(files: Files) -> bytes:
+    """The catalogue of the mutants of a study with these files."""
+    from scaloft_fi.mutants.catalogue import derive, write_catalogue
+    from scaloft_fi.study import Study
+
+    with TemporaryDirectory() as made:
+        folder = Path(made)
+        _write(folder, files)
+        return read_bytes(write_catalogue(folder / "mutants", derive(Study(folder).matrix)))
 
 
 def check_package_name(name: str, place: str) -> None:
@@ -157,6 +235,7 @@ NEW = Output("new", "1.0", Written, rows="files")
         ("Write a study to edit", "scaloft-fi new my_mine"),
         ("Write a package with an operator, a stack, a sensor and a signal", "scaloft-fi new my_faults --plugin"),
         ("Give the package another name than the folder", "scaloft-fi new work/faults --plugin --name my_faults"),
+        ("Put a real autopilot below the companion", "scaloft-fi new my_px4 --firmware px4 --program /opt/px4/bin/px4"),
     ),
 )
 def new_command(
@@ -173,12 +252,21 @@ def new_command(
         str | None,
         Option("Name of the package, with --plugin.", metavar="NAME", otherwise="the last part of DIR, - read as _"),
     ],
+    firmware: Annotated[
+        str | None,
+        Option("Write a study of an autopilot: px4, ardupilot, betaflight, lines or a plugin's.", metavar="KIND"),
+    ],
+    program: Annotated[Path | None, Option("The autopilot's program, with --firmware.", metavar="PATH")],
     style: LineFormat,
 ) -> None:
     """Write a small study that flies in about a minute, and whose files say what each of their keys means.
 
     A corridor, a cart, a person, two axes, two requirements, six cells.  DIR must be empty or new.  With --plugin, DIR
     is a package of yours that any study can use once it is installed.
+
+    With --firmware, DIR is a study of the paper's mine: 32 situations, with a real autopilot below the reference
+    stack's perception and navigation, and a HAZOP of what flows into the autopilot and out of it, 96 cells.  PATH is
+    its program, built for simulation (SITL), which is not copied.  `lines` is any program that speaks lines of JSON.
 
     The first line of each document names its JSON Schema in schemas/, with which an editor completes keys; in a
     package, `scaloft-fi schema --write` makes that folder once the package is installed.
@@ -188,7 +276,11 @@ def new_command(
 
     if name is not None and not plugin:
         raise InputError(f"--name={name!r} is the name of a package; give --plugin with it, or leave it out")
-    if plugin:
+    if program is not None and firmware is None:
+        raise InputError(f"--program={shown(str(program))} is an autopilot's; give --firmware with it, or leave it out")
+    if firmware is not None:
+        files, what = _firmware(firmware, program, plugin=plugin)
+    elif plugin:
         package = folder.absolute().name.replace("-", "_") if name is None else name
         check_package_name(package, "DIR" if name is None else "--name")
         files = pointed(plugin_files(package), "study/")
@@ -198,13 +290,42 @@ def new_command(
         files = documents | schemas
         what = f"a study of 6 cells and 6 situations, {len(documents)} files, and {len(schemas)} schemas for an editor"
     write_new(folder, files)
-    commands = _next(folder, plugin=plugin)
+    commands = _next(folder, plugin=plugin, chosen=FIRST if firmware else "")
     told = f"{folder}: {what}.  Next:\n\n" + "".join(f"  {command}\n" for command in commands)
     written = Written(folder, "plugin" if plugin else "study", tuple(sorted(files)), commands)
     answer(Answer(NEW, lambda: written, told=lambda _: told), style)
 
 
-def _next(folder: Path, *, plugin: bool) -> tuple[str, ...]:
+FIRST = " --situation 'T0O0W0D0*' --mutant LATE-gyro"
+"""What a study of an autopilot flies first: one fault in light, without a person and with one."""
+
+
+def _firmware(kind: str, program: Path | None, *, plugin: bool) -> tuple[Files, str]:
+    """The files of a study of an autopilot, and what they are in words.
+
+    Raises:
+        InputError: the kind is unknown, the program is no file, or a package is asked for.
+    """
+    from scaloft_fi.firmware.kind import KINDS, FirmwareConfig
+    from scaloft_fi.firmware.stack import FIRMWARE, seams_of
+    from scaloft_fi.verbs.schema import pointed, schema_files
+
+    if plugin:
+        raise InputError(f"--firmware={shown(kind)} writes a study, and --plugin a package; give one of them")
+    load_plugins()
+    if kind not in KINDS:
+        raise InputError(f"--firmware={shown(kind)} must be a kind of firmware{did_you_mean(kind, KINDS)}")
+    if program is None:
+        raise InputError(f"--firmware={shown(kind)} needs --program, the path of the autopilot's program")
+    if not is_file(program) or not str(program).isprintable():
+        raise InputError(f"--program={shown(str(program))} must be the path of a file, in printable characters")
+    documents = pointed(firmware_files(kind, program))
+    schemas = schema_files(replace(FIRMWARE, seams=seams_of(FirmwareConfig(kind, str(program), ""))))
+    what = f"a study of {kind} with 96 cells and 32 situations, {len(documents)} files, and {len(schemas)} schemas"
+    return documents | schemas, f"{what} for an editor"
+
+
+def _next(folder: Path, *, plugin: bool, chosen: str) -> tuple[str, ...]:
     here = shlex.quote(str(folder))
     if plugin:
         study, schemas = (shlex.quote(str(folder / below)) for below in ("study", "study/schemas"))
@@ -215,4 +336,4 @@ def _next(folder: Path, *, plugin: bool) -> tuple[str, ...]:
             f"scaloft-fi run --study {study}",
         )
     there = () if folder.resolve() == Path.cwd() else (f"cd {here}",)
-    return *there, "scaloft-fi check", "scaloft-fi run"
+    return *there, "scaloft-fi check", f"scaloft-fi run{chosen}"

@@ -30,6 +30,7 @@ ELSEWHERE = {
     "check.md": "tests/checks checks studies with planted defects",
     "CONTRIBUTING.md": "they are the tests themselves",
     "cluster.md": "it needs several machines; tests/campaign/workers flies with a scheduler and workers on one",
+    "firmware.md": "it needs a firmware; tests/firmware builds Betaflight and flies such a study",
     "index.md": "it is README's first command",
     "install.md": "tests/packaging installs the wheel, README's test command the clone",
     "outside.md": "tests/outside/test_outside_flights.py flies this study",

@@ -196,3 +196,125 @@ def test_a_run_of_its_study_is_green(site: Path, plugin: Path):
     screen = printed("-m", "scaloft_fi", *words, site=site, cwd=plugin)
     assert re.search(r"REVERSE-velocity .*SR1", screen), screen
     assert "it holds steadily SR1 in 1" in screen
+
+
+FIRMWARES = ("ardupilot", "betaflight", "lines", "px4")
+OWN = ("gyro", "accelerometer", "position", "order", "motors")
+"""The parameters of a firmware's seams; the cells of the other three are the reference study's."""
+
+
+@pytest.fixture(scope="module", params=FIRMWARES)
+def firmware(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Study:
+    """The study of a firmware whose program is an empty file."""
+    folder = tmp_path_factory.mktemp("mine") / request.param
+    program = folder.with_name("pro gram: \u00fc")
+    program.write_text("")
+    assert run("new", folder, "--firmware", request.param, "--program", program) == 0
+    return Study.open(folder)
+
+
+def test_a_study_of_a_firmware_is_whole_and_its_catalogue_is_current(
+    firmware: Study, capsys: pytest.CaptureFixture[str]
+):
+    assert run("check", "--study", firmware.folder, "--format", "json") == 0
+    told = of_form("check", capsys.readouterr().out)
+    assert [one["severity"] for one in told["findings"]] == ["note"]  # seams that the HAZOP leaves out on purpose
+    assert run("mutants", "--check", "--study", firmware.folder) == 0
+    settings = firmware.sim.stack.settings(firmware.stack).firmware
+    assert settings.program == str(firmware.folder.with_name("pro gram: \u00fc"))
+    assert all((firmware.folder / name).is_file() for name in settings.parameters)
+    assert firmware.stack.version == f"{firmware.name} as built"
+
+
+def test_a_study_of_a_firmware_asks_every_guideword_of_eight_parameters(firmware: Study):
+    cells = list(firmware.matrix)
+    assert [one.id for one in firmware.matrix.parameters] == [*OWN, "imu", "pose", "velcmd"]
+    assert len(cells) == 8 * 12
+    assert {cell.status for cell in cells} == {CellStatus.CREDIBLE, CellStatus.CONTROL, CellStatus.NOT_MEANINGFUL}
+    assert firmware.matrix.severities.keys() == {cell.name for cell in cells if cell.status is CellStatus.CREDIBLE}
+    controls = {cell.name for cell in cells if cell.status is CellStatus.CONTROL}
+    assert controls == {f"REVERSE-{name}" for name in ("gyro", "order", "motors", "imu", "pose", "velcmd")}
+    seams = {fault.seam for cell in cells if cell.parameter in OWN for fault in cell.faults}
+    position = "fix" if firmware.name == "betaflight" else "position"
+    assert seams == {"gyro", "accelerometer", "order", "motors", position}
+
+
+def test_no_two_cells_of_a_study_of_a_firmware_have_a_text_in_common_and_none_is_blank(firmware: Study):
+    texts: list[str] = []
+    for cell in firmware.matrix:
+        blank = cell.status is CellStatus.NOT_MEANINGFUL
+        texts += [cell.reason] if blank else [cell.deviation, cell.effect, *cell.causes]
+    assert all(len(text) > 10 and text.endswith(".") for text in texts)
+    assert len(set(texts)) == len(texts)
+
+
+def test_the_vehicle_and_its_control_believe_the_layout_of_the_firmware(firmware: Study):
+    assert list(firmware.sim.vehicle.spins) == [-1, -1, 1, 1]
+    assert list(firmware.sim.stack.settings(firmware.stack).control.spins) == [-1, -1, 1, 1]
+
+
+def test_an_editor_knows_the_seams_of_the_firmware(firmware: Study):
+    for path in sorted(firmware.folder.rglob("*.yaml")):
+        assert _schema_errors(path, load(path).plain()) == [], path
+    cells = load(firmware.folder / "hazop" / "matrix" / "gyro.yaml").plain()
+    cells["NO"]["faults"][0]["seam"] = "gyroscope"
+    assert _schema_errors(firmware.folder / "hazop" / "matrix" / "gyro.yaml", cells) != []
+
+
+def test_each_key_of_the_section_of_a_firmware_is_told_of_in_a_comment(firmware: Study):
+    lines = (firmware.folder / "sim" / "stack.yaml").read_text().partition("\nfirmware:")[2].splitlines()
+    assert len(lines) == 9
+    assert all("#" in line for line in lines)
+
+
+def test_a_study_of_a_firmware_says_which_fault_to_fly_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    program = tmp_path / "program"
+    program.write_text("")
+    words = ("new", tmp_path / "made", "--firmware", "px4", "--program", program)
+    assert run(*words, "--format", "json") == 0
+    told = of_form("new", capsys.readouterr().out)
+    there = sorted(path for path in (tmp_path / "made").rglob("*") if path.is_file())
+    assert told["files"] == [path.relative_to(tmp_path / "made").as_posix() for path in there]
+    assert told["kind"] == "study"
+    check, fly = told["next"][-2:]
+    assert check == "scaloft-fi check"
+    _, verb, *asked = shlex.split(fly)
+    assert (verb, asked) == ("run", ["--situation", "T0O0W0D0*", "--mutant", "LATE-gyro"])
+    assert "LATE-gyro" in Study.open(tmp_path / "made").matrix
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            ("--firmware", "px5", "--program", "{file}"),
+            "--firmware='px5' must be a kind of firmware; did you mean 'px4'?",
+        ),
+        (("--firmware", "px4"), "--firmware='px4' needs --program"),
+        (("--firmware", "px4", "--program", "{file}_"), "must be the path of a file"),
+        (("--firmware", "px4", "--program", "{folder}"), "must be the path of a file"),
+        (("--program", "{file}"), "give --firmware with it"),
+        (("--plugin", "--firmware", "px4", "--program", "{file}"), "give one of them"),
+    ],
+)
+def test_what_a_study_of_a_firmware_lacks_is_told_and_nothing_is_written(
+    words: tuple[str, ...], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    program = tmp_path / "program"
+    program.write_text("")
+    assert run("new", tmp_path / "study", *(word.format(file=program, folder=tmp_path) for word in words)) == 2
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "study").exists()
+
+
+def test_a_changed_program_or_parameter_of_a_firmware_means_other_flights(tmp_path: Path):
+    program, folder = tmp_path / "program", tmp_path / "study"
+    program.write_text("one")
+    assert run("new", folder, "--firmware", "px4", "--program", program) == 0
+    inputs = [Study.open(folder).inputs]
+    program.write_text("two")
+    inputs.append(Study.open(folder).inputs)
+    parameters = folder / "sim" / "firmware" / "parameters.txt"
+    parameters.write_text(parameters.read_text() + "param set MPC_XY_P 1\n")
+    inputs.append(Study.open(folder).inputs)
+    assert len({one["sim"] for one in inputs}) == 3

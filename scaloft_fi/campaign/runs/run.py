@@ -591,5 +591,6 @@ def write_log(study: Study, folder: Path, outcomes: Sequence[Outcome]) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    text = json_text(mission_log(outcomes, study.roster, study.space), indent=2)
+    told = {"stack": study.stack.title, **mission_log(outcomes, study.roster, study.space)}
+    text = json_text(told, indent=2)
     write_own(folder / archive.LOG_NAME, f"{text}\n".encode())

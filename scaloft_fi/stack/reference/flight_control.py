@@ -96,24 +96,21 @@ def parts_of(numbers: Array) -> tuple[Array, Array, Array, Array, Array, Array, 
 
 
 @jit
-def control(estimate: Array, numbers: Array) -> None:
-    """One 240 Hz step of the cascade; writes memory and thrust, and stops where a thrust is no finite number.
+def outer(estimate: Array, numbers: Array) -> tuple[float, float, float]:
+    """One 240 Hz step of the outer loops; writes memory, and returns the wanted force [N, world].
 
     In VELOCITY_MODE it follows the velocity (3,) [m/s, world]; in HOLD_MODE it flies to and holds `hold` (3,)
     [m, world]; in LAND_MODE it sinks above `hold`, in LEVEL_MODE it sinks level and drifts, both at the vertical
-    velocity; in STOPPED_MODE there is no thrust.
+    velocity.
 
     Args:
         estimate: (33,) numbers of the estimator.
         numbers: (55,) see `parts_of`; the orders are the mode, the heading to take [rad], and the greatest change of
             the velocity setpoint [m/s2].
     """
-    state, r, _, rate, _ = estimator.parts_of(estimate)
-    velocity_sp, hold, memory, gains, allocation, orders, thrust = parts_of(numbers)
+    state, _, _, _, _ = estimator.parts_of(estimate)
+    velocity_sp, hold, memory, gains, _, orders, _ = parts_of(numbers)
     mode, yaw_sp, accel_mps2, dt_s = int(orders[_MODE]), orders[_YAW], orders[_ACCEL], 1.0 / STEP_HZ
-    if mode == STOPPED_MODE:
-        thrust[:] = 0.0
-        return
     mass = gains[0]
     target = np.zeros(3)
     if mode == VELOCITY_MODE:
@@ -149,12 +146,30 @@ def control(estimate: Array, numbers: Array) -> None:
         accel[0] *= gains[15] / horizontal
         accel[1] *= gains[15] / horizontal
     fx, fy, fz = mass * accel[0], mass * accel[1], mass * max(0.2 * GRAVITY_MPS2, GRAVITY_MPS2 + accel[2])
-    collective = fx * r[0, 2] + fy * r[1, 2] + fz * r[2, 2]
-    norm = math.sqrt(fx * fx + fy * fy + fz * fz)
 
     turned = yaw_sp - memory[6]
     turned -= 2.0 * math.pi * math.floor(turned / (2.0 * math.pi) + 0.5)
     memory[6] += min(gains[16] * dt_s, max(-gains[16] * dt_s, turned))
+    return fx, fy, fz
+
+
+@jit
+def control(estimate: Array, numbers: Array) -> None:
+    """One 240 Hz step of the cascade; writes memory and thrust, and stops where a thrust is no finite number.
+
+    It follows `outer`; in STOPPED_MODE there is no thrust.
+
+    Args:
+        estimate, numbers: as `outer`.
+    """
+    _, r, _, rate, _ = estimator.parts_of(estimate)
+    _, _, memory, gains, allocation, orders, thrust = parts_of(numbers)
+    if int(orders[_MODE]) == STOPPED_MODE:
+        thrust[:] = 0.0
+        return
+    fx, fy, fz = outer(estimate, numbers)
+    collective = fx * r[0, 2] + fy * r[1, 2] + fz * r[2, 2]
+    norm = math.sqrt(fx * fx + fy * fy + fz * fz)
     cx, cy = math.cos(memory[6]), math.sin(memory[6])
     zx, zy, zz = fx / norm, fy / norm, fz / norm
     yx, yy, yz = -zz * cy, zz * cx, zx * cy - zy * cx
@@ -267,14 +282,22 @@ class FlightControl:
 
     def step(self, now_s: float, imu: Imu | None) -> Thrust:
         """One 240 Hz step: integrate the inertial sample, if one arrived, and return the thrust."""
-        estimator = self.estimator
-        if imu is not None:
-            estimator.inertial(now_s, imu)
-        elif now_s - estimator.last_imu_s > self.failsafe.imu_stop_s:
-            self._orders[_MODE] = STOPPED_MODE
-        control(estimator.numbers, self.numbers)
+        self.sense(now_s, imu)
+        control(self.estimator.numbers, self.numbers)
         self.end()
         return Thrust(self._thrust.copy())
+
+    def sense(self, now_s: float, imu: Imu | None) -> None:
+        """Integrate the inertial sample; without one for too long the rotors stop."""
+        if imu is not None:
+            self.estimator.inertial(now_s, imu)
+        elif now_s - self.estimator.last_imu_s > self.failsafe.imu_stop_s:
+            self._orders[_MODE] = STOPPED_MODE
+
+    def target(self) -> tuple[Array, float]:
+        """The velocity (3,) [m/s, world] and the heading [rad] that the outer loop wants now, within their rates."""
+        _, _, memory, _, _, _, _ = parts_of(self.numbers)
+        return memory[:3].copy(), float(memory[HEADING])
 
     def begin(self) -> Numbers:
         """The arrays of estimator and flight control, not copies of them."""

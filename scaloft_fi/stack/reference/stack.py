@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scaloft_fi.marks import Count
-from scaloft_fi.stack.declaration import Task, Wire
+from scaloft_fi.stack.declaration import FastPath, Task, Wire
 from scaloft_fi.stack.messages import Array, Bumper, DepthFrame, Exposure, Imu, Metering, SensorFrames, Stamps, Thrust
 from scaloft_fi.stack.reference import messages as own
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
@@ -353,7 +353,7 @@ class ReferenceStack:
         config: ReferenceConfig = task.settings
         self._wire = wire
         self._estimator = Estimator(config.estimator, np.array(task.home), task.yaw_rad)
-        self._control = FlightControl(config.control, config.failsafe, self._estimator, task.yaw_rad)
+        self._control = self._flight_control(config, task.yaw_rad, wire)
         self._companion = Companion(
             config.companion,
             Stages(
@@ -372,9 +372,13 @@ class ReferenceStack:
             task.yaw_rad,
         )
         self._control.take_off(task.altitude_m)
-        self.fast_path = self._control
+        self.fast_path: FastPath | None = self._control
         self._pose = self._estimator.tick(0.0, None)
         self._last_stamps = Stamps(0.0, 0.0, 0.0)
+
+    def _flight_control(self, config: ReferenceConfig, yaw_rad: float, wire: Wire) -> FlightControl:
+        """What flies below the companion."""
+        return FlightControl(config.control, config.failsafe, self._estimator, yaw_rad)
 
     @property
     def exposure(self) -> Exposure:
