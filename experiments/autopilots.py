@@ -1,0 +1,114 @@
+"""Fly real autopilots below the companion: accept each on clean baselines, and fly the same flights again.
+
+    python -m experiments.autopilots --program KIND=PATH... [--jobs N]     # what is missing of the baselines
+    python -m experiments.autopilots --program KIND=PATH... --again        # flies them again, and compares digests
+
+Flights are kept beside the page, in `autopilots_accepted.jsonl.gz`.  The programs are the user's: the page says which
+were flown.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from experiments import PUBLISHED
+from experiments.flights import Flights, complete, flights_of, read, shared
+from experiments.operating_point import LIGHT
+from experiments.pages import Row, blocks, parser, registered, table
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.new import firmware_files, write_new
+
+NAME = "autopilots"
+ACCEPTED = f"{NAME}_accepted.jsonl.gz"
+KINDS = ("betaflight", "px4", "ardupilot", "lines")
+EMPTY = tuple(key for key in LIGHT if key.endswith("H0"))
+"""The light situations without a person."""
+SEEDS, LEAST_HELD, LEAST_SITUATIONS = range(3000, 3010), 9, 7
+HELD = ("SR1", "OP1")
+
+
+def study_of(kind: str, program: Path, folder: Path) -> Study:
+    """The study that `scaloft-fi new --firmware` writes."""
+    write_new(folder, firmware_files(kind, program))
+    return Study.open(folder)
+
+
+def names() -> list[str]:
+    """The flights by which a firmware is accepted."""
+    return [f"{BASELINE}/{key}/{seed}" for key, seed in itertools.product(EMPTY, SEEDS)]
+
+
+def holds(outcome: Outcome) -> bool:
+    """Whether a baseline holds SR1 and OP1 to its end."""
+    readings = [outcome.reading(name) for name in HELD]
+    return not outcome.invalid and all(one is not None and not (one.violated or one.open) for one in readings)
+
+
+def accepted(outcomes: Mapping[str, Outcome]) -> bool:
+    """Whether nine of ten baselines hold in seven of the eight situations."""
+    held = (sum(holds(one) for one in outcomes.values() if one.situation == key) for key in EMPTY)
+    return sum(count >= LEAST_HELD for count in held) >= LEAST_SITUATIONS
+
+
+def told(flights: Flights) -> str:
+    """The section with the results."""
+    return blocks(
+        "## Flown",
+        f"{sum(map(len, flights.values()))} of {len(KINDS) * len(names())} flights.",
+        table(("firmware", *EMPTY, "accepted", "shortest", "longest"), _rows(flights)),
+        "Flights that hold SR1 and OP1, of ten; duration of the shortest and the longest flight [s].",
+        *_failures(flights),
+    )
+
+
+def _rows(flights: Flights) -> Iterator[Row]:
+    for kind in KINDS:
+        flown = flights.get(kind, {})
+        if len(flown) < len(names()):
+            continue
+        held = [sum(holds(one) for one in flown.values() if one.situation == key) for key in EMPTY]
+        durations = [one.duration_s for one in flown.values()]
+        verdict = "yes" if accepted(flown) else "no"
+        yield (kind, *held, verdict, f"{min(durations):.1f}", f"{max(durations):.1f}")
+
+
+def _failures(flights: Flights) -> Iterator[str]:
+    lines = [
+        f"- {kind}, {one.situation}, seed {one.seed}: "
+        + ("; ".join(f"{v.requirement} at {v.t_s:.1f} s, {v.struck or '-'}" for v in one.violations) or one.ending)
+        for kind in KINDS
+        for one in flights.get(kind, {}).values()
+        if not holds(one)
+    ]
+    if lines:
+        yield "\n".join(["What does not hold:", "", *lines])
+
+
+def main() -> None:
+    """Fly what is missing and write the page, or fly again and compare."""
+    options = parser(__doc__, NAME)
+    options.add_argument("--program", action="append", default=[], help="KIND=PATH (repeatable)")
+    options.add_argument("--again", action="store_true", help="fly the stored flights again, and compare digests")
+    asked, kept = options.parse_args(), read(PUBLISHED / ACCEPTED)
+    for kind, _, path in (one.partition("=") for one in asked.program):
+        with tempfile.TemporaryDirectory() as folder:
+            study, before = study_of(kind, Path(path), Path(folder) / kind), dict(kept.get(kind, {}))
+            print(f"{kind}: {hashlib.sha256(Path(path).read_bytes()).hexdigest()}", file=sys.stderr)
+            flights = flights_of(study, {}, names())
+            if asked.again:
+                same = [one.digest == before[one.name].digest for one in shared(study, flights, asked.jobs)]
+                print(f"{kind}: {sum(same)} of {len(same)} flights have the same digest with --jobs {asked.jobs}")
+            else:
+                complete(PUBLISHED / ACCEPTED, kept, kind, study, flights, asked.jobs)
+    if not asked.again:
+        asked.output.write_text(registered(NAME) + told(kept), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
