@@ -48,14 +48,14 @@ COMPARISON, PICTURE = PUBLISHED / "two_matrices.html", PUBLISHED / "two_matrices
 
 
 def second_study(folder: Path = FOLDER) -> Study:
-    """The study of the second drone, written anew beside what was flown in it.
+    """The study of the second drone, written anew beside what was flown in it; finds are the reference drone's.
 
     Raises:
         ValueError: a file of the reference study has not exactly one place for a change.
     """
     for name in FOLDERS:
         shutil.rmtree(folder / name, ignore_errors=True)
-        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("*.md"))
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("*.md", "found.yaml"))
     for name, changes in CHANGES.items():
         text = (folder / name).read_text(encoding="utf-8")
         for old, new in changes.items():
