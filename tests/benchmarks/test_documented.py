@@ -97,7 +97,7 @@ def test_the_primary_test_is_decided_by_its_own_arm_and_the_secondary_tests_when
     assert "Not decided" in told({}, GRID)
     every = {name: Flown(name, kills, GRID) for name in ARMS}
     shown = {row[1]: row[-1] for row in rows(every, decided=True) if row[2] == mutant}
-    assert shown == {name: "-" if name == arm else "SR1" for name in ARMS}
+    assert shown == {name: "SR1, the primary test" if name == arm else "SR1" for name in ARMS}
 
 
 @pytest.mark.release
