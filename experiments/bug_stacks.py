@@ -90,7 +90,7 @@ class StagedStack(ReferenceStack):
             task.yaw_rad,
         )
         self._control.take_off(task.altitude_m)
-        self.fast_path = self._control if parts.compiled else None  # type: ignore[assignment]
+        self.fast_path = self._control if parts.compiled else None
         self._pose = self._estimator.tick(0.0, None)
         self._received: SensorFrames | None = None
 
