@@ -133,7 +133,8 @@ class Program:
             listener.close()
         channel.settimeout(ANSWER_S)
         made = cls(home, 0, flight, processes, channel)
-        made._answer()
+        with made.booting("the firmware"):
+            made._answer()
         return made
 
     def step(self, until_ns: int, datagrams: Sequence[Datagram]) -> list[Datagram]:

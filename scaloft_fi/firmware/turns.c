@@ -53,6 +53,7 @@ static struct thread first = {.go = PTHREAD_COND_INITIALIZER}, *running, *ready,
 static __thread struct thread *self;
 static struct { pthread_t id; struct thread *thread; } known[MOST];
 static int64_t now_ns, granted_ns;
+static struct sockaddr_un place = {.sun_family = AF_UNIX};
 static int channel = -1;  // to the simulator, from the first exchange on
 static struct {
   int peer;       // the other end of the pair that stands for a socket of the network; 0: none
@@ -104,8 +105,6 @@ static void deliver(uint16_t port, const unsigned char *bytes, size_t length) {
 }
 
 static void reach(void) {
-  struct sockaddr_un place = {.sun_family = AF_UNIX};
-  strncpy(place.sun_path, getenv("SCALOFT_TURNS"), sizeof place.sun_path - 1);
   int fd = REAL(socket)(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
   if (fd < 0 || REAL(connect)(fd, (struct sockaddr *)&place, sizeof place)) _exit(127);
   channel = fcntl(fd, F_DUPFD_CLOEXEC, MOST / 2);
@@ -194,13 +193,17 @@ static void end(void *given) {
   REAL(pthread_mutex_unlock)(&lock);
 }
 
+static void leave(void) { self = NULL; }  // a child that was forked is another program
+
 __attribute__((constructor)) static void load(void) {
-  char own[16], *known_pid = getenv("SCALOFT_TURNS_OF");
+  char own[16], *known_pid = getenv("SCALOFT_TURNS_OF"), *path = getenv("SCALOFT_TURNS");
   sprintf(own, "%d", getpid());
   // what the program starts is another program; what replaces it, as a shell's `exec` does, is not
-  if (!getenv("SCALOFT_TURNS") || (known_pid && strcmp(known_pid, own))) return;
+  if (!path || (known_pid && strcmp(known_pid, own))) return;
+  strncpy(place.sun_path, path, sizeof place.sun_path - 1);
   setenv("SCALOFT_TURNS_OF", own, 1);
   pthread_key_create(&ending, end);
+  pthread_atfork(NULL, NULL, leave);
   self = running = &first;
 }
 

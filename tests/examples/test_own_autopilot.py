@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -25,7 +26,10 @@ EXAMPLE = ROOT / "examples" / "own_autopilot" / "autopilot.py"
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     folder = tmp_path_factory.mktemp("autopilot") / "study"
-    assert run("new", folder, "--firmware", "lines", "--program", EXAMPLE) == 0
+    program = folder.with_name("autopilot")
+    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{EXAMPLE}" "$@"\n')
+    program.chmod(0o755)
+    assert run("new", folder, "--firmware", "lines", "--program", program) == 0
     return Study.open(folder)
 
 
