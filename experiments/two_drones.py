@@ -16,14 +16,16 @@ import shutil
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import chdir
+from functools import partial
 from pathlib import Path
 
 from experiments import PUBLISHED, ROOT
 from experiments.pages import Row, blocks, registered, table
 from experiments.reference import REFERENCE, call, pictured, thin
-from scaloft_fi.analysis.comparison import Change, ComparedMutant
+from scaloft_fi.analysis.comparison import Change, ComparedMutant, Flown, compared, of_seeds
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.pool import State
+from scaloft_fi.analysis.score import score_of
 from scaloft_fi.hazop.load import FOLDERS
 from scaloft_fi.hazop.matrix import Matrix, class_of
 from scaloft_fi.study import Study
@@ -81,6 +83,7 @@ def results(study: Study) -> tuple[str, str]:
     told, matrix, _ = compared_by(study, str(REFERENCE), str(SECOND), flights=False)
     with snapshot(study, str(REFERENCE)) as reference, snapshot(study, str(SECOND)) as second:
         figures = [*zip(_figures(reference), _figures(second), strict=True)]
+        left_out = [*map(partial(_without, reference, second), range(int(SEEDS)))]
     by_change = {change: [one for one in told.scores.mutants if one.change is change] for change in Change}
     text = blocks(
         "## Flown",
@@ -92,6 +95,8 @@ def results(study: Study) -> tuple[str, str]:
         f"{len(by_change[Change.UNSURE])} unsure, of {len(told.scores.mutants)} faults.  "
         f"{agreement_text(told.scores)}",
         *(_listed(change, by_change[change]) for change in (Change.LOST, Change.GAINED, Change.UNSURE)),
+        "### With one seed of the mutants left out",
+        table(("seed", "shown on the reference drone", "on the second", "lost", "gained", "unsure", "agree"), left_out),
         "### Every fault",
         table(
             ("parameter", "faults", "both show", "reference alone", "second alone", "neither"),
@@ -116,6 +121,19 @@ def _figures(now: Snapshot) -> list[tuple[str, str]]:
         ("pairs of situation and requirement that are steady", f"{states[State.STEADY]}"),
         ("pairs that are red", f"{states[State.RED]}"),
     ]
+
+
+def _without(reference: Snapshot, second: Snapshot, seed: int) -> Row:
+    """What remains of the comparison without one seed of the mutants; the pools stay."""
+    kept = [one for one in range(int(SEEDS)) if one != seed]
+    flown = []
+    for now in (reference, second):
+        rulings = of_seeds(now.rulings, kept)
+        flown.append(Flown(now.name, rulings, score_of(rulings, now.study.roster, now.study.space)))
+    told = compared(flown[0], flown[1], reference.study.roster, reference.study.space)
+    shown = [sum(mutant.detected for mutant in one.score.counted) for one in flown]
+    lost, gained = (", ".join(ids) or "-" for ids in (told.lost, told.gained))
+    return (seed, *shown, lost, gained, len(told.unsure), told.agreement.same)
 
 
 def _listed(change: Change, mutants: Sequence[ComparedMutant]) -> str:

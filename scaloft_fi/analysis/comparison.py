@@ -291,14 +291,15 @@ def _halves(flown: Flown, roster: Roster, space: Space) -> Agreement | None:
         return None
     detected = []
     for half in (seeds[::2], seeds[1::2]):
-        kept = _of_seeds(rulings, half)
+        kept = of_seeds(rulings, half)
         scored = score_of(kept, roster, space)
         detected.append({mutant.id: mutant.detected for mutant in scored.counted})
     one, two = detected
     return Agreement.of((one[id_], two[id_]) for id_ in one if id_ in two)
 
 
-def _of_seeds(rulings: Rulings, seeds: Sequence[int]) -> Rulings:
+def of_seeds(rulings: Rulings, seeds: Sequence[int]) -> Rulings:
+    """The flights of mutants with these seeds, beside all baselines."""
     mutants = {
         subject: {key: [one for one in ruled if one.seed in seeds] for key, ruled in situations.items()}
         for subject, situations in rulings.mutants.items()

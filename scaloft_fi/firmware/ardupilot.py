@@ -43,8 +43,8 @@ class Ardupilot:
         program, *more = config.run(study)
         run = (program, "--model", "JSON:127.0.0.1", "--speedup", "1", "-I0", "--defaults", ",".join(files), *more)
         self._frames, self._talk, self._news = 0, Talk(), News()
-        self._said, self._airborne, self._landing = b"", False, False
-        self._position, self._last = np.zeros(3), still
+        self._airborne = self._landing = False
+        self._position, self._gyro, self._accelerometer = np.zeros(3), still.gyro, still.accelerometer
         self._program = Program.start(run, files, study)
         with self._program.booting("ArduPilot"):
             while self._now_s < ARMED_S:
@@ -103,10 +103,9 @@ class Ardupilot:
         return self._news.throttles
 
     def _packet(self, samples: Samples) -> bytes:
-        """The frame of the sensors; its parser refuses blanks."""
-        last = self._last
-        gyro = samples.gyro or last.gyro
-        accelerometer = samples.accelerometer or last.accelerometer
+        """The frame of the sensors, of a lost sample the last that came; its parser refuses blanks."""
+        gyro = self._gyro = samples.gyro or self._gyro
+        accelerometer = self._accelerometer = samples.accelerometer or self._accelerometer
         x, y, z, w = samples.attitude.tolist()
         assert gyro is not None
         assert accelerometer is not None

@@ -23,7 +23,6 @@ class Message(NamedTuple):
 
 HEARTBEAT = Message(0, 50, "<IBBBBB")
 COMMAND = Message(76, 152, "<7fHBBB")
-ACKNOWLEDGED = Message(77, 143, "<HB")
 TARGET = Message(84, 143, "<I11fHBBB")
 CONTROLS = Message(93, 47, "<QQ16fB")
 VISION = Message(102, 158, "<Q6f21fB")

@@ -27,7 +27,7 @@ OFFBOARD = 6
 FIELDS = 0b111111
 """Of a frame: acceleration and angular rate are new."""
 DITHER = 0.01
-"""A sensor that repeats itself is taken for dead: noise of the accelerometer as it stands [m/s2]."""
+"""A sensor that repeats itself is taken for dead: what shakes accelerometer [m/s2] and gyro [rad/s] during the boot."""
 SCRIPT = "start.sh"
 PARAMETERS = {
     "MAV_SYS_ID": 1, "MAV_TYPE": 2, "MAV_PROTO_VER": 2,
@@ -66,7 +66,6 @@ class Px4:
         instance = os.getpid()
         self._outside = [Path(f"/tmp/px4-sock-{instance}"), Path(f"/tmp/px4_lock-{instance}")]
         self._steps, self._talk, self._news = 0, Talk(), News()
-        self._orders = VelocityOrder(0.0, np.zeros(3), 0.0)
         run = (program, "-d", "-i", str(instance), *more, "-s", SCRIPT)
         self._program = Program.start(run, {SCRIPT: script.encode(), "etc/empty": b""}, study)
         with self._program.booting("PX4"):

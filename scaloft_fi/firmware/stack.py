@@ -60,9 +60,10 @@ class FirmwareControl(FlightControl):
     Args:
         config, failsafe, estimator, yaw_rad: as `FlightControl`.
         firmware: the firmware under way.
-        limits: the greatest tilt and turn rate, and the believed curve of the throttle.
+        limits: the greatest tilt and turn rate, and the curve of the speed controllers.
         wire: carries the samples of the firmware's seams.
         velocities: whether the firmware flies velocities; else it holds attitudes.
+        seams: names of the seams that its kind takes.
     """
 
     def __init__(

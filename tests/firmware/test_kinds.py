@@ -65,6 +65,13 @@ def test_a_lost_sample_of_the_gyro_reaches_px4_as_none(tmp_path: Path):
         assert firmware.step(replace(STILL, gyro=None, mode="offboard"))[3] == pytest.approx(0.5)
 
 
+def test_a_lost_sample_of_the_gyro_reaches_ardupilot_as_the_last_that_came(tmp_path: Path):
+    with booted("ardupilot", tmp_path) as firmware:
+        for gyro in (Gyro(0.0, np.array([5.0, 0.0, 0.0])), None, None):
+            throttles = firmware.step(replace(STILL, gyro=gyro, mode="offboard"))
+        assert throttles[3] == pytest.approx(0.5, abs=1e-3)
+
+
 @pytest.mark.parametrize("kind", KINDS_OF_PEERS)
 def test_one_that_does_not_arm_is_the_harnesss_fault_with_its_last_lines(kind: str, tmp_path: Path):
     other = next(one for one in KINDS_OF_PEERS if one != kind)

@@ -15,6 +15,7 @@ static void *give(void *number) {
     pthread_mutex_lock(&mutex);
     while (count == 4) pthread_cond_wait(&emptied, &mutex);
     queue[count++] = (int)(long)number;
+    if (i % 11 == 0) usleep(100);  // the others wait for the mutex meanwhile
     pthread_cond_signal(&filled);
     pthread_mutex_unlock(&mutex);
     if (i % 7 == (int)(long)number % 7) usleep(300);
