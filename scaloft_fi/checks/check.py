@@ -216,7 +216,7 @@ def check_stack_choice(study: Study, findings: Findings) -> Declaration | None:
         declared = study.stack
         choice = StackChoice.read(load(study.folder / "sim" / "stack.yaml"))
         settings = choice.settings(choice.declaration)
-        if choice.name == "outside":
+        if isinstance(settings, OutsideConfig):
             _check_processes(study, choice.document, settings, findings)
     return declared
 

@@ -8,14 +8,24 @@ from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
-from scaloft_fi.firmware.kind import ACCELEROMETER, GYRO, POSITION, VELOCITY, FirmwareConfig, Samples, VelocityOrder
+from scaloft_fi.firmware.kind import (
+    ACCELEROMETER,
+    GYRO,
+    POSITION,
+    SUPPLY,
+    VELOCITY,
+    FirmwareConfig,
+    Samples,
+    VelocityOrder,
+)
 from scaloft_fi.firmware.mavlink import ARM, SET_MODE, TAKE_OFF, News, Talk
 from scaloft_fi.firmware.program import Datagram, FirmwareError, Program
-from scaloft_fi.stack.declaration import STEP_HZ
+from scaloft_fi.stack.declaration import STEP_HZ, Seam
 from scaloft_fi.stack.messages import Array
 
 FRAME, CONSOLE = 9002, 5760
@@ -30,6 +40,10 @@ SETTINGS = (
     "LOG_BACKEND_TYPE 0", "SIM_BARO_RND 0", "DISARM_DELAY 0",
 )  # fmt: skip
 """Parameters of every study's ArduPilot, after the study's own: the rates of the frames, no remote control."""
+VOLTAGE = "SIM_BATT_VOLTAGE"
+"""The parameter that is the battery's voltage for its monitor."""
+MEASURED = ("BATT_MONITOR 3", f"{VOLTAGE} 16.8")
+"""Where a study's ArduPilot gets the battery: what it measures before the first sample."""
 OWN = "scaloft.parm"
 
 
@@ -37,9 +51,11 @@ class Ardupilot:
     """ArduPilot under way, for `FirmwareKind` and `Firmware`."""
 
     seams = (GYRO, ACCELEROMETER, POSITION, VELOCITY)
+    further: Mapping[str, Seam] = {"battery": SUPPLY}
 
     def __init__(self, config: FirmwareConfig, study: Path, still: Samples) -> None:
-        files = {**config.content(study), OWN: "".join(f"{line}\n" for line in SETTINGS).encode()}
+        lines = (*SETTINGS, *(MEASURED if config.sensors else ()))
+        files = {**config.content(study), OWN: "".join(f"{line}\n" for line in lines).encode()}
         program, *more = config.run(study)
         run = (program, "--model", "JSON:127.0.0.1", "--speedup", "1", "-I0", "--defaults", ",".join(files), *more)
         self._frames, self._talk, self._news = 0, Talk(), News()
@@ -77,6 +93,9 @@ class Ardupilot:
             self._landing = True
         elif isinstance(samples.order, VelocityOrder) and samples.mode not in ("takeoff", "land", "level"):
             orders += self._talk.velocity(samples.order)
+        battery = samples.arrived.get("battery")
+        if battery is not None:
+            orders += self._talk.parameter(VOLTAGE, battery.voltage_v)
         if not samples.armed:
             orders += self._talk.command(ARM, 0.0, 21196.0)
         return self._advance(samples, orders)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.firmware.kind import ACCELEROMETER, ATTITUDE, GYRO, AttitudeOrder, FirmwareConfig, Samples
 from scaloft_fi.firmware.program import TURNS, Datagram, FirmwareError, Program, kept
 from scaloft_fi.outside.border import BorderError
-from scaloft_fi.stack.declaration import STEP_HZ
+from scaloft_fi.stack.declaration import STEP_HZ, Seam
 from scaloft_fi.stack.messages import Array
 
 STATE, STICKS, MOTORS, LINE = 9003, 9004, 9002, 5761
@@ -54,6 +54,7 @@ class Betaflight:
     """Betaflight under way, for `FirmwareKind` and `Firmware`."""
 
     seams = (GYRO, ACCELEROMETER, ATTITUDE)
+    further: Mapping[str, Seam] = {}
 
     def __init__(self, config: FirmwareConfig, study: Path, still: Samples) -> None:
         self._steps, self._order = 0, AttitudeOrder(0.0, 0.0, 0.0, 0.0, 0.0)

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, NamedTuple, Protocol
+from typing import Annotated, Any, NamedTuple, Protocol
 
-from scaloft_fi.document import read_bytes
+from scaloft_fi.document import Item, read_bytes
+from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.marks import Bounds, Choices, Examples
 from scaloft_fi.registry import Registry
 from scaloft_fi.stack.declaration import STEP_HZ, TICK_HZ, Seam
-from scaloft_fi.stack.messages import Array, Fix, Stamp, Vector
+from scaloft_fi.stack.messages import Array, Battery, Fix, MagneticField, Pressure, Stamp, Vector
 
 
 class Gyro(NamedTuple):
@@ -67,22 +68,27 @@ class Samples:
 
     Attributes:
         gyro, accelerometer: of this step.
-        fix: newest position fix, at the step at which it arrives.
         order: newest order of the outer loop.
         attitude: (4,) estimate of our drone, quaternion x, y, z, w, body to world.
         velocity: (3,) its estimate [m/s, world].
         altitude_m: the height of flight [m].
         mode: of flight control, one of `messages.MODES`; "stopped": the motors must not turn.
+        arrived: what the 20 Hz sensors delivered for this step, by the sensor's name.
     """
 
     gyro: Gyro | None
     accelerometer: Accelerometer | None
-    fix: Fix | None
     order: AttitudeOrder | VelocityOrder | None
     attitude: Array
     velocity: Array
     altitude_m: float
     mode: str
+    arrived: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def fix(self) -> Fix | None:
+        """The position fix, at the step at which it arrives."""
+        return self.arrived.get("positioning")
 
     @property
     def armed(self) -> bool:
@@ -96,6 +102,9 @@ MOTORS = Seam("motors", Motors, STEP_HZ, "firmware -> speed controllers")
 GYRO = Seam("gyro", Gyro, STEP_HZ, "gyro -> firmware", units={"rate": "rad/s"})
 ACCELEROMETER = Seam("accelerometer", Accelerometer, STEP_HZ, "accelerometer -> firmware", units={"force": "m/s2"})
 POSITION = Seam("position", Fix, TICK_HZ, "positioning -> firmware", units={"position": "m"})
+BAROMETER = Seam("barometer", Pressure, TICK_HZ, "barometer -> firmware")
+MAGNETOMETER = Seam("magnetometer", MagneticField, TICK_HZ, "magnetometer -> firmware", units={"field": "uT"})
+SUPPLY = Seam("supply", Battery, TICK_HZ, "battery -> firmware")
 
 
 class Firmware(Protocol):
@@ -120,6 +129,8 @@ class FirmwareKind(Protocol):
     __module__: str
     seams: tuple[Seam, ...]
     """What it takes of sensors and outer loop."""
+    further: Mapping[str, Seam]
+    """What it takes of the study's other sensors where `sensors` of its settings names them, by the sensor's name."""
 
     def __call__(self, config: FirmwareConfig, study: Path, still: Samples, /) -> Firmware:
         """Start the program and bring it to where it is armed on the ground, before the flight begins.
@@ -151,9 +162,8 @@ class FirmwareConfig:
         program: path of the program, from the folder of the study.
         parameters: files of the study with the firmware's own parameters, in the form that its kind reads.
         arguments: further arguments of the program.
+        sensors: further sensors of the study that the firmware gets, as far as its kind takes them.
         version: of the program, in words, for logs and exports.
-        throttle_exponent: curve of the speed controllers: a rotor's thrust is its greatest times its throttle to this
-            power; 2: the throttle sets the rotor's speed, with whose square the thrust grows.
         tilt_rad: greatest tilt that is ordered [rad].
         turn_radps: greatest turn rate that is ordered [rad/s].
     """
@@ -163,9 +173,29 @@ class FirmwareConfig:
     version: str
     parameters: tuple[str, ...] = ()
     arguments: tuple[str, ...] = ()
-    throttle_exponent: Annotated[float, Bounds(least=1.0, most=3.0)] = 2.0
+    sensors: tuple[str, ...] = ()
     tilt_rad: Annotated[float, Bounds(above=0.0, most=math.pi / 4)] = 0.6
     turn_radps: Annotated[float, Bounds(above=0.0, most=10.0)] = 2.0
+
+    @property
+    def seams(self) -> tuple[Seam, ...]:
+        """What the firmware takes, but for its motors."""
+        return (*KINDS[self.kind].seams, *(KINDS[self.kind].further[name] for name in self.sensors))
+
+    @property
+    def seams_by_sensor(self) -> Mapping[str, Seam]:
+        """The seam of each 20 Hz sensor that the firmware gets, by the sensor's name."""
+        fixes = {"positioning": POSITION} if POSITION in KINDS[self.kind].seams else {}
+        return {**fixes, **{name: KINDS[self.kind].further[name] for name in self.sensors}}
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a sensor that the kind does not take."""
+        known = KINDS[self.kind].further if self.kind in KINDS else {}
+        for number, name in enumerate(self.sensors):
+            if name not in known:
+                place = item.need("sensors").items()[number]
+                takes = f"one of {', '.join(known)}" if known else "left out: it takes none"
+                yield place.error(f"a sensor that {self.kind} takes: {takes}{did_you_mean(name, known)}")
 
     def run(self, study: Path) -> tuple[str, ...]:
         """Program and arguments."""

@@ -6,6 +6,7 @@ To port 7001, `null` where nothing arrives; `armed` is false where the motors mu
      "position": {"position": [0.0, 1.0, 1.6], "yaw_rad": 1.57},
      "order": {"roll_rad": 0.0, "pitch_rad": 0.05, "turn_radps": 0.0, "throttle": 0.6}}
 
+and for each of the `sensors` of its settings its sample under its name.
 From the program, to port 7002: `{"throttles": [0.6, 0.6, 0.6, 0.6]}`, front right, rear left, front left, rear right.
 A step without an answer keeps the last one.
 """
@@ -13,15 +14,26 @@ A step without an answer keeps the last one.
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from scaloft_fi.firmware.kind import ACCELEROMETER, ATTITUDE, GYRO, POSITION, FirmwareConfig, Samples
+from scaloft_fi.firmware.kind import (
+    ACCELEROMETER,
+    ATTITUDE,
+    BAROMETER,
+    GYRO,
+    MAGNETOMETER,
+    POSITION,
+    SUPPLY,
+    FirmwareConfig,
+    Samples,
+)
 from scaloft_fi.firmware.program import Datagram, FirmwareError, Program
 from scaloft_fi.outside.border import to_plain
-from scaloft_fi.stack.declaration import STEP_HZ
+from scaloft_fi.stack.declaration import STEP_HZ, Seam
 from scaloft_fi.stack.messages import Array
 
 SENSED, MOTORS = 7001, 7002
@@ -33,9 +45,11 @@ class Lines:
     """A program that speaks lines, for `FirmwareKind` and `Firmware`."""
 
     seams = (GYRO, ACCELEROMETER, POSITION, ATTITUDE)
+    further: Mapping[str, Seam] = {"barometer": BAROMETER, "magnetometer": MAGNETOMETER, "battery": SUPPLY}
 
     def __init__(self, config: FirmwareConfig, study: Path, still: Samples) -> None:
         self._steps, self._throttles, self._answered = 0, np.zeros(4), False
+        self._sensors = config.sensors
         self._program = Program.start(config.run(study), config.content(study), study)
         with self._program.booting("the program"):
             while not self._answered:
@@ -60,6 +74,9 @@ class Lines:
             "position": None if samples.fix is None else to_plain(samples.fix),
             "order": None if samples.order is None else to_plain(samples.order),
         }
+        for name in self._sensors:
+            sample = samples.arrived.get(name)
+            line[name] = None if sample is None else to_plain(sample)
         self._steps += 1
         until_ns = round(self._steps * 1e9 / STEP_HZ)
         for answer in self._program.step(until_ns, [Datagram(SENSED, json.dumps(line).encode() + b"\n")]):

@@ -22,6 +22,7 @@ class Message(NamedTuple):
 
 
 HEARTBEAT = Message(0, 50, "<IBBBBB")
+PARAMETER = Message(23, 168, "<fBB16sB")
 COMMAND = Message(76, 152, "<7fHBBB")
 TARGET = Message(84, 143, "<I11fHBBB")
 CONTROLS = Message(93, 47, "<QQ16fB")
@@ -62,7 +63,7 @@ class Talk:
     _count: int = 0
     _rest: bytes = b""
 
-    def said(self, message: Message, *values: float) -> bytes:
+    def said(self, message: Message, *values: float | bytes) -> bytes:
         """The bytes of a message."""
         payload = struct.pack(message.layout, *values)
         head = struct.pack("<BBBBBBBHB", _BEGIN, len(payload), 0, 0, self._count & 0xFF, self.system, 190,
@@ -83,6 +84,10 @@ class Talk:
         x, y, z = order.velocity.tolist()
         values = (0.0, 0.0, 0.0, x, -y, -z, 0.0, 0.0, 0.0, -order.yaw_rad, 0.0)
         return self.said(TARGET, int(order.stamp_s * 1e3), *values, _VELOCITY_AND_YAW, 1, 1, _LOCAL_NED)
+
+    def parameter(self, name: str, value: float) -> bytes:
+        """A parameter of system 1, which is a number of 32 bits."""
+        return self.said(PARAMETER, value, 1, 1, name.encode(), 9)
 
     def heard(self, data: bytes) -> Iterator[tuple[int, bytes]]:
         """Number and payload of each whole message; zeros at the end of a payload are left out on the wire."""

@@ -8,24 +8,37 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from scaloft_fi.firmware.kind import ACCELEROMETER, GYRO, POSITION, VELOCITY, FirmwareConfig, Samples, VelocityOrder
+from scaloft_fi.firmware.kind import (
+    ACCELEROMETER,
+    BAROMETER,
+    GYRO,
+    MAGNETOMETER,
+    POSITION,
+    VELOCITY,
+    FirmwareConfig,
+    Samples,
+    VelocityOrder,
+)
 from scaloft_fi.firmware.mavlink import ARM, SENSORS, SET_MODE, VISION, News, Talk
 from scaloft_fi.firmware.program import Datagram, FirmwareError, Program
-from scaloft_fi.stack.declaration import STEP_HZ, STEPS_PER_TICK
-from scaloft_fi.stack.messages import Array, Fix
+from scaloft_fi.stack.declaration import STEP_HZ, STEPS_PER_TICK, Seam
+from scaloft_fi.stack.messages import Array
 
 SENSED, ORDERS, TOLD = 4560, 14580, 14540
 """Ports: sensors and motors; orders to it; what it tells a ground station."""
 BOOT_S, ARMED_S = 12.0, 16.0
 """Its filter uses the position; it is armed [s from power on]."""
 OFFBOARD = 6
-FIELDS = 0b111111
-"""Of a frame: acceleration and angular rate are new."""
+FIELDS, MAGNETIC_FIELDS, PRESSURE_FIELDS = 0b111111, 0b111000000, 0b1101000000000
+"""What is new in a frame: acceleration and angular rate; magnetic field; pressure and temperature."""
+GAUSS_PER_UT = 0.01
 DITHER = 0.01
 """A sensor that repeats itself is taken for dead: what shakes accelerometer [m/s2] and gyro [rad/s] during the boot."""
 SCRIPT = "start.sh"
@@ -42,6 +55,17 @@ PARAMETERS = {
 }  # fmt: skip
 """Parameters of every study's PX4, before the study's own, which have its rotors: only an inertial sensor, position and
 heading from outside, no remote control."""
+FUSED = {
+    "barometer": {"SYS_HAS_BARO": 1, "EKF2_BARO_CTRL": 1, "EKF2_HGT_REF": 0},
+    "magnetometer": {
+        "SYS_HAS_MAG": 1,
+        "CAL_MAG0_ID": 197388,
+        "CAL_MAG0_PRIO": 50,
+        "EKF2_MAG_TYPE": 1,
+        "EKF2_EV_CTRL": 3,
+    },
+}
+"""What they are where a study's PX4 gets these sensors: height from the barometer, heading from the magnetometer."""
 MODULES = (
     "dataman start -r", f"simulator_mavlink start -c {SENSED}", "load_mon start", "rc_update start",
     "manual_control start", "sensors start", "commander start", "ekf2 start", "pwm_out_sim start -m sim",
@@ -56,11 +80,16 @@ class Px4:
     """PX4 under way, for `FirmwareKind` and `Firmware`."""
 
     seams = (GYRO, ACCELEROMETER, POSITION, VELOCITY)
+    further: Mapping[str, Seam] = {"barometer": BAROMETER, "magnetometer": MAGNETOMETER}
 
     def __init__(self, config: FirmwareConfig, study: Path, still: Samples) -> None:
         program, *more = config.run(study)
         own = [text.decode("utf-8", "replace") for text in config.content(study).values()]
-        lines = [f"param set {name} {value}" for name, value in PARAMETERS.items()]
+        settings = dict(PARAMETERS)
+        for sensor in config.sensors:
+            settings |= FUSED[sensor]
+        lines = [f"param set {name} {value}" for name, value in settings.items()]
+        self._sensors = frozenset(config.sensors)
         script = "\n".join((". px4-alias.sh", "param select parameters.bson", *lines, *own, *MODULES, ""))
         # the number is in the names of files outside the folder of the flight, so no two flights have the same
         instance = os.getpid()
@@ -72,8 +101,8 @@ class Px4:
             yaw_rad = 2.0 * math.atan2(still.attitude[2], still.attitude[3])
             self._orders = VelocityOrder(0.0, np.zeros(3), yaw_rad)
             while self._now_s < ARMED_S:
-                fix = still.fix if self._steps % STEPS_PER_TICK == 0 else None
-                self._advance(still, fix, self._boot_orders())
+                arrived = still.arrived if self._steps % STEPS_PER_TICK == 0 else {}
+                self._advance(replace(still, arrived=arrived), self._boot_orders())
             if not self._news.armed:
                 raise FirmwareError(f"not armed: {self._news.text or 'it says nothing'}{self._program.said()}")
         self._forget_outside()
@@ -101,7 +130,7 @@ class Px4:
             orders += self._talk.velocity(samples.order)
         if not samples.armed:
             orders += self._talk.command(ARM, 0.0, 21196.0)
-        return self._advance(samples, samples.fix, orders)
+        return self._advance(samples, orders)
 
     def close(self) -> None:
         """End the program."""
@@ -113,7 +142,7 @@ class Px4:
             with suppress(OSError):
                 path.unlink()
 
-    def _advance(self, samples: Samples, fix: Fix | None, orders: bytes) -> Array:
+    def _advance(self, samples: Samples, orders: bytes) -> Array:
         time_us = round(self._now_s * 1e6) + 1
         datagrams = [Datagram(ORDERS, orders)] if orders else []
         sensed = b""
@@ -123,8 +152,15 @@ class Px4:
             shaken = DITHER * (-1.0) ** self._steps * (1.0 + 0.1 * (self._steps % 7)) if still else 0.0
             numbers = (force[0] + shaken, -force[1] + shaken, -force[2] + shaken, rate[0] + shaken,
                        -rate[1] + shaken, -rate[2] + shaken)  # fmt: skip
-            rest = (0.0, 0.0, 0.0, 1013.25, 0.0, 0.0, 20.0)
-            sensed += self._talk.said(SENSORS, time_us, *numbers, *rest, FIELDS, 0)
+            field, pressure_hpa, fields = (0.0, 0.0, 0.0), 1013.25, FIELDS
+            if "magnetometer" in self._sensors and (magnetic := samples.arrived.get("magnetometer")) is not None:
+                x, y, z = (GAUSS_PER_UT * magnetic.field + 0.1 * shaken).tolist()
+                field, fields = (x, -y, -z), fields | MAGNETIC_FIELDS
+            if "barometer" in self._sensors and (pressure := samples.arrived.get("barometer")) is not None:
+                pressure_hpa, fields = pressure.pressure_hpa + shaken, fields | PRESSURE_FIELDS
+            rest = (*field, pressure_hpa, 0.0, 0.0, 20.0)
+            sensed += self._talk.said(SENSORS, time_us, *numbers, *rest, fields, 0)
+        fix = samples.fix
         if fix is not None:
             x, y, z = fix.position.tolist()
             spread = [0.0] * 21

@@ -1,4 +1,6 @@
-"""The reference companion above a firmware: its perception and navigation, an outer loop, and the firmware below.
+"""A firmware below a stack: an outer loop above it, its seams, and its throttles to the speed controllers.
+
+What is above is the reference companion, one with a planner of its own, or stages in other processes.
 
 The outer loop is that of our flight control (`flight_control.outer`): from the mode and the ordered velocity to a
 force, with PX4's gains.  A firmware that holds attitudes gets tilt, turn rate and throttle of that force; one that
@@ -9,7 +11,9 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +24,7 @@ from scaloft_fi.firmware.kind import (
     GYRO,
     KINDS,
     MOTORS,
-    POSITION,
+    VELOCITY,
     Accelerometer,
     AttitudeOrder,
     Firmware,
@@ -31,14 +35,31 @@ from scaloft_fi.firmware.kind import (
     VelocityOrder,
 )
 from scaloft_fi.firmware.program import TURNS
-from scaloft_fi.outside.exchange import Command
-from scaloft_fi.stack.declaration import STEPS_PER_TICK, Declaration, Seam, Stack, Task, Wire
-from scaloft_fi.stack.messages import Array, Fix, Imu, SensorFrames, Thrust
+from scaloft_fi.outside import stack as outside
+from scaloft_fi.outside.exchange import Command, OutsideConfig
+from scaloft_fi.outside.stack import GoalConfig, VelocityConfig
+from scaloft_fi.stack.declaration import STEPS_PER_TICK, Declaration, Stack, Task, Wire
+from scaloft_fi.stack.messages import (
+    EARTH_FIELD_UT,
+    Array,
+    Fix,
+    Imu,
+    MagneticField,
+    Pressure,
+    SensorFrames,
+    Thrust,
+    standard_hpa,
+)
 from scaloft_fi.stack.reference import estimator
-from scaloft_fi.stack.reference.declaration import SEAMS
-from scaloft_fi.stack.reference.estimator import ATTITUDE, GRAVITY_MPS2, RATE_BIAS, VELOCITY, Estimator, yaw_of
-from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl, outer
-from scaloft_fi.stack.reference.messages import BELIEFS
+from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.stack.reference.estimator import ATTITUDE, GRAVITY_MPS2, RATE_BIAS, Estimator, yaw_of
+from scaloft_fi.stack.reference.flight_control import (
+    ControlConfig,
+    FailsafeConfig,
+    FlightControl,
+    MakeFlightControl,
+    outer,
+)
 from scaloft_fi.stack.reference.stack import ReferenceConfig, ReferenceStack
 
 
@@ -54,17 +75,39 @@ class FirmwareStackConfig(ReferenceConfig):
         return (Command((self.firmware.program, *self.firmware.arguments)),)
 
 
+@dataclass(frozen=True, kw_only=True)
+class OutsideFirmwareConfig(OutsideConfig):
+    """What all stages outside above a firmware have."""
+
+    firmware: FirmwareConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class VelocityFirmwareConfig(VelocityConfig):
+    """All settings where velocities come from outside, above a firmware."""
+
+    firmware: FirmwareConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class GoalFirmwareConfig(GoalConfig):
+    """All settings where the mission is outside, above a firmware."""
+
+    firmware: FirmwareConfig
+
+
 class FirmwareControl(FlightControl):
     """Modes and time-outs of our flight control above a firmware, which orders the motors.
 
     Args:
         config, failsafe, estimator, yaw_rad: as `FlightControl`.
         firmware: the firmware under way.
-        limits: the greatest tilt and turn rate, and the curve of the speed controllers.
-        wire: carries the samples of the firmware's seams.
-        velocities: whether the firmware flies velocities; else it holds attitudes.
-        seams: names of the seams that its kind takes.
+        settings: of the firmware: its kind has its seams.
+        wire: carries the samples of these seams.
+        throttle_exponent: curve of the speed controllers.
     """
+
+    fast_path = None
 
     def __init__(
         self,
@@ -72,17 +115,17 @@ class FirmwareControl(FlightControl):
         failsafe: FailsafeConfig,
         estimator: Estimator,
         yaw_rad: float,
-        firmware: Firmware,
-        limits: FirmwareConfig,
-        wire: Wire,
         *,
-        velocities: bool,
-        seams: frozenset[str],
+        firmware: Firmware,
+        settings: FirmwareConfig,
+        wire: Wire,
+        throttle_exponent: float,
     ) -> None:
         super().__init__(config, failsafe, estimator, yaw_rad)
-        self._firmware, self._limits, self._wire = firmware, limits, wire
-        self._velocities, self._has = velocities, seams
-        self._fix: Fix | None = None
+        self._firmware, self._limits, self._wire, self._curve = firmware, settings, wire, throttle_exponent
+        self._velocities = VELOCITY in KINDS[settings.kind].seams
+        self._sensors = settings.seams_by_sensor
+        self._arrived: dict[str, Any] = {}
         self._steps, self._altitude_m = 0, 0.0
 
     def take_off(self, altitude_m: float) -> None:
@@ -90,9 +133,25 @@ class FirmwareControl(FlightControl):
         super().take_off(altitude_m)
         self._altitude_m = altitude_m
 
-    def fixed(self, now_s: float, fix: Fix | None) -> None:
-        """Hand the position fix of a tick to the firmware."""
-        self._fix = self._wire.cross(POSITION.name, now_s, fix) if POSITION.name in self._has else None
+    def deliver(self, now_s: float, frames: SensorFrames) -> None:
+        """Take what the firmware's sensors deliver at a tick, for its next step.
+
+        Raises:
+            KeyError: the study has no such sensor.
+        """
+        for sensor, seam in self._sensors.items():
+            self._arrived[sensor] = self._wire.cross(seam.name, now_s, frames[sensor])
+
+    def step(self, now_s: float, imu: Imu | None, felt: Imu | None = None) -> Thrust:
+        """One step of the firmware; what the speed controllers make of its motors."""
+        assert felt is not None
+        motors = self._wire.cross(MOTORS.name, now_s, self.motors(now_s, imu, felt))
+        throttles = np.zeros(4) if motors is None else np.clip(np.array(motors), 0.0, 1.0)
+        return Thrust(self.config.max_thrust_n * throttles**self._curve)
+
+    def close(self) -> None:
+        """End the firmware."""
+        self._firmware.close()
 
     def motors(self, now_s: float, believed: Imu | None, imu: Imu) -> Motors:
         """One 240 Hz step: estimate, order, and let the firmware answer.
@@ -113,10 +172,10 @@ class FirmwareControl(FlightControl):
         gyro = cross(GYRO.name, now_s, Gyro(imu.stamp_s, imu.rate))
         accelerometer = cross(ACCELEROMETER.name, now_s, Accelerometer(imu.stamp_s, imu.force))
         self.end()
-        fix, self._fix = self._fix, None
+        arrived, self._arrived = self._arrived, {}
         state = estimate.state
-        attitude, velocity = state[ATTITUDE:RATE_BIAS], state[VELOCITY:ATTITUDE]
-        samples = Samples(gyro, accelerometer, fix, order, attitude, velocity, self._altitude_m, self.mode)
+        attitude, velocity = state[ATTITUDE:RATE_BIAS], state[estimator.VELOCITY : ATTITUDE]
+        samples = Samples(gyro, accelerometer, order, attitude, velocity, self._altitude_m, self.mode, arrived)
         self._steps += 1
         return Motors(*self._firmware.step(samples).tolist())
 
@@ -136,45 +195,8 @@ class FirmwareControl(FlightControl):
             min(most, max(-most, roll_rad)),
             min(most, max(-most, pitch_rad)),
             min(limits.turn_radps, max(-limits.turn_radps, config.attitude_p[1] * behind)),
-            min(1.0, share) ** (1.0 / limits.throttle_exponent),
+            min(1.0, share) ** (1.0 / self._curve),
         )
-
-
-class FirmwareStack(ReferenceStack):
-    """The reference companion above a firmware."""
-
-    _control: FirmwareControl
-
-    def __init__(self, task: Task, wire: Wire, firmware: Firmware) -> None:
-        self._firmware, self._curve = firmware, task.settings.firmware.throttle_exponent
-        super().__init__(task, wire)
-        self.fast_path = None
-
-    def _flight_control(self, config: ReferenceConfig, yaw_rad: float, wire: Wire) -> FlightControl:
-        assert isinstance(config, FirmwareStackConfig)
-        seams = frozenset(seam.name for seam in KINDS[config.firmware.kind].seams)
-        velocities = any(seam.message is VelocityOrder for seam in KINDS[config.firmware.kind].seams)
-        return FirmwareControl(
-            config.control, config.failsafe, self._estimator, yaw_rad, self._firmware, config.firmware, wire,
-            velocities=velocities, seams=seams,
-        )  # fmt: skip
-
-    def autopilot(self, now_s: float, frames: SensorFrames) -> None:
-        """As our flight control; the firmware gets the position fix too."""
-        super().autopilot(now_s, frames)
-        self._control.fixed(now_s, frames.fix)
-
-    def step(self, now_s: float, imu: Imu) -> Thrust | None:
-        """One step of the firmware; what the speed controllers make of its motors."""
-        cross = self._wire.cross
-        motors = cross(MOTORS.name, now_s, self._control.motors(now_s, cross("imu", now_s, imu), imu))
-        throttles = np.zeros(4) if motors is None else np.clip(np.array(motors), 0.0, 1.0)
-        thrusts_n = self._control.config.max_thrust_n * throttles**self._curve
-        return cross("thrust", now_s, Thrust(thrusts_n))
-
-    def close(self) -> None:
-        """End the firmware."""
-        self._firmware.close()
 
 
 class NoFirmware:
@@ -192,57 +214,100 @@ def still(task: Task) -> Samples:
     """What the sensors say of a vehicle that stands."""
     half = 0.5 * task.yaw_rad
     attitude = np.array([0.0, 0.0, math.sin(half), math.cos(half)])
-    fix = Fix(0.0, np.array(task.home), task.yaw_rad)
     force = Accelerometer(0.0, np.array([0.0, 0.0, GRAVITY_MPS2]))
-    return Samples(Gyro(0.0, np.zeros(3)), force, fix, None, attitude, np.zeros(3), task.altitude_m, "takeoff")
+    x, y, z = EARTH_FIELD_UT
+    ahead, left = math.cos(task.yaw_rad), math.sin(task.yaw_rad)
+    arrived = {
+        "positioning": Fix(0.0, np.array(task.home), task.yaw_rad),
+        "barometer": Pressure(0.0, standard_hpa(task.home[2])),
+        "magnetometer": MagneticField(0.0, np.array([ahead * x + left * y, ahead * y - left * x, z])),
+    }
+    return Samples(Gyro(0.0, np.zeros(3)), force, None, attitude, np.zeros(3), task.altitude_m, "takeoff", arrived)
 
 
-def seams_of(config: FirmwareConfig) -> tuple[Seam, ...]:
-    """The seams of the companion, then those of the firmware."""
-    return (*SEAMS, *KINDS[config.kind].seams, MOTORS)
+def _begun(task: Task, wire: Wire, firmware: Firmware) -> MakeFlightControl:
+    """Makes the flight control with this firmware."""
+    settings: FirmwareConfig = task.settings.firmware
+    return partial(
+        FirmwareControl, firmware=firmware, settings=settings, wire=wire, throttle_exponent=task.throttle_exponent
+    )
 
 
-def above_firmware(name: str, stack: type[FirmwareStack]) -> Declaration:
+MakeStack = Callable[[Task, Wire, MakeFlightControl], Stack]
+"""Makes a stack above a flight control, usually the class."""
+
+
+def above_firmware(name: str, stack: type[ReferenceStack]) -> Declaration:
     """The declaration of a stack above a firmware, such as one with a planner of its own.
 
     Args:
         name: by which `sim/stack.yaml` names it.
         stack: its class.
     """
+    above = replace(REFERENCE, name=name, settings=lambda: FirmwareStackConfig)
+    return _above_firmware(above, stack, stack, lambda _settings: above)
+
+
+def _above_firmware(
+    above: Declaration, make_above: MakeStack, rehearse: MakeStack, shape: Callable[[Any], Declaration]
+) -> Declaration:
+    """The declaration of a stack above a firmware.
+
+    Args:
+        above: of the stack.
+        make_above, rehearse: make it above a flight control, for a flight and for the trial flight.
+        shape: its declaration from its settings.
+    """
 
     def make(task: Task, wire: Wire) -> Stack:
         config: FirmwareConfig = task.settings.firmware
         firmware = KINDS[config.kind](config, Path(task.folder), still(task))
         try:
-            return stack(task, wire, firmware)
+            return make_above(task, wire, _begun(task, wire, firmware))
         except BaseException:
             firmware.close()
             raise
 
     def rehearsed(task: Task, wire: Wire) -> Stack:
-        return stack(task, wire, NoFirmware())
+        return rehearse(task, wire, _begun(task, wire, NoFirmware()))
 
     def shaped(settings: Any) -> Declaration:
         config: FirmwareConfig = settings.firmware
+        own = shape(settings)
         adapter = sys.modules[KINDS[config.kind].__module__].__file__
-        files = (str(Path(config.program).expanduser()), *config.parameters, str(TURNS), str(adapter))
-        version = f"{config.kind} {config.version}"
-        return replace(declared, seams=seams_of(config), canaries=CANARIES, files=files, version=version, shape=None)
+        return replace(
+            own,
+            name=above.name,
+            seams=(*own.seams, *config.seams, MOTORS),
+            canaries=("order", *own.canaries),
+            files=(str(Path(config.program).expanduser()), *config.parameters, str(TURNS), str(adapter)),
+            version=", ".join(filter(None, (f"{config.kind} {config.version}", own.version))),
+            make=make,
+            rehearse=rehearsed,
+            forks=False,
+            shape=None,
+        )
 
-    make.__module__ = stack.__module__  # whose code decides the flights
-    declared = Declaration(
-        name=name,
-        seams=(),
-        beliefs=BELIEFS,
-        make=make,
-        settings=lambda: FirmwareStackConfig,
-        operators=("scaloft_fi.mutants.reference",),
-        forks=False,
-        shape=shaped,
-        rehearse=rehearsed,
+    make.__module__ = make_above.__module__  # whose code decides the flights
+    return replace(above, seams=(), canaries=(), make=make, rehearse=rehearsed, forks=False, shape=shaped)
+
+
+def _outside_shape(settings: Any) -> Declaration:
+    velocities = settings.below == "flight_control"
+    return replace(
+        outside.shaped(settings), settings=lambda: VelocityFirmwareConfig if velocities else GoalFirmwareConfig
     )
-    return declared
 
 
-CANARIES = ("order", "velcmd", "pose", "goal")
-FIRMWARE = above_firmware("firmware", FirmwareStack)
+FIRMWARE = above_firmware("firmware", ReferenceStack)
+OUTSIDE_FIRMWARE = _above_firmware(
+    replace(
+        outside.OUTSIDE,
+        name="outside_firmware",
+        settings=lambda: OutsideFirmwareConfig,
+        forms=lambda: (VelocityFirmwareConfig, GoalFirmwareConfig),
+    ),
+    outside.make,
+    outside.rehearsed,
+    _outside_shape,
+)

@@ -32,7 +32,7 @@ from scaloft_fi.stack.messages import (
 )
 from scaloft_fi.stack.reference.declaration import SEAMS
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
-from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl
+from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl, MakeFlightControl
 from scaloft_fi.stack.reference.messages import (
     BELIEFS,
     MODES,
@@ -96,38 +96,47 @@ def shaped(settings: Any) -> Declaration:
     )
 
 
-def _make(task: Task, wire: Wire) -> Stack:
+def make(task: Task, wire: Wire, flight_control: MakeFlightControl = FlightControl) -> Stack:
+    """Start the stages outside, and make the part of our drone that flies below them.
+
+    Args:
+        task: of the flight.
+        wire: of the flight.
+        flight_control: makes what flies below.
+    """
     config: OutsideConfig = task.settings
     declared = DeclaredWire(wire, [seam.name for seam in seams_of(config)])
     exchange = Exchange.begin(config, declared, Path(task.folder), words_of(task))
     try:
-        return _stack(task, declared, exchange)
+        return _stack(task, declared, exchange, flight_control)
     except BaseException:
         exchange.close()
         raise
 
 
-def _rehearsed(task: Task, wire: Wire) -> Stack:
+def rehearsed(task: Task, wire: Wire, flight_control: MakeFlightControl = FlightControl) -> Stack:
+    """As `make`, without stages outside."""
     BORDERS[task.settings.border].need()
-    return _stack(task, wire, None)
+    return _stack(task, wire, None, flight_control)
 
 
-def _stack(task: Task, wire: Wire, exchange: Exchange | None) -> Stack:
+def _stack(task: Task, wire: Wire, exchange: Exchange | None, flight_control: MakeFlightControl) -> Stack:
     config: OutsideConfig = task.settings
-    return (VelocityStack if config.below == "flight_control" else GoalStack)(task, wire, exchange)
+    return (VelocityStack if config.below == "flight_control" else GoalStack)(task, wire, exchange, flight_control)
 
 
 OUTSIDE = Declaration(
     name="outside",
     seams=(),
     beliefs=(),
-    make=_make,
+    make=make,
     settings=lambda: OutsideConfig,
     operators=("scaloft_fi.mutants.reference", "scaloft_fi.outside.stack"),
     deterministic=False,
     forks=False,
     shape=shaped,
-    rehearse=_rehearsed,
+    rehearse=rehearsed,
+    forms=lambda: (VelocityConfig, GoalConfig),
 )
 
 
@@ -271,6 +280,7 @@ class _Outside:
     """What both stacks do with their exchange; None in a rehearsal."""
 
     _exchange: Exchange | None
+    _control: FlightControl
 
     @property
     def complaint(self) -> str:
@@ -278,9 +288,12 @@ class _Outside:
         return self._exchange.complaint if self._exchange else ""
 
     def close(self) -> None:
-        """End the stages outside."""
-        if self._exchange is not None:
-            self._exchange.close()
+        """End the stages outside, and flight control."""
+        try:
+            if self._exchange is not None:
+                self._exchange.close()
+        finally:
+            self._control.close()
 
 
 class VelocityStack(_Outside):
@@ -289,20 +302,22 @@ class VelocityStack(_Outside):
     A velocity that stops coming is flight control's time-out: it holds, then lands.
     """
 
-    def __init__(self, task: Task, wire: Wire, exchange: Exchange | None) -> None:
+    def __init__(
+        self, task: Task, wire: Wire, exchange: Exchange | None, flight_control: MakeFlightControl = FlightControl
+    ) -> None:
         config: VelocityConfig = task.settings
         inside = config.inside
         self.exposure = Exposure(0.0, 1.0, 0.0)
         self._camera, self._wire, self._exchange = task.camera, wire, exchange
         self._estimator = Estimator(inside.estimator, np.array(task.home), task.yaw_rad)
-        self._control = FlightControl(inside.control, inside.failsafe, self._estimator, task.yaw_rad)
+        self._control = flight_control(inside.control, inside.failsafe, self._estimator, task.yaw_rad)
         self._control.take_off(task.altitude_m)
         self._pose = self._estimator.tick(0.0, None)
         self._yaw_rad = task.yaw_rad
         self._ordered = np.zeros(3)
         self._body = any(seam.carries == "velocity" and seam.frame == "body" for seam in config.seams.values())
         self._inertial = next((name for name, seam in config.seams.items() if seam.carries == "inertial"), "")
-        self.fast_path: FastPath | None = None if self._inertial else self._control
+        self.fast_path: FastPath | None = None if self._inertial else self._control.fast_path
 
     def stamps(self, now_s: float) -> Stamps:
         """The true time."""
@@ -312,6 +327,7 @@ class VelocityStack(_Outside):
         """Correct the estimate and check flight control's time-outs."""
         self._pose = self._estimator.tick(now_s, self._wire.cross("fix", now_s, frames.fix))
         self._control.watch(now_s)
+        self._control.deliver(now_s, frames)
 
     def companion(self, now_s: float, frames: SensorFrames) -> None:
         """Exchange samples with the stages outside, and follow their orders."""
@@ -338,7 +354,7 @@ class VelocityStack(_Outside):
         cross = self._wire.cross
         if self._inertial and self._exchange is not None:
             self._exchange.send(self._inertial, now_s, imu)
-        return cross("thrust", now_s, self._control.step(now_s, cross("imu", now_s, imu)))
+        return cross("thrust", now_s, self._control.step(now_s, cross("imu", now_s, imu), imu))
 
     def beliefs(self, now_s: float) -> Array:
         """The values of the declared beliefs."""
@@ -349,9 +365,11 @@ class VelocityStack(_Outside):
 class GoalStack(_Outside, ReferenceStack):
     """The mission is outside; everything below it is the reference stack's."""
 
-    def __init__(self, task: Task, wire: Wire, exchange: Exchange | None) -> None:
+    def __init__(
+        self, task: Task, wire: Wire, exchange: Exchange | None, flight_control: MakeFlightControl = FlightControl
+    ) -> None:
         config: GoalConfig = task.settings
-        super().__init__(replace(task, settings=config.inside), wire)
+        super().__init__(replace(task, settings=config.inside), wire, flight_control)
         stages = self._companion.stages
         self._mission = GoalMission(stages.mission.config, stages.mission.home)
         self._limit = TakenLimit(stages.speed_limit.config, task.cruise_mps, task.slow_mps)

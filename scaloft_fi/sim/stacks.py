@@ -57,6 +57,7 @@ STACKS = Registry[Declaration]("stack")
 STACKS.promise("reference", "scaloft_fi.stack.reference.declaration:REFERENCE")
 STACKS.promise("outside", "scaloft_fi.outside.stack:OUTSIDE")
 STACKS.promise("firmware", "scaloft_fi.firmware.stack:FIRMWARE")
+STACKS.promise("outside_firmware", "scaloft_fi.firmware.stack:OUTSIDE_FIRMWARE")
 
 
 def declare_stack(declared: Declaration) -> None:

@@ -61,6 +61,8 @@ class Vehicle:
         max_thrust_n: greatest thrust of one rotor; four must lift the mass [N].
         spin_up_s, spin_down_s: time constants of the thrust [s].
         drag_ns_per_m: drag force per speed [N s/m].
+        throttle_exponent: curve of the speed controllers, for a firmware that orders throttles: a rotor's thrust is its
+            greatest times its throttle to this power; 2: the throttle sets the speed, with whose square thrust grows.
     """
 
     mass_kg: Size
@@ -73,6 +75,7 @@ class Vehicle:
     spin_up_s: Size
     spin_down_s: Size
     drag_ns_per_m: Annotated[float, Bounds(least=0.0, most=LARGEST)]
+    throttle_exponent: Annotated[float, Bounds(least=1.0, most=3.0)] = 2.0
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
         """Refuse rotors that cannot lift the mass."""

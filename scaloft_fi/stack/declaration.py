@@ -58,7 +58,7 @@ class PlainWire:
         return sample
 
 
-_UNITS = {"mps": "m/s", "mps2": "m/s2", "radps": "rad/s", "hz": "Hz", "n": "N", "v": "V", "ev": "EV"}
+_UNITS = {"mps": "m/s", "mps2": "m/s2", "radps": "rad/s", "hz": "Hz", "n": "N", "v": "V", "ev": "EV", "hpa": "hPa"}
 UNITS: Mapping[str, str] = MappingProxyType({"s": "s", "m": "m", "rad": "rad", "deg": "deg", **_UNITS})
 """Units by the ending of a field's name, as in `range_m`."""
 
@@ -243,6 +243,7 @@ class Task:
         cruise_mps, slow_mps: cruise speed, and the speed after a person was seen [m/s].
         folder: folder of the study, for a stack with files of its own.
         situation: key of the situation, for programs outside that set up a scene of their own.
+        throttle_exponent: curve of the vehicle's speed controllers, for a firmware that orders throttles.
     """
 
     settings: Any
@@ -255,6 +256,7 @@ class Task:
     slow_mps: float
     folder: str = "."
     situation: str = ""
+    throttle_exponent: float = 2.0
 
 
 class Stack(Protocol):
@@ -394,6 +396,7 @@ class Declaration:
             `make`.
         files: paths, from the folder of the study, of files outside `sim/` whose content decides a flight.
         version: of the programs that fly, in words; "" where all of them are ours.
+        forms: returns the models that the settings may have, where an editor has to know more than one.
 
     Raises:
         ValueError: a name is taken twice, or a canary is no seam.
@@ -412,6 +415,7 @@ class Declaration:
     rehearse: Callable[[Task, Wire], Stack] | None = None
     files: tuple[str, ...] = ()
     version: str = ""
+    forms: Callable[[], tuple[type, ...]] | None = None
 
     def __post_init__(self) -> None:
         for noun, names in (("seam", [s.name for s in self.seams]), ("belief", [b.name for b in self.beliefs])):

@@ -93,6 +93,34 @@ class Battery(NamedTuple):
     cells: int
 
 
+class Pressure(NamedTuple):
+    """Sample of a barometer: static pressure [hPa]."""
+
+    stamp_s: Stamp
+    pressure_hpa: float
+
+
+class MagneticField(NamedTuple):
+    """Sample of a magnetometer.  field: (3,) magnetic flux density [uT, body]."""
+
+    stamp_s: Stamp
+    field: Vector
+
+
+EARTH_FIELD_UT = (21.0, 0.0, -42.0)
+"""Magnetic field in the mine [uT, world], about that of central Europe (World Magnetic Model 2025: horizontal 21 uT, 42
+uT down); its horizontal part points along x, which a firmware takes for north."""
+
+
+def standard_hpa(altitude_m: float) -> float:
+    """Pressure at an altitude above sea level [hPa], ISO 2533 standard atmosphere.
+
+    >>> round(standard_hpa(0.0), 2), round(standard_hpa(1000.0), 1)
+    (1013.25, 898.7)
+    """
+    return 1013.25 * math.pow(1.0 - 2.25577e-5 * altitude_m, 5.25588)
+
+
 class Bumper(NamedTuple):
     """Touch sensor: contact at the hull, contact at the landing gear."""
 

@@ -45,9 +45,12 @@ MINE = (
 QUAD_X = b"""\
 # The layout of PX4, ArduPilot and Betaflight: front right and rear left turn counter-clockwise seen from above, so
 # their torque on the body is clockwise.
-spins: [-1, -1, 1, 1]"""
+spins: [-1, -1, 1, 1]
+throttle_exponent: 2.0           # curve of the speed controllers: a rotor's thrust is its greatest times throttle^2"""
 PARAMETERS = "sim/firmware/parameters.txt"
 """The firmware's own parameters, for a kind that has a template of them."""
+SENSORS = {"px4": ("barometer", "magnetometer"), "ardupilot": ("battery",)}
+"""Further sensors of the firmware in such a study, by kind; its template has their settings and their cells."""
 CHANGES = (
     ("sim/stack.yaml", b"name: reference  ", b"name: firmware   "),
     ("sim/stack.yaml", b"spins: [1, 1, -1, -1]", b"spins: [-1, -1, 1, 1]"),
@@ -93,15 +96,15 @@ def firmware_files(kind: str, program: Path) -> Files:
     for name, old, new in CHANGES:
         assert files[name].count(old) == 1, name
         files[name] = files[name].replace(old, new)
-    template = _template("firmware")
-    own = {PARAMETERS: template[f"{kind}.txt"]} if f"{kind}.txt" in template else {}
+    own, sensors = _template(f"firmware/{kind}"), SENSORS.get(kind, ())
     words = {
         "your_kind": kind,
         "your_program": json.dumps(str(program.absolute()), ensure_ascii=False),
         "your_node": f"positioning -> estimator of the {owner}",
         "your_position": position,
         "your_order": units,
-        "your_parameters": f"[{', '.join(own)}]",
+        "your_parameters": f"[{PARAMETERS}]" if PARAMETERS in own else "[]",
+        "your_sensors": f"[{', '.join(sensors)}]",
     }
     more = {**_template("firmware/study"), **_template(f"firmware/{orders}"), **own}
     files = _filled(_joined(files, more), words)
@@ -265,8 +268,9 @@ def new_command(
     is a package of yours that any study can use once it is installed.
 
     With --firmware, DIR is a study of the paper's mine: 32 situations, with a real autopilot below the reference
-    stack's perception and navigation, and a HAZOP of what flows into the autopilot and out of it, 96 cells.  PATH is
-    its program, built for simulation (SITL), which is not copied.  `lines` is any program that speaks lines of JSON.
+    stack's perception and navigation, and a HAZOP of what flows into the autopilot and out of it, 96 cells or more.
+    PATH is its program, built for simulation (SITL), which is not copied.  `lines` is any program that speaks lines
+    of JSON.
 
     The first line of each document names its JSON Schema in schemas/, with which an editor completes keys; in a
     package, `scaloft-fi schema --write` makes that folder once the package is installed.
@@ -306,8 +310,9 @@ def _firmware(kind: str, program: Path | None, *, plugin: bool) -> tuple[Files, 
     Raises:
         InputError: the kind is unknown, the program is no file, or a package is asked for.
     """
-    from scaloft_fi.firmware.kind import KINDS, FirmwareConfig
-    from scaloft_fi.firmware.stack import FIRMWARE, seams_of
+    from scaloft_fi.firmware.kind import KINDS, MOTORS, FirmwareConfig
+    from scaloft_fi.firmware.stack import FIRMWARE
+    from scaloft_fi.stack.reference.declaration import SEAMS
     from scaloft_fi.verbs.schema import pointed, schema_files
 
     if plugin:
@@ -320,8 +325,10 @@ def _firmware(kind: str, program: Path | None, *, plugin: bool) -> tuple[Files, 
     if not is_file(program) or not str(program).isprintable():
         raise InputError(f"--program={shown(str(program))} must be the path of a file, in printable characters")
     documents = pointed(firmware_files(kind, program))
-    schemas = schema_files(replace(FIRMWARE, seams=seams_of(FirmwareConfig(kind, str(program), ""))))
-    what = f"a study of {kind} with 96 cells and 32 situations, {len(documents)} files, and {len(schemas)} schemas"
+    config = FirmwareConfig(kind, str(program), "", sensors=SENSORS.get(kind, ()))
+    schemas = schema_files(replace(FIRMWARE, seams=(*SEAMS, *config.seams, MOTORS)))
+    cells = sum(name.startswith("hazop/matrix/") for name in documents) * 12
+    what = f"a study of {kind} with {cells} cells and 32 situations, {len(documents)} files, and {len(schemas)} schemas"
     return documents | schemas, f"{what} for an editor"
 
 

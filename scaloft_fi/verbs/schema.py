@@ -24,7 +24,7 @@ from scaloft_fi.outside.border import PORTS
 from scaloft_fi.outside.command import FlightCommand
 from scaloft_fi.outside.exchange import BELOW, OutsideConfig
 from scaloft_fi.outside.records import RecordMap
-from scaloft_fi.outside.stack import GoalConfig, VelocityConfig
+from scaloft_fi.outside.stack import VelocityConfig
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.sim.grid import Finds, FurtherGridModel, GridModel
 from scaloft_fi.sim.happenings import HAPPENINGS
@@ -189,16 +189,16 @@ def _forms(declared: Declaration) -> list[Schema]:
         free = {"type": "object", "description": f"The stack {declared.name}.", "properties": name}
         return [{**free, "required": ["name"], "additionalProperties": True}]
     forms = []
-    for settings in (VelocityConfig, GoalConfig) if declared.name == "outside" else (declared.settings(),):
+    for settings in declared.forms() if declared.forms else (declared.settings(),):
         made = _outside(settings) if issubclass(settings, OutsideConfig) else schema(settings)
-        if settings not in (VelocityConfig, GoalConfig):
+        if not declared.forms:
             made["description"] = f"The stack {declared.name}."
         forms.append({**made, "properties": {**name, **made["properties"]}, "required": ["name", *made["required"]]})
     return forms
 
 
 def _outside(settings: type) -> Schema:
-    below = "flight_control" if settings is VelocityConfig else "planner"
+    below = "flight_control" if issubclass(settings, VelocityConfig) else "planner"
     ports = {name: port.meaning for name, port in PORTS.items() if port.outward or name in BELOW[below]}
     made = schema(settings, {"ports": ports})
     taken = made["properties"]["below"]

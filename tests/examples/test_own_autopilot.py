@@ -13,11 +13,12 @@ from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.firmware.lines import throttles_in
 from scaloft_fi.firmware.program import FirmwareError
-from scaloft_fi.firmware.stack import FirmwareStack, above_firmware
+from scaloft_fi.firmware.stack import above_firmware
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim.stacks import STACKS, declare_stack
 from scaloft_fi.stack.reference.planner import LocalPlan, Planner
+from scaloft_fi.stack.reference.stack import ReferenceStack
 from scaloft_fi.study import Study
 
 EXAMPLE = ROOT / "examples" / "own_autopilot" / "autopilot.py"
@@ -57,7 +58,7 @@ class Idle(Planner):
         return LocalPlan(0.0 * pose.position, 1.0, True, 0)
 
 
-class IdleStack(FirmwareStack):
+class IdleStack(ReferenceStack):
     planner_kind = Idle
 
 

@@ -3,7 +3,9 @@
     peer.py px4|ardupilot [arguments of the firmware]
 
 Its throttles tell what it heard: front right 0.5 and the ordered velocity ahead, rear left 0.5 and that to the left,
-front left 0.5 and that upwards (each / 10), rear right the angular rate about x that it sensed (/ 10).
+front left 0.5 and that upwards (each / 10), rear right the angular rate about x that it sensed (/ 10).  Once it sensed
+pressure and a magnetic field, or a voltage, the first three tell of that: of PX4 the pressure above 1013.25 [hPa], and
+the field's y and z [G], of ArduPilot a hundredth of the voltage [V].
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import sys
 from pymavlink.dialects.v20 import common as mavlink
 
 HOST = "127.0.0.1"
-state = {"armed": False, "mode": 0, "order": (0.0, 0.0, 0.0), "rate": 0.0, "fixes": 0}
+state = {"armed": False, "mode": 0, "order": (0.0, 0.0, 0.0), "rate": 0.0, "fixes": 0, "told": None}
 
 
 def hear(parser: mavlink.MAVLink, data: bytes) -> list[mavlink.MAVLink_message]:
@@ -30,6 +32,8 @@ def take(message: mavlink.MAVLink_message) -> None:
         state["mode"] = int(message.param2)
     elif kind == "COMMAND_LONG" and message.command == mavlink.MAV_CMD_COMPONENT_ARM_DISARM:
         state["armed"] = message.param1 == 1.0
+    elif kind == "PARAM_SET" and message.param_id == "SIM_BATT_VOLTAGE":
+        state["told"] = (message.param_value / 100.0, 0.0, 0.0)
     elif kind == "SET_POSITION_TARGET_LOCAL_NED":
         assert (message.type_mask, message.coordinate_frame) == (0b100111000111, mavlink.MAV_FRAME_LOCAL_NED)
         state["order"] = (message.vx, -message.vy, -message.vz)
@@ -38,6 +42,8 @@ def take(message: mavlink.MAVLink_message) -> None:
 def throttles() -> list[float]:
     if not state["armed"]:
         return [0.0] * 4
+    if state["told"] is not None:
+        return [*state["told"], state["rate"] / 10.0]
     return [*(0.5 + part / 10.0 for part in state["order"]), state["rate"] / 10.0]
 
 
@@ -59,6 +65,8 @@ def px4() -> None:
                     state["fixes"] += 1
                 elif message.get_type() == "HIL_SENSOR":
                     state["rate"] = message.xgyro
+                    if message.fields_updated & 0b1101111000000 == 0b1101111000000:
+                        state["told"] = (message.abs_pressure - 1013.25, message.ymag, message.zmag)
                     frames += 1
                     controls = [*throttles(), *[0.0] * 12]
                     answer = mavlink.MAVLink_hil_actuator_controls_message(message.time_usec, controls, 0, 0)

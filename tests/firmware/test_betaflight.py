@@ -25,7 +25,7 @@ SITUATIONS = ("T0O0W0D0H0", "T0O1W0D0H0")
 def test_a_level_vehicle_at_rest_weighs_upwards_in_the_axes_of_the_packet():
     level = np.array([0.0, 0.0, 0.0, 1.0])
     force = Accelerometer(0.0, np.array([0.5, 0.25, 9.81]))
-    samples = Samples(Gyro(0.0, np.array([0.1, 0.2, 0.3])), force, None, None, level, np.zeros(3), 1.65, "hold")
+    samples = Samples(Gyro(0.0, np.array([0.1, 0.2, 0.3])), force, None, level, np.zeros(3), 1.65, "hold")
     numbers = struct.unpack("<18d", state_packet(2.5, samples))
     assert numbers[:7] == (2.5, 0.1, -0.2, -0.3, -0.5, -0.25, -9.81)
     assert numbers[7:11] == (1.0, 0.0, 0.0, 0.0)

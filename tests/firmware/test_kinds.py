@@ -17,22 +17,22 @@ from pymavlink.dialects.v20 import common as mavlink
 from scaloft_fi.firmware.kind import KINDS, Accelerometer, Firmware, FirmwareConfig, Gyro, Samples, VelocityOrder
 from scaloft_fi.firmware.mavlink import News, Talk
 from scaloft_fi.outside.border import BorderError
-from scaloft_fi.stack.messages import Array, Fix
+from scaloft_fi.stack.messages import Array, Battery, Fix, MagneticField, Pressure
 
 PEER = Path(__file__).with_name("peer.py")
 STILL = Samples(
-    Gyro(0.0, np.zeros(3)), Accelerometer(0.0, np.array([0.0, 0.0, 9.81])), Fix(0.0, np.zeros(3), 0.0), None,
-    np.array([0.0, 0.0, 0.0, 1.0]), np.zeros(3), 1.65, "takeoff",
+    Gyro(0.0, np.zeros(3)), Accelerometer(0.0, np.array([0.0, 0.0, 9.81])), None, np.array([0.0, 0.0, 0.0, 1.0]),
+    np.zeros(3), 1.65, "takeoff", {"positioning": Fix(0.0, np.zeros(3), 0.0)},
 )  # fmt: skip
 KINDS_OF_PEERS = ("px4", "ardupilot")
 
 
 @contextmanager
-def booted(kind: str, folder: Path, words: str = "") -> Iterator[Firmware]:
+def booted(kind: str, folder: Path, words: str = "", sensors: tuple[str, ...] = ()) -> Iterator[Firmware]:
     program = folder / "peer"
     program.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{PEER}" {words or kind} "$@"\n')
     program.chmod(0o755)
-    with closing(KINDS[kind](FirmwareConfig(kind, str(program), "a peer"), folder, STILL)) as firmware:
+    with closing(KINDS[kind](FirmwareConfig(kind, str(program), "a peer", sensors=sensors), folder, STILL)) as firmware:
         yield firmware
 
 
@@ -70,6 +70,22 @@ def test_a_lost_sample_of_the_gyro_reaches_ardupilot_as_the_last_that_came(tmp_p
         for gyro in (Gyro(0.0, np.array([5.0, 0.0, 0.0])), None, None):
             throttles = firmware.step(replace(STILL, gyro=gyro, mode="offboard"))
         assert throttles[3] == pytest.approx(0.5, abs=1e-3)
+
+
+def test_pressure_and_magnetic_field_reach_px4_where_its_sensors_name_them(tmp_path: Path):
+    arrived = {"barometer": Pressure(0.0, 1013.75), "magnetometer": MagneticField(0.0, np.array([10.0, 20.0, -30.0]))}
+    now = replace(STILL, mode="offboard", arrived=arrived)
+    with booted("px4", tmp_path, sensors=("barometer", "magnetometer")) as firmware:
+        assert firmware.step(now)[:3] == pytest.approx([0.5, -0.2, 0.3], abs=1e-4)
+    with booted("px4", tmp_path) as firmware:
+        assert firmware.step(now)[:3] == pytest.approx([0.5] * 3)
+
+
+def test_the_voltage_of_the_battery_reaches_ardupilot(tmp_path: Path):
+    now = replace(STILL, mode="offboard", arrived={"battery": Battery(0.0, 0.9, 15.2, 4)})
+    with booted("ardupilot", tmp_path, sensors=("battery",)) as firmware:
+        firmware.step(now)
+        assert firmware.step(STILL)[0] == pytest.approx(0.152, abs=1e-3)
 
 
 @pytest.mark.parametrize("kind", KINDS_OF_PEERS)

@@ -1,4 +1,4 @@
-"""Sensors of the body: inertial sensor 240 Hz, positioning 20 Hz, battery, touch sensor."""
+"""Sensors of the body: inertial sensor 240 Hz, positioning 20 Hz, battery, touch sensor; barometer, magnetometer."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from scaloft_fi.sim.build import GRAVITY_MPS2
 from scaloft_fi.sim.sensors.sensor import OWN_LATENCY, SENSORS, FlightSetting, Latency, Moment, SensorKind
 from scaloft_fi.stack.declaration import STEP_S, TICK_S
 from scaloft_fi.stack.kernel import jit
-from scaloft_fi.stack.messages import Battery, Bumper, Fix, Imu
+from scaloft_fi.stack.messages import EARTH_FIELD_UT, Battery, Bumper, Fix, Imu, MagneticField, Pressure, standard_hpa
 from scaloft_fi.streams import Array, Table, generator
 
 
@@ -70,6 +70,67 @@ class Positioning:
 
 
 SENSORS.declare("positioning", SensorKind(Positioning, Fix, PositioningConfig, latency_s=OWN_LATENCY, required=True))
+
+
+@dataclass(frozen=True)
+class BarometerConfig:
+    """Errors of the barometer.
+
+    Attributes:
+        sigma_hpa: standard deviation [hPa].
+        bias_hpa: standard deviation of the bias, drawn once per flight [hPa].
+    """
+
+    sigma_hpa: NotNegative
+    bias_hpa: NotNegative
+
+
+class Barometer:
+    """Measures the pressure of the standard atmosphere; the world's height 0 is at sea level."""
+
+    def __init__(self, config: BarometerConfig, flight: FlightSetting) -> None:
+        self._sigma_hpa, self._noise = config.sigma_hpa, Table(1, *flight.stream, "barometer")
+        self._bias_hpa = config.bias_hpa * float(generator(*flight.stream, "barometer bias").standard_normal())
+
+    def measure(self, moment: Moment) -> Pressure:
+        """The sample of this tick."""
+        noise_hpa = self._bias_hpa + self._sigma_hpa * float(self._noise.row(moment.tick)[0])
+        return Pressure(moment.now_s, standard_hpa(float(moment.state[2])) + noise_hpa)
+
+
+SENSORS.declare("barometer", SensorKind(Barometer, Pressure, BarometerConfig))
+
+
+@dataclass(frozen=True)
+class MagnetometerConfig:
+    """Errors of the magnetometer.
+
+    Attributes:
+        sigma_ut: standard deviation per axis [uT].
+        bias_ut: standard deviation of the bias per axis, drawn once per flight [uT].
+    """
+
+    sigma_ut: NotNegative
+    bias_ut: NotNegative
+
+
+class Magnetometer:
+    """Measures the earth's field; neither iron nor currents bend it."""
+
+    def __init__(self, config: MagnetometerConfig, flight: FlightSetting) -> None:
+        self._sigma_ut, self._noise = config.sigma_ut, Table(3, *flight.stream, "magnetometer")
+        self._bias_ut = config.bias_ut * generator(*flight.stream, "magnetometer bias").standard_normal(3)
+
+    def measure(self, moment: Moment) -> MagneticField:
+        """The sample of this tick."""
+        x, y, z, w = moment.state[3:7]
+        there = np.array(EARTH_FIELD_UT)
+        about = np.array([x, y, z])
+        turned = there - 2.0 * w * np.cross(about, there) + 2.0 * np.cross(about, np.cross(about, there))
+        return MagneticField(moment.now_s, turned + self._bias_ut + self._sigma_ut * self._noise.row(moment.tick))
+
+
+SENSORS.declare("magnetometer", SensorKind(Magnetometer, MagneticField, MagnetometerConfig))
 
 
 PERIOD_TICKS = 20

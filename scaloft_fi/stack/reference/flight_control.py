@@ -11,13 +11,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import accumulate
+from typing import Protocol
 
 import numpy as np
 
 from scaloft_fi.marks import Positive
-from scaloft_fi.stack.declaration import STEP_HZ, Numbers
+from scaloft_fi.stack.declaration import STEP_HZ, FastPath, Numbers
 from scaloft_fi.stack.kernel import jit
-from scaloft_fi.stack.messages import Array, Imu, Thrust
+from scaloft_fi.stack.messages import Array, Imu, SensorFrames, Thrust
 from scaloft_fi.stack.reference import estimator
 from scaloft_fi.stack.reference.estimator import GRAVITY_MPS2, Estimator
 from scaloft_fi.stack.reference.messages import VelocityCommand
@@ -230,7 +231,7 @@ class FailsafeConfig:
 class FlightControl:
     """Follows velocity commands, holds, takes off, lands; falls back to a fail-safe when its inputs stop.
 
-    It is its own fast path: estimator and control as one kernel.
+    It is its own fast path: estimator and control as one kernel.  A flight control that is no kernel derives from it.
 
     Attributes:
         mode: its present mode, one of "takeoff", "offboard", "hold", "land", "level", "stopped".
@@ -280,8 +281,25 @@ class FlightControl:
         if self.mode not in ("level", "stopped") and now_s - self.estimator.last_fix_s > self.failsafe.fix_level_s:
             self._sink("level", LEVEL_MODE, self.config.land_mps)
 
-    def step(self, now_s: float, imu: Imu | None) -> Thrust:
-        """One 240 Hz step: integrate the inertial sample, if one arrived, and return the thrust."""
+    @property
+    def fast_path(self) -> FastPath | None:
+        """`step`, compiled; None where there is no such kernel."""
+        return self
+
+    def deliver(self, now_s: float, frames: SensorFrames) -> None:
+        """Take what the sensors deliver at a tick, beside the fix of the estimator: ours needs nothing of it."""
+
+    def close(self) -> None:
+        """End what it started; may be called twice."""
+
+    def step(self, now_s: float, imu: Imu | None, felt: Imu | None = None) -> Thrust:
+        """One 240 Hz step: integrate the inertial sample, if one arrived, and return the thrust.
+
+        Args:
+            now_s: time since the start [s].
+            imu: the sample that arrived.
+            felt: the sample of the sensor, for a flight control with seams of its own.
+        """
         self.sense(now_s, imu)
         control(self.estimator.numbers, self.numbers)
         self.end()
@@ -316,3 +334,13 @@ class FlightControl:
         self.mode = mode
         self._orders[_MODE], self._orders[_ACCEL] = kernel_mode, self.config.accel_mps2
         self._hold[:] = self.estimator.state[:3]
+
+
+class MakeFlightControl(Protocol):
+    """Makes what flies below a stack, usually the class."""
+
+    def __call__(
+        self, config: ControlConfig, failsafe: FailsafeConfig, estimator: Estimator, yaw_rad: float, /
+    ) -> FlightControl:
+        """Make it for a flight that starts with this heading."""
+        ...

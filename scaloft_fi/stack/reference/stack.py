@@ -17,7 +17,7 @@ from scaloft_fi.stack.declaration import FastPath, Task, Wire
 from scaloft_fi.stack.messages import Array, Bumper, DepthFrame, Exposure, Imu, Metering, SensorFrames, Stamps, Thrust
 from scaloft_fi.stack.reference import messages as own
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
-from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl
+from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl, MakeFlightControl
 from scaloft_fi.stack.reference.memory import MemoryConfig, ObstacleMemory
 from scaloft_fi.stack.reference.messages import (
     NOBODY_M,
@@ -349,11 +349,11 @@ class ReferenceStack:
 
     planner_kind: type[Planner] = Planner
 
-    def __init__(self, task: Task, wire: Wire) -> None:
+    def __init__(self, task: Task, wire: Wire, flight_control: MakeFlightControl = FlightControl) -> None:
         config: ReferenceConfig = task.settings
         self._wire = wire
         self._estimator = Estimator(config.estimator, np.array(task.home), task.yaw_rad)
-        self._control = self._flight_control(config, task.yaw_rad, wire)
+        self._control = flight_control(config.control, config.failsafe, self._estimator, task.yaw_rad)
         self._companion = Companion(
             config.companion,
             Stages(
@@ -372,13 +372,9 @@ class ReferenceStack:
             task.yaw_rad,
         )
         self._control.take_off(task.altitude_m)
-        self.fast_path: FastPath | None = self._control
+        self.fast_path: FastPath | None = self._control.fast_path
         self._pose = self._estimator.tick(0.0, None)
         self._last_stamps = Stamps(0.0, 0.0, 0.0)
-
-    def _flight_control(self, config: ReferenceConfig, yaw_rad: float, wire: Wire) -> FlightControl:
-        """What flies below the companion."""
-        return FlightControl(config.control, config.failsafe, self._estimator, yaw_rad)
 
     @property
     def exposure(self) -> Exposure:
@@ -394,6 +390,7 @@ class ReferenceStack:
         """Correct the estimate and check flight control's time-outs."""
         self._pose = self._estimator.tick(now_s, self._wire.cross("fix", now_s, frames.fix))
         self._control.watch(now_s)
+        self._control.deliver(now_s, frames)
 
     def companion(self, now_s: float, frames: SensorFrames) -> None:
         """Run the companion's stages on the estimate of this tick."""
@@ -402,7 +399,11 @@ class ReferenceStack:
     def step(self, now_s: float, imu: Imu) -> Thrust | None:
         """One step of flight control."""
         cross = self._wire.cross
-        return cross("thrust", now_s, self._control.step(now_s, cross("imu", now_s, imu)))
+        return cross("thrust", now_s, self._control.step(now_s, cross("imu", now_s, imu), imu))
+
+    def close(self) -> None:
+        """End flight control."""
+        self._control.close()
 
     def beliefs(self, now_s: float) -> Array:
         """The values of the declared beliefs."""
