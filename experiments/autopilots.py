@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import re
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -27,21 +28,29 @@ from scaloft_fi.verbs.new import firmware_files, write_new
 NAME = "autopilots"
 ACCEPTED = f"{NAME}_accepted.jsonl.gz"
 KINDS = ("betaflight", "px4", "ardupilot", "lines")
+FURTHER = {"px4, barometer and magnetometer": "px4", "ardupilot, battery": "ardupilot"}
+"""Arms whose firmware gets the further sensors that `scaloft-fi new --firmware` gives it; the others do not."""
+ARMS = {kind: kind for kind in KINDS} | FURTHER
+"""The kind of each arm."""
 EMPTY = tuple(key for key in LIGHT if key.endswith("H0"))
 """The light situations without a person."""
-SEEDS, LEAST_HELD, LEAST_SITUATIONS = range(3000, 3010), 9, 7
+SEEDS, FURTHER_SEEDS, LEAST_HELD, LEAST_SITUATIONS = range(3000, 3010), range(3010, 3020), 9, 7
 HELD = ("SR1", "OP1")
 
 
-def study_of(kind: str, program: Path, folder: Path) -> Study:
-    """The study that `scaloft-fi new --firmware` writes."""
-    write_new(folder, firmware_files(kind, program))
+def study_of(arm: str, program: Path, folder: Path) -> Study:
+    """The study that `scaloft-fi new --firmware` writes, with the further sensors or without."""
+    write_new(folder, firmware_files(ARMS[arm], program))
+    if arm not in FURTHER:
+        path = folder / "sim" / "stack.yaml"
+        path.write_text(re.sub(r"\n  sensors: \[.*?\]", "\n  sensors: []", path.read_text(encoding="utf-8")))
     return Study.open(folder)
 
 
-def names() -> list[str]:
-    """The flights by which a firmware is accepted."""
-    return [f"{BASELINE}/{key}/{seed}" for key, seed in itertools.product(EMPTY, SEEDS)]
+def names(arm: str) -> list[str]:
+    """The flights by which the firmware of an arm is accepted."""
+    seeds = FURTHER_SEEDS if arm in FURTHER else SEEDS
+    return [f"{BASELINE}/{key}/{seed}" for key, seed in itertools.product(EMPTY, seeds)]
 
 
 def holds(outcome: Outcome) -> bool:
@@ -60,7 +69,7 @@ def told(flights: Flights) -> str:
     """The section with the results."""
     return blocks(
         "## Flown",
-        f"{sum(map(len, flights.values()))} of {len(KINDS) * len(names())} flights.",
+        f"{sum(map(len, flights.values()))} of {sum(len(names(arm)) for arm in ARMS)} flights.",
         table(("firmware", *EMPTY, "accepted", "shortest", "longest"), _rows(flights)),
         "Flights that hold SR1 and OP1, of ten; duration of the shortest and the longest flight [s].",
         *_failures(flights),
@@ -68,9 +77,9 @@ def told(flights: Flights) -> str:
 
 
 def _rows(flights: Flights) -> Iterator[Row]:
-    for kind in KINDS:
+    for kind in ARMS:
         flown = flights.get(kind, {})
-        if len(flown) < len(names()):
+        if len(flown) < len(names(kind)):
             continue
         held = [sum(holds(one) for one in flown.values() if one.situation == key) for key in EMPTY]
         durations = [one.duration_s for one in flown.values()]
@@ -82,7 +91,7 @@ def _failures(flights: Flights) -> Iterator[str]:
     lines = [
         f"- {kind}, {one.situation}, seed {one.seed}: "
         + ("; ".join(f"{v.requirement} at {v.t_s:.1f} s, {v.struck or '-'}" for v in one.violations) or one.ending)
-        for kind in KINDS
+        for kind in ARMS
         for one in flights.get(kind, {}).values()
         if not holds(one)
     ]
@@ -96,16 +105,17 @@ def main() -> None:
     options.add_argument("--program", action="append", default=[], help="KIND=PATH (repeatable)")
     options.add_argument("--again", action="store_true", help="fly the stored flights again, and compare digests")
     asked, kept = options.parse_args(), read(PUBLISHED / ACCEPTED)
-    for kind, _, path in (one.partition("=") for one in asked.program):
+    programs = {kind: Path(path) for kind, _, path in (one.partition("=") for one in asked.program)}
+    for arm, program in ((arm, programs[kind]) for arm, kind in ARMS.items() if kind in programs):
         with tempfile.TemporaryDirectory() as folder:
-            study, before = study_of(kind, Path(path), Path(folder) / kind), dict(kept.get(kind, {}))
-            print(f"{kind}: {hashlib.sha256(Path(path).read_bytes()).hexdigest()}", file=sys.stderr)
-            flights = flights_of(study, {}, names())
+            study, before = study_of(arm, program, Path(folder) / "study"), dict(kept.get(arm, {}))
+            print(f"{arm}: {hashlib.sha256(program.read_bytes()).hexdigest()}", file=sys.stderr)
+            flights = flights_of(study, {}, names(arm))
             if asked.again:
                 same = [one.digest == before[one.name].digest for one in shared(study, flights, asked.jobs)]
-                print(f"{kind}: {sum(same)} of {len(same)} flights have the same digest with --jobs {asked.jobs}")
+                print(f"{arm}: {sum(same)} of {len(same)} flights have the same digest with --jobs {asked.jobs}")
             else:
-                complete(PUBLISHED / ACCEPTED, kept, kind, study, flights, asked.jobs)
+                complete(PUBLISHED / ACCEPTED, kept, arm, study, flights, asked.jobs)
     if not asked.again:
         asked.output.write_text(registered(NAME) + told(kept), encoding="utf-8")
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import shutil
 from collections.abc import Mapping
 from contextlib import chdir
@@ -86,12 +87,8 @@ def study_of(arm: str, program: Path | None) -> Study:
     program = program or Path(kind or "none")
     of_firmware = firmware_files(kind or "betaflight", program)
     if kind:
-        link = folder / "programs"
-        link.unlink(missing_ok=True)
-        link.symlink_to(program.absolute().parent)
-        text = of_firmware["sim/stack.yaml"].decode().replace("as built", version)
-        text = text.replace(json.dumps(str(program.absolute())), f"programs/{program.name}")
-        (folder / "sim/stack.yaml").write_text(text, encoding="utf-8")
+        stack = named(of_firmware, program, version, folder)
+        (folder / "sim/stack.yaml").write_bytes(re.sub(rb"\n  sensors: \[.*?\]", b"\n  sensors: []", stack))
         if PARAMETERS in of_firmware:
             (folder / PARAMETERS).parent.mkdir(exist_ok=True)
             (folder / PARAMETERS).write_bytes(of_firmware[PARAMETERS])
@@ -102,18 +99,31 @@ def study_of(arm: str, program: Path | None) -> Study:
     return Study.open(folder)
 
 
+def named(files: Mapping[str, bytes], program: Path, version: str, folder: Path) -> bytes:
+    """The settings of a firmware's stack, whose program is named by a link in the folder of the study."""
+    link = folder / "programs"
+    link.unlink(missing_ok=True)
+    link.symlink_to(program.absolute().parent)
+    text = files["sim/stack.yaml"].decode().replace("as built", version)
+    return text.replace(json.dumps(str(program.absolute())), f"programs/{program.name}").encode()
+
+
 def fly(arm: str, program: Path | None, jobs: str) -> None:
     """Fly what is missing of an arm, and write its archive."""
     study = study_of(arm, program)
     chosen = [word for id_ in mutants(study.matrix) for word in ("--mutant", id_)]
     where = [word for key in LIGHT for word in ("--situation", key)]
+    how = ("--seeds", ARMS[arm].seeds, "--baseline-seeds", ARMS[arm].pool, "--jobs", jobs)
+    fly_and_publish(study, PUBLISHED / NAME / arm, *chosen, *where, *how)
+
+
+def fly_and_publish(study: Study, archive: Path, *words: str) -> None:
+    """Fly what is missing of a campaign, named as its archive, by `run` with these words, and write the archive."""
     with chdir(study.folder):
-        how = ("--seeds", ARMS[arm].seeds, "--baseline-seeds", ARMS[arm].pool, "--jobs", jobs)
-        print(call("run", "--campaign", arm, *chosen, *where, *how).decode())
-    for name, content in archive_files(study, arm, documents=True, kept=thin).items():
-        path = PUBLISHED / NAME / arm / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
+        print(call("run", "--campaign", archive.name, *words).decode())
+    for name, content in archive_files(study, archive.name, documents=True, kept=thin).items():
+        (archive / name).parent.mkdir(parents=True, exist_ok=True)
+        (archive / name).write_bytes(content)
 
 
 def main() -> None:

@@ -38,7 +38,7 @@ from scaloft_fi.firmware.program import TURNS
 from scaloft_fi.outside import stack as outside
 from scaloft_fi.outside.exchange import Command, OutsideConfig
 from scaloft_fi.outside.stack import GoalConfig, VelocityConfig
-from scaloft_fi.stack.declaration import STEPS_PER_TICK, Declaration, Stack, Task, Wire
+from scaloft_fi.stack.declaration import STEPS_PER_TICK, ConfigError, Declaration, Stack, Task, Wire
 from scaloft_fi.stack.messages import (
     EARTH_FIELD_UT,
     Array,
@@ -226,8 +226,15 @@ def still(task: Task) -> Samples:
 
 
 def _begun(task: Task, wire: Wire, firmware: Firmware) -> MakeFlightControl:
-    """Makes the flight control with this firmware."""
+    """Makes the flight control with this firmware.
+
+    Raises:
+        ConfigError: the study lacks a sensor of the firmware.
+    """
     settings: FirmwareConfig = task.settings.firmware
+    for name in settings.sensors:
+        if name not in task.sensors:
+            raise ConfigError("stack.firmware.sensors", f"names {name!r}, which is no sensor of sim/sensors.yaml")
     return partial(
         FirmwareControl, firmware=firmware, settings=settings, wire=wire, throttle_exponent=task.throttle_exponent
     )
@@ -274,6 +281,11 @@ def _above_firmware(
     def shaped(settings: Any) -> Declaration:
         config: FirmwareConfig = settings.firmware
         own = shape(settings)
+        for seam in (*config.seams, MOTORS):
+            if seam.name in own.by_name:
+                raise ConfigError(
+                    f"stack.seams.{seam.name}", "is the name of a seam of the firmware, give it another one"
+                )
         adapter = sys.modules[KINDS[config.kind].__module__].__file__
         return replace(
             own,

@@ -202,6 +202,7 @@ def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wir
         slow_mps=mission.slow_mps,
         folder=str(config.stack.document.path.absolute().parents[1]),
         situation=scenario.key,
+        sensors=tuple(scenario.sensors.by_name),
         throttle_exponent=scenario.vehicle.throttle_exponent,
     )
     try:

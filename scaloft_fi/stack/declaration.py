@@ -243,6 +243,7 @@ class Task:
         cruise_mps, slow_mps: cruise speed, and the speed after a person was seen [m/s].
         folder: folder of the study, for a stack with files of its own.
         situation: key of the situation, for programs outside that set up a scene of their own.
+        sensors: names of the sensors of `sim/sensors.yaml`.
         throttle_exponent: curve of the vehicle's speed controllers, for a firmware that orders throttles.
     """
 
@@ -256,6 +257,7 @@ class Task:
     slow_mps: float
     folder: str = "."
     situation: str = ""
+    sensors: tuple[str, ...] = ()
     throttle_exponent: float = 2.0
 
 

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from pathlib import Path
 
 import pytest
 from printed import run
 from processes import ROOT
+from studies import edit_in, made_by
 
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.errors import InputError
 from scaloft_fi.firmware.lines import throttles_in
 from scaloft_fi.firmware.program import FirmwareError
 from scaloft_fi.firmware.stack import above_firmware
@@ -75,6 +78,43 @@ def test_a_planner_of_ones_own_flies_above_a_program(study: Study):
         assert flown(other).ending == "timed_out"
     finally:
         path.write_text(text)
+
+
+def test_a_planner_in_another_process_flies_above_a_program_twice_with_the_same_bits(study: Study, tmp_path: Path):
+    made_by("outside_planner", "make_study", tmp_path / "study", "lines", ROOT)
+    section = (study.folder / "sim" / "stack.yaml").read_text().partition("\nfirmware:")[2]
+    stack = tmp_path / "study" / "sim" / "stack.yaml"
+    text = stack.read_text().replace("name: outside", "name: outside_firmware", 1)
+    stack.write_text(f"{text}\nfirmware:{section}")
+    for name in ("stack", "vehicle"):
+        edit_in(stack.with_name(f"{name}.yaml"), "spins: [1, 1, -1, -1]", "spins: [-1, -1, 1, 1]")
+    above = Study.open(tmp_path / "study")
+    names = [seam.name for seam in above.stack.seams]
+    assert [names[0], *names[-2:]] == ["pose", "order", "motors"]
+    assert (above.stack.deterministic, above.stack.forks) == (True, False)
+    first = flown(above)
+    assert (first.ending, first.violations, first.stack_error) == ("landed", (), "")
+    assert flown(above).digest == first.digest
+    edit_in(stack, "  drive: {topic: /cmd_vel", "  motors: {topic: /cmd_vel")
+    edit_in(stack, "answer: drive ", "answer: motors ")
+    with pytest.raises(InputError, match=r"stack\.seams\.motors: is the name of a seam of the firmware"):
+        _ = Study.open(tmp_path / "study").stack
+
+
+@pytest.mark.parametrize(
+    ("sensors", "said"),
+    [
+        ("barometr", r"sensors\[0\]='barometr' must be a sensor that lines takes: .* did you mean 'barometer'"),
+        ("barometer", "names 'barometer', which is no sensor of sim/sensors.yaml"),
+    ],
+)
+def test_a_sensor_that_the_program_or_the_study_does_not_have_is_refused(
+    study: Study, tmp_path: Path, sensors: str, said: str
+):
+    shutil.copytree(study.folder, tmp_path / "study")
+    edit_in(tmp_path / "study" / "sim" / "stack.yaml", "sensors: []", f"sensors: [{sensors}]")
+    with pytest.raises(InputError, match=said):
+        flown(Study.open(tmp_path / "study"))
 
 
 @pytest.mark.parametrize(

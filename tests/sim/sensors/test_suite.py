@@ -18,7 +18,7 @@ from scaloft_fi.sim.contact import Contact
 from scaloft_fi.sim.flight import FlightLoop
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.sensors import Sensors
-from scaloft_fi.sim.sensors.body import ImuConfig, ImuSensor
+from scaloft_fi.sim.sensors.body import BarometerConfig, ImuConfig, ImuSensor, MagnetometerConfig
 from scaloft_fi.sim.sensors.sensor import SENSORS, SensorKind
 from scaloft_fi.sim.sensors.suite import pipe
 from scaloft_fi.stack.declaration import STEP_S, PlainWire
@@ -127,6 +127,18 @@ def test_the_battery_drains_and_sags_with_the_thrust(suite):
     assert 3.3 * 4 < messages[-1].voltage_v < 4.2 * 4
     assert suite()[0].frames(0, state(), np.zeros(4), GOOD).battery.voltage_v > messages[0].voltage_v
     assert messages[0].cells == 4
+
+
+def test_the_barometer_reads_less_above_and_the_magnetometer_the_field_along_the_axes_of_the_body(config, suite):
+    own = {"barometer": BarometerConfig(0.0, 0.1), "magnetometer": MagnetometerConfig(0.3, 0.0)}
+    sensors, _ = suite(config=replace(config, sensors=replace(config.sensors, by_name=config.sensors.by_name | own)))
+    low, high = (
+        [sensors.frames(tick, state_at((0.0, 0.0, z), AHEAD), HOVER, GOOD) for tick in range(200)] for z in (0.0, 10.0)
+    )
+    assert low[0]["barometer"].pressure_hpa - high[0]["barometer"].pressure_hpa == pytest.approx(1.2, abs=0.01)
+    fields = np.array([frames["magnetometer"].field for frames in low])
+    assert fields.mean(axis=0) == pytest.approx([0.0, -21.0, -42.0], abs=0.1)
+    assert fields.std(axis=0) == pytest.approx([0.3] * 3, rel=0.2)
 
 
 def test_the_bumper_tells_a_touch_once_and_hull_from_gear(suite):
