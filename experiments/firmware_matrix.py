@@ -13,7 +13,10 @@ import shutil
 from pathlib import Path
 
 from experiments import PUBLISHED, ROOT
-from experiments.four_autopilots import ARMS, fly_and_publish, named
+from experiments.four_autopilots import ARMS, fly_and_publish, named, side_by_side
+from experiments.pages import registered
+from scaloft_fi.campaign.store.archive import MANIFEST
+from scaloft_fi.mutants.catalogue import defaults
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.new import firmware_files, write_new
 
@@ -38,8 +41,19 @@ def study_of(kind: str, program: Path) -> Study:
     return Study.open(folder)
 
 
+def results() -> str:
+    """The section with the results: every fault on each firmware, then one beside the other."""
+    folder = PUBLISHED / NAME
+    flown = [kind for kind in KINDS if (folder / kind / MANIFEST).exists()]
+    if not flown:
+        return "\n## Flown\n\nNot yet.\n"
+    studies = [Study.open(folder / kind) for kind in flown]
+    ids = dict.fromkeys(mutant.id for study in reversed(studies) for mutant in defaults(study.matrix))
+    return side_by_side(studies[0], folder, flown, [*ids])
+
+
 def main() -> None:
-    """Fly where that is asked for."""
+    """Fly where that is asked for, else write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fly", choices=KINDS, help="fly a kind, and publish its flights")
     parser.add_argument("--program", type=Path, help="the firmware's program")
@@ -49,6 +63,8 @@ def main() -> None:
         where = [word for key in SITUATIONS for word in ("--situation", key)]
         how = ("--seeds", SEEDS, "--baseline-seeds", POOL, "--jobs", options.jobs)
         fly_and_publish(study_of(options.fly, options.program), PUBLISHED / NAME / options.fly, *where, *how)
+    else:
+        (PUBLISHED / f"{NAME}.md").write_text(registered(NAME) + results(), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -14,21 +14,27 @@ import argparse
 import json
 import re
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import chdir
 from pathlib import Path
 from typing import NamedTuple
 
 from experiments import PUBLISHED, ROOT
 from experiments.operating_point import LIGHT
+from experiments.pages import Row, blocks, registered, table
 from experiments.reference import call, thin
+from experiments.two_drones import counted, differences, figures
+from scaloft_fi.analysis.score import MutantScore
+from scaloft_fi.campaign.store.archive import MANIFEST
 from scaloft_fi.hazop.load import FOLDERS
 from scaloft_fi.hazop.matrix import CellStatus, Matrix
 from scaloft_fi.mutants.catalogue import default_of
 from scaloft_fi.streams import generator
 from scaloft_fi.study import Study
+from scaloft_fi.verbs.compare import compared_by
 from scaloft_fi.verbs.export.dossier import archive_files
 from scaloft_fi.verbs.new import PARAMETERS, firmware_files
+from scaloft_fi.verbs.snapshot import snapshot
 
 NAME = "four_autopilots"
 PARAMETERS_DRAWN = frozenset(
@@ -126,8 +132,57 @@ def fly_and_publish(study: Study, archive: Path, *words: str) -> None:
         (archive / name).write_bytes(content)
 
 
+def results(study: Study) -> str:
+    """The section with the results: every fault below each flight control, then ours beside each of the others."""
+    flown = [arm for arm in ARMS if (PUBLISHED / NAME / arm / MANIFEST).exists()]
+    if flown[:1] != ["ours"]:
+        return "\n## Flown\n\nNot yet.\n"
+    return side_by_side(study, PUBLISHED / NAME, flown, mutants(study.matrix))
+
+
+def side_by_side(study: Study, folder: Path, arms: Sequence[str], ids: Sequence[str]) -> str:
+    """What each arm shows of each mutant, then the first arm beside each other one.
+
+    Args:
+        study: any study of the matrix.
+        folder: of the archives, each named as its arm.
+        arms: the arms, in order.
+        ids: of the mutants, in the order of their rows.
+    """
+    scores, heads = {}, []
+    for arm in arms:
+        with snapshot(study, str(folder / arm)) as now:
+            scores[arm] = {one.id: one for one in now.score.counted}
+            heads.append(figures(now))
+    rows = [(name, *(dict(one)[name] for one in heads)) for name, _ in heads[0]]
+    parts: list[str | Iterator[str]] = ["## Flown", table(("", *arms), rows), "### Every fault"]
+    parts += [
+        "Verdict, and the situations where a violation of a safety requirement was seen, of those that test the fault.",
+        table(("mutant", *arms), _faults(ids, scores)),
+    ]
+    for arm in arms[1:]:
+        told, _, _ = compared_by(study, str(folder / arms[0]), str(folder / arm), flights=False)
+        sections = (one.replace("### ", "#### ", 1) for one in differences(told.scores, arms[0], arm, arms[0], arm))
+        parts += [f"### {arms[0]} beside {arm}", counted(told.scores).replace("  ", " "), *sections]
+    return blocks(*parts)
+
+
+def _faults(ids: Sequence[str], scores: Mapping[str, Mapping[str, MutantScore]]) -> Iterator[Row]:
+    """Verdict of each mutant in each arm, and the situations where a violation was seen, of those that test it."""
+    for id_ in ids:
+        yield (id_, *(_told(own[id_]) if id_ in own else "-" for own in scores.values()))
+
+
+def _told(one: MutantScore) -> str:
+    if not one.tested:
+        return one.verdict.words
+    seen = f"{len(one.seen_in)}/{one.kill_rate.whole}"
+    firm = ", firm" if one.firm else ""
+    return f"**{one.verdict.words}**{firm}, {seen}" if one.detected else f"{one.verdict.words}, {seen}"
+
+
 def main() -> None:
-    """Fly where that is asked for."""
+    """Fly where that is asked for, else write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fly", choices=ARMS, help="fly an arm, and publish its flights")
     parser.add_argument("--program", type=Path, help="the firmware's program")
@@ -135,6 +190,8 @@ def main() -> None:
     options = parser.parse_args()
     if options.fly:
         fly(options.fly, options.program, options.jobs)
+    else:
+        (PUBLISHED / f"{NAME}.md").write_text(registered(NAME) + results(Study.open(ROOT)), encoding="utf-8")
 
 
 if __name__ == "__main__":

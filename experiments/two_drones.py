@@ -22,7 +22,7 @@ from pathlib import Path
 from experiments import PUBLISHED, ROOT
 from experiments.pages import Row, blocks, registered, table
 from experiments.reference import REFERENCE, call, pictured, thin
-from scaloft_fi.analysis.comparison import Change, ComparedMutant, Flown, compared, of_seeds
+from scaloft_fi.analysis.comparison import Change, ComparedCampaigns, ComparedMutant, Flown, compared, of_seeds
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.pool import State
 from scaloft_fi.analysis.score import score_of
@@ -82,19 +82,16 @@ def results(study: Study) -> tuple[str, str]:
     """The section with the results, and the page with both matrices."""
     told, matrix, _ = compared_by(study, str(REFERENCE), str(SECOND), flights=False)
     with snapshot(study, str(REFERENCE)) as reference, snapshot(study, str(SECOND)) as second:
-        figures = [*zip(_figures(reference), _figures(second), strict=True)]
+        both = [*zip(figures(reference), figures(second), strict=True)]
         left_out = [*map(partial(_without, reference, second), range(int(SEEDS)))]
-    by_change = {change: [one for one in told.scores.mutants if one.change is change] for change in Change}
     text = blocks(
         "## Flown",
         table(
             ("", "reference drone", "second drone"),
-            ((name, one, two) for (name, one), (_, two) in figures),
+            ((name, one, two) for (name, one), (_, two) in both),
         ),
-        f"{len(by_change[Change.LOST])} lost, {len(by_change[Change.GAINED])} gained, "
-        f"{len(by_change[Change.UNSURE])} unsure, of {len(told.scores.mutants)} faults.  "
-        f"{agreement_text(told.scores)}",
-        *(_listed(change, by_change[change]) for change in (Change.LOST, Change.GAINED, Change.UNSURE)),
+        counted(told.scores),
+        *differences(told.scores, "reference drone", "second drone", "reference", "second"),
         "### With one seed of the mutants left out",
         table(("seed", "shown on the reference drone", "on the second", "lost", "gained", "unsure", "agree"), left_out),
         "### Every fault",
@@ -106,7 +103,8 @@ def results(study: Study) -> tuple[str, str]:
     return text, matrices_page(told.scores, matrix)
 
 
-def _figures(now: Snapshot) -> list[tuple[str, str]]:
+def figures(now: Snapshot) -> list[tuple[str, str]]:
+    """What a campaign shows, as names and numbers."""
     score = now.score
     counted, states = score.counted, Counter(score.pool.states.values())
     firm = [one for one in counted if one.firm]
@@ -136,11 +134,22 @@ def _without(reference: Snapshot, second: Snapshot, seed: int) -> Row:
     return (seed, *shown, lost, gained, len(told.unsure), told.agreement.same)
 
 
-def _listed(change: Change, mutants: Sequence[ComparedMutant]) -> str:
-    if not mutants:
-        return ""
-    head = ("severity", "mutant", "reference drone", "second drone", "p", "violates", "reference", "second")
-    return "\n".join([f"### {change.capitalize()}", "", *table(head, map(_row, mutants))])
+def counted(told: ComparedCampaigns) -> str:
+    """How many faults are lost, gained and unsure, and the agreement, in a sentence each."""
+    count = Counter(one.change for one in told.mutants)
+    return (
+        f"{count[Change.LOST]} lost, {count[Change.GAINED]} gained, {count[Change.UNSURE]} unsure, "
+        f"of {len(told.mutants)} faults.  {agreement_text(told)}"
+    )
+
+
+def differences(told: ComparedCampaigns, *names: str) -> Iterator[str]:
+    """A section for what is lost, gained and unsure: `names` head the two verdicts and the two counts of flights."""
+    for change in (Change.LOST, Change.GAINED, Change.UNSURE):
+        mutants = [one for one in told.mutants if one.change is change]
+        if mutants:
+            head = ("severity", "mutant", *names[:2], "p", "violates", *names[2:])
+            yield "\n".join([f"### {change.capitalize()}", "", *table(head, map(_row, mutants))])
 
 
 def _row(one: ComparedMutant) -> Row:
