@@ -93,19 +93,22 @@ class Program:
     _channel: socket.socket
 
     @classmethod
-    def start(cls, run: Sequence[str], files: Mapping[str, bytes], study: Path) -> Program:
+    def start(
+        cls, run: Sequence[str], files: Mapping[str, bytes], study: Path, elsewhere: Sequence[Path] = ()
+    ) -> Program:
         """Start the program in a private folder.
 
         Args:
             run: program and arguments.
             files: content of the files of that folder by name.
             study: folder of the study.
+            elsewhere: files that the program makes outside of that folder; none of them is left.
 
         Raises:
             BorderError: the library or the program cannot be started.
         """
         with ExitStack() as undo:
-            flight = undo.enter_context(closing(FlightFolder()))
+            flight = undo.enter_context(closing(FlightFolder(elsewhere)))
             home = flight.path / "home"
             home.mkdir()
             for name, content in files.items():

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -93,10 +92,10 @@ class Px4:
         script = "\n".join((". px4-alias.sh", "param select parameters.bson", *lines, *own, *MODULES, ""))
         # the number is in the names of files outside the folder of the flight, so no two flights have the same
         instance = os.getpid()
-        self._outside = [Path(f"/tmp/px4-sock-{instance}"), Path(f"/tmp/px4_lock-{instance}")]
+        elsewhere = [Path(f"/tmp/px4-sock-{instance}"), Path(f"/tmp/px4_lock-{instance}")]
         self._steps, self._talk, self._news = 0, Talk(), News()
         run = (program, "-d", "-i", str(instance), *more, "-s", SCRIPT)
-        self._program = Program.start(run, {SCRIPT: script.encode(), "etc/empty": b""}, study)
+        self._program = Program.start(run, {SCRIPT: script.encode(), "etc/empty": b""}, study, elsewhere)
         with self._program.booting("PX4"):
             yaw_rad = 2.0 * math.atan2(still.attitude[2], still.attitude[3])
             self._orders = VelocityOrder(0.0, np.zeros(3), yaw_rad)
@@ -105,7 +104,6 @@ class Px4:
                 self._advance(replace(still, arrived=arrived), self._boot_orders())
             if not self._news.armed:
                 raise FirmwareError(f"not armed: {self._news.text or 'it says nothing'}{self._program.said()}")
-        self._forget_outside()
 
     @property
     def _now_s(self) -> float:
@@ -135,12 +133,6 @@ class Px4:
     def close(self) -> None:
         """End the program."""
         self._program.close()
-        self._forget_outside()
-
-    def _forget_outside(self) -> None:
-        for path in self._outside:
-            with suppress(OSError):
-                path.unlink()
 
     def _advance(self, samples: Samples, orders: bytes) -> Array:
         time_us = round(self._now_s * 1e6) + 1

@@ -67,14 +67,17 @@ class Command:
 class FlightFolder:
     """A folder of one flight, which a keeper removes when this process and `Processes` with `lifeline` have ended.
 
+    Args:
+        files: that the processes make elsewhere, which are removed with it.
+
     Attributes:
         path: the folder.
         lifeline: the descriptor whose last end is the end of the folder.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, files: Sequence[Path] = ()) -> None:
         self.path = Path(tempfile.mkdtemp(prefix="scaloft-"))
-        command = [sys.executable, "-I", "-S", guard.__file__, str(self.path)]
+        command = [sys.executable, "-I", "-S", guard.__file__, str(self.path), *map(str, files)]
         null = subprocess.DEVNULL
         self._keeper = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=null, stderr=null, start_new_session=True
@@ -83,7 +86,7 @@ class FlightFolder:
         self.lifeline = self._keeper.stdin.fileno()
 
     def close(self) -> None:
-        """Remove the folder; may be called twice."""
+        """Remove the folder and the files; may be called twice."""
         rmtree(self.path, ignore_errors=True)
         assert self._keeper.stdin is not None
         self._keeper.stdin.close()

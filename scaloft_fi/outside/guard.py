@@ -6,8 +6,9 @@ process brings about too, ends every process below the guard.  On Linux the guar
 ended, so one that detached itself is found too, and a process that the guard started dies with it.  Elsewhere it ends
 the process groups of what it started, which a process can leave.
 
-With the path of a folder as its argument it is the keeper of that folder: it takes no order, and removes the folder at
-the end of the input, which comes when the flight's process and the guards of its processes have ended.
+With the path of a folder, and of files elsewhere, as its arguments it is the keeper of that folder: it takes no order,
+and removes the folder and the files at the end of the input, which comes when the flight's process and the guards of
+its processes have ended.
 """
 
 import ctypes
@@ -166,20 +167,23 @@ def send(group: int, number: int) -> None:
         os.killpg(group, number)
 
 
-def keep(folder: str) -> None:
-    """Wait for the end of the input, then remove a folder with all that is in it."""
+def keep(folder: str, files: list[str]) -> None:
+    """Wait for the end of the input, then remove a folder with all that is in it, and the files."""
     while os.read(0, CHUNK):
         pass
     import shutil  # only now: whoever flies need not wait for it
 
     shutil.rmtree(folder, ignore_errors=True)
+    for file in files:
+        with suppress(OSError):
+            os.unlink(file)  # noqa: PTH108 - this program imports little
 
 
 def main() -> None:
     """Keep a folder, or follow the order on standard input until it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if sys.argv[1:]:
-        return keep(sys.argv[1])
+        return keep(sys.argv[1], sys.argv[2:])
     prctl(PR_SET_CHILD_SUBREAPER, 1)
     line = b""
     while not line.endswith(b"\n"):

@@ -32,7 +32,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @contextmanager
 def started(path: Path, study: Path) -> Iterator[Program]:
-    program = Program.start([str(path)], {"parameters": b"1"}, study)
+    program = Program.start([str(path)], {"parameters": b"1"}, study, [study / "elsewhere"])
     try:
         yield program
     finally:
@@ -113,7 +113,9 @@ def test_nothing_is_left_of_a_program(built: Path, tmp_path: Path):
         folder = program.folder
         assert (folder / "parameters").read_bytes() == b"1"
         program.step(STEP_NS, [])
+        (tmp_path / "elsewhere").touch()  # as the program might
     assert not folder.exists()
+    assert not (tmp_path / "elsewhere").exists()
     assert not [one for one in guard.descendants(os.getpid()) if _name(one) == "loop"]
 
 
