@@ -14,7 +14,8 @@ from studies import edit_in, made_by
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.errors import InputError
-from scaloft_fi.firmware.lines import throttles_in
+from scaloft_fi.firmware.kind import KINDS, POSITION
+from scaloft_fi.firmware.lines import Lines, throttles_in
 from scaloft_fi.firmware.program import FirmwareError
 from scaloft_fi.firmware.stack import above_firmware
 from scaloft_fi.judge.outcome import Outcome
@@ -99,6 +100,24 @@ def test_a_planner_in_another_process_flies_above_a_program_twice_with_the_same_
     edit_in(stack, "answer: drive ", "answer: motors ")
     with pytest.raises(InputError, match=r"stack\.seams\.motors: is the name of a seam of the firmware"):
         _ = Study.open(tmp_path / "study").stack
+
+
+class Mine(Lines):
+    """A kind of another author: the flight control of the example, which is not told where it is."""
+
+    seams = tuple(seam for seam in Lines.seams if seam is not POSITION)
+
+
+def test_a_kind_of_ones_own_is_declared_by_its_class_and_flies(study: Study, tmp_path: Path):
+    if "mine" not in KINDS:
+        KINDS.declare("mine", Mine)
+    shutil.copytree(study.folder, tmp_path / "study")
+    edit_in(tmp_path / "study" / "sim" / "stack.yaml", "kind: lines", "kind: mine")
+    own = Study.open(tmp_path / "study")
+    assert [seam.name for seam in own.stack.seams][-4:] == ["gyro", "accelerometer", "order", "motors"]
+    assert own.stack.title == "firmware, mine as built"
+    outcome = flown(own)
+    assert (outcome.ending, outcome.violations, outcome.stack_error) == ("landed", (), "")
 
 
 @pytest.mark.parametrize(
