@@ -76,7 +76,7 @@ class FlightFolder:
     """
 
     def __init__(self, files: Sequence[Path] = ()) -> None:
-        self.path = Path(tempfile.mkdtemp(prefix="scaloft-"))
+        self.path, self._files = Path(tempfile.mkdtemp(prefix="scaloft-")), files
         command = [sys.executable, "-I", "-S", guard.__file__, str(self.path), *map(str, files)]
         null = subprocess.DEVNULL
         self._keeper = subprocess.Popen(
@@ -88,6 +88,9 @@ class FlightFolder:
     def close(self) -> None:
         """Remove the folder and the files; may be called twice."""
         rmtree(self.path, ignore_errors=True)
+        for file in self._files:  # the keeper does so too, and may have been killed
+            with suppress(OSError):
+                file.unlink()
         assert self._keeper.stdin is not None
         self._keeper.stdin.close()
         with suppress(subprocess.TimeoutExpired):
