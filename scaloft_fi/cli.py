@@ -116,6 +116,7 @@ GROUPS: dict[str, dict[str, str]] = {
         "run": "fly baseline and mutants over the grid, then score",
         "margin": "find the smallest magnitude that is killed, by bisection",
         "seek": "find a situation that would have shown a fault",
+        "propose": "find a requirement that would have shown a fault",
         "merge": "join campaigns that were flown in parts",
         "replay": "fly one flight again, bit for bit, and draw it",
     },

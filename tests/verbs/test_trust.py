@@ -29,6 +29,7 @@ FLIES = {
     "run": ("--mutant", "LATE-human"),
     "margin": ("LATE-human",),
     "seek": ("LATE-human", "--grid", "paper"),
+    "propose": ("LATE-human",),
     "replay": (FLOWN,),
     "check": ("--fly",),
 }

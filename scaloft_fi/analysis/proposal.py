@@ -1,0 +1,268 @@
+"""Requirements that could show a fault which violates none: candidates over the log's signals, and the choice of one.
+
+A candidate is a limit on a signal, on how long it stays beyond a level, or on how far it goes within a second; for the
+whole flight, near a surface, or while or after a definition of the study holds.  Of each candidate a flight has one
+number, its *reach*: the least limit that the flight would hold.  The choice is the candidate, and the limit, that lies
+farthest beyond all that the unmutated drone reaches and that enough flights of the mutant pass.  It is made on some
+seeds; whether it holds is for fresh ones to say (`campaign/runs/propose.py`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scaloft_fi.judge.requirement import Kind, Requirement
+from scaloft_fi.judge.stl import Formula
+from scaloft_fi.sim.log import SAMPLE_HZ, Signal
+
+Array = NDArray[np.float64]
+
+NOT_LIMITED = frozenset(("elapsed_s", "remaining_s"))
+"""Signals with a unit on which a limit says nothing about the drone."""
+NEAR_M = 0.5
+"""Clearance within which the drone is near a surface [m]."""
+LASTING_S, CHANGE_S = (1.0, 3.0), 1.0
+"""For how long a signal stays beyond a level, and in what time it changes [s]."""
+LEAST_SCALE = 0.05
+"""Least spread that a margin is counted in, as a share of the limit, and in the signal's unit: no limit is finer."""
+ESTIMATE = "est_"
+"""How the name begins of a belief that estimates a signal of the ground truth."""
+
+
+@dataclass(frozen=True)
+class Condition:
+    """When a candidate applies.  formula: "" for the whole flight; words: the beginning of its sentence."""
+
+    formula: str
+    words: str
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A requirement without its limit.
+
+    Attributes:
+        term: what is limited, a term over signals.
+        above: whether too large is bad; else too small.
+        window_s: of `lasting` and of a change [s]; 0 for a limit on each sample.
+        lasting: whether the term must not stay beyond the limit for the window; else it is its change in the window.
+        condition: when it applies.
+        unit: of the limit.
+    """
+
+    term: str
+    above: bool
+    window_s: float
+    lasting: bool
+    condition: Condition
+    unit: str
+
+    def formula(self, limit: float) -> tuple[str, str]:
+        """Trigger, "" for none, and formula with this limit.
+
+        >>> always = Condition("", "")
+        >>> Candidate("z_m", True, 0.0, False, always, "m").formula(2.5)
+        ('', 'always(z_m <= 2.5)')
+        >>> Candidate("z_m", False, 1.0, True, always, "m").formula(0.5)
+        ('elapsed_s / 1 >= 1', 'always(trigger implies not historically[0:1](z_m <= 0.5))')
+        """
+        beyond, within, window = (
+            (">=", "<=", f"[0:{self.window_s:g}]") if self.above else ("<=", ">=", f"[0:{self.window_s:g}]")
+        )
+        trigger, holds = self.condition.formula, f"{self.term} {within} {limit:g}"
+        if self.lasting:
+            since = f"elapsed_s / {self.window_s:g} >= 1"
+            trigger = f"{since} and ({trigger})" if trigger else since
+            holds = f"not historically{window}({self.term} {beyond} {limit:g})"
+        elif self.window_s and self.above:
+            holds = f"{self.term} - (historically{window}({self.term})) <= {limit:g}"
+        elif self.window_s:
+            holds = f"(once{window}({self.term})) - {self.term} <= {limit:g}"
+        inside = f"trigger implies {holds}" if self.lasting else f"trigger implies ({holds})"
+        return trigger, f"always({inside})" if trigger else f"always({holds})"
+
+    def sentence(self, limit: float) -> str:
+        """The requirement in words."""
+        words, unit = self.condition.words, f" {self.unit}".rstrip()
+        way = "above" if self.above else "below"
+        if self.lasting:
+            said = f"`{self.term}` does not stay {way} {limit:g}{unit} for {self.window_s:g} s"
+        elif self.window_s:
+            turned = "rise" if self.above else "fall"
+            said = f"`{self.term}` does not {turned} by more than {limit:g}{unit} within {self.window_s:g} s"
+        else:
+            said = f"`{self.term}` is never {way} {limit:g}{unit}"
+        return f"{words}, {said}." if words else f"{said}."
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """All candidates of a study.
+
+    Attributes:
+        signals: of the log.
+        definitions: of the study's requirements, name and formula, in order.
+        surfaces: names of the surfaces with a clearance.
+    """
+
+    signals: tuple[Signal, ...]
+    definitions: tuple[tuple[str, str], ...]
+    surfaces: tuple[str, ...]
+
+    @cached_property
+    def terms(self) -> Mapping[str, str]:
+        """The terms with their units: the signals that have one, and how far each estimate is from the truth."""
+        units = {one.name: one.unit for one in self.signals if one.unit and one.name not in NOT_LIMITED}
+        pairs = [(name, name.removeprefix(ESTIMATE)) for name in units if name.startswith(ESTIMATE)]
+        return units | {f"abs({name} - {of})": units[of] for name, of in pairs if of in units}
+
+    @cached_property
+    def conditions(self) -> tuple[Condition, ...]:
+        """The whole flight, then while and after each definition holds, and near each surface."""
+        held = [
+            one
+            for name, _ in self.definitions
+            for one in (Condition(name, f"While {name}"), Condition(f"once({name})", f"After the first {name}"))
+        ]
+        near = [
+            Condition(f"clearance_{name}_m / {NEAR_M:g} <= 1", f"Within {NEAR_M:g} m of {name}")
+            for name in self.surfaces
+        ]
+        return (Condition("", ""), *held, *near)
+
+    @cached_property
+    def listed(self) -> tuple[Candidate, ...]:
+        """The candidates, in the order of a flight's reaches."""
+        return tuple(self._each())
+
+    def _each(self) -> Iterator[Candidate]:
+        for term, unit in self.terms.items():
+            for above in (True, False):
+                for window_s, lasting in _SHAPES:
+                    for condition in self.conditions:
+                        yield Candidate(term, above, window_s, lasting, condition, unit)
+
+    def reaches(self, signals: Mapping[str, Array]) -> Array:
+        """The reach of a flight in each candidate (C,); -inf where the candidate never applies.
+
+        It grows with what is bad: of a candidate that limits from below it is the negative of the limit.
+
+        Args:
+            signals: of the log, (T,) each at 20 Hz.
+        """
+        known = {name: np.asarray(values, np.float64) for name, values in signals.items()}
+        for name, formula in self.definitions:
+            known[name] = np.asarray(Formula.parse(formula, known).robustness(known))
+        elapsed_s = known["elapsed_s"]
+        always = np.ones(len(elapsed_s), bool)
+        applies = [
+            np.asarray(Formula.parse(one.formula, known).robustness(known)) > 0 if one.formula else always
+            for one in self.conditions
+        ]
+        found = []
+        for term in self.terms:
+            values = (
+                known[term]
+                if term in known
+                else np.abs(np.subtract(*(known[name] for name in term[4:-1].split(" - "))))
+            )
+            for sign in (1.0, -1.0):
+                for window_s, lasting in _SHAPES:
+                    shaped = sign * values
+                    if window_s:
+                        least = _least(shaped, round(window_s * SAMPLE_HZ) + 1)
+                        shaped = least if lasting else shaped - least
+                    late = elapsed_s > window_s if lasting else always
+                    found += [shaped[mask & late].max(initial=-np.inf) for mask in applies]
+        return np.array(found)
+
+
+_SHAPES = ((0.0, False), *((window_s, True) for window_s in LASTING_S), (CHANGE_S, False))
+"""Window, and whether the term has to stay beyond its limit for that long."""
+
+
+def _least(values: Array, count: int) -> Array:
+    """The least of the last `count` values at each sample (T,), of fewer at the beginning."""
+    padded = np.concatenate((np.full(count - 1, np.inf), values))
+    least: Array = np.lib.stride_tricks.sliding_window_view(padded, count).min(axis=1)
+    return least
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A candidate with its limit.
+
+    Attributes:
+        candidate: the candidate.
+        limit: in its unit.
+        margin: from what the unmutated drone reaches to the limit, in spreads of what it reaches.
+    """
+
+    candidate: Candidate
+    limit: float
+    margin: float
+
+    def requirement(self, name: str, definitions: tuple[tuple[str, str], ...]) -> Requirement:
+        """The requirement, of a kind that decides nothing.
+
+        Args:
+            name: its name.
+            definitions: of the study.
+        """
+        trigger, text = self.candidate.formula(self.limit)
+        title = self.candidate.sentence(self.limit)
+        used = tuple(one for one in definitions if one[0] in trigger)
+        return Requirement(name, Kind.REPORTED, text, trigger, definitions if used else (), self.candidate.unit, title)
+
+
+def choose(candidates: Sequence[Candidate], clean: Array, mutated: Array, least: int) -> Choice | None:
+    """The candidate that separates the mutant from the unmutated drone with the widest margin; None where none does.
+
+    The limit lies in the middle between what the unmutated drone reaches and what enough flights of the mutant pass:
+    half of them, or else `least`.
+
+    Args:
+        candidates: the candidates, in number C.
+        clean: (N, C) reaches of the unmutated drone.
+        mutated: (M, C) reaches of the mutant.
+        least: fewest flights of the mutant that have to pass the limit.
+    """
+    top = clean.max(axis=0)
+    passed = -np.sort(-mutated, axis=0)
+    with np.errstate(invalid="ignore"):
+        spread = np.nan_to_num(np.where(np.isfinite(clean), clean, np.nan), nan=0.0).std(axis=0)
+    for count in (max(least, len(mutated) // 2), least):
+        if count > len(mutated):
+            continue
+        beyond = passed[count - 1]
+        valid = np.isfinite(top) & np.isfinite(beyond) & (beyond > top)
+        middle = np.where(valid, 0.5 * (np.where(valid, top, 0.0) + np.where(valid, beyond, 1.0)), 0.0)
+        scale = np.maximum(spread, np.maximum(LEAST_SCALE * np.abs(middle), LEAST_SCALE))
+        margins = np.where(valid, (middle - np.where(valid, top, 0.0)) / scale, 0.0)
+        best = int(margins.argmax())
+        if margins[best] > 0.0:
+            candidate = candidates[best]
+            reached = _rounded(float(top[best]), float(beyond[best]))
+            sign = 1.0 if candidate.above or (candidate.window_s and not candidate.lasting) else -1.0
+            return Choice(candidate, sign * reached, float(margins[best]))
+    return None
+
+
+def _rounded(low: float, high: float) -> float:
+    """The number of fewest digits in the middle half of an interval.
+
+    >>> _rounded(0.243, 0.391), _rounded(-2.0, -1.0)
+    (0.3, -1.5)
+    """
+    middle, slack = 0.5 * (low + high), 0.25 * (high - low)
+    for digits in range(-math.ceil(math.log10(max(abs(middle), slack))), 16):
+        number = round(middle, digits)
+        if abs(number - middle) <= slack:
+            return number
+    return middle

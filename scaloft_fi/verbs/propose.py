@@ -1,0 +1,264 @@
+"""`scaloft-fi propose`: the requirement that is missing, for faults that leave a trace and violate none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import click
+
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import MutantScore
+from scaloft_fi.campaign.processes import cores, one_thread_each
+from scaloft_fi.campaign.progress import Progress, Silence
+from scaloft_fi.campaign.runs.propose import Found, Seeds, Sought, Tested, propose
+from scaloft_fi.campaign.store.archive import study_of
+from scaloft_fi.errors import InputError
+from scaloft_fi.marks import About
+from scaloft_fi.mutants.catalogue import select
+from scaloft_fi.output import write_own
+from scaloft_fi.study import Study
+from scaloft_fi.verbs import names, options
+from scaloft_fi.verbs.options import Option, Several, several, verb
+from scaloft_fi.verbs.snapshot import Snapshot, snapshot
+from scaloft_fi.views.output import Answer, Output
+from scaloft_fi.views.table import Table
+
+KEPT = 10
+"""Seeds of the unmutated drone, of the choice and of the test each."""
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A requirement that shows a fault which violates none of the study's.
+
+    Attributes:
+        mutant: id of the fault.
+        title: the requirement in a sentence.
+        trigger: when it applies; "" for always.
+        formula: the formula.
+        unit: of its limit.
+        margin: from what the unmutated drone reaches to the limit, in spreads of what it reaches, on the first seeds.
+        shown: fresh flights of the mutant that violate it.
+        alarms: fresh flights of the unmutated drone that violate it, in any situation.
+        p: by the exact test on fresh seeds, after Bonferroni over the requirements tested.
+        confirmed: whether p is at most alpha.
+        others: the other mutants that it shows on fresh seeds, each after Bonferroni over requirements and mutants.
+    """
+
+    mutant: str
+    title: str
+    trigger: str
+    formula: str
+    unit: str
+    margin: float
+    shown: Ratio
+    alarms: Ratio
+    p: Annotated[float, About("p (0..1)")]
+    confirmed: bool
+    others: tuple[str, ...]
+
+    @classmethod
+    def of(cls, tested: Tested) -> Proposal:
+        """The proposal of a tested requirement."""
+        made = tested.requirement
+        return cls(
+            tested.mutant, made.title, made.trigger, made.text, made.unit, tested.choice.margin, tested.shown,
+            tested.alarms, tested.p, tested.confirmed, tested.others,
+        )  # fmt: skip
+
+    @property
+    def yaml(self) -> str:
+        """The entry for `sim/requirements.yaml`; a person decides whether it is a hazard."""
+        where = f"violated by {self.shown.short} of its fresh flights, {self.alarms.short} of the unmutated drone's"
+        lines = [
+            f"  {_key(self.mutant)}:",
+            f"    title: {_quoted(self.title)}",
+            "    kind: reported             # safety, once a person has decided that its violation is a hazard",
+            *([f"    trigger: {self.trigger}"] if self.trigger else []),
+            f"    formula: {self.formula}",
+            *([f"    unit: {self.unit}"] if self.unit else []),
+            f"    source: proposed from {self.mutant}; {where}",
+        ]
+        return "\n".join(lines) + "\n"
+
+
+@dataclass(frozen=True)
+class Proposals:
+    """The requirements that are missing.
+
+    Attributes:
+        proposals: one for each fault for which a requirement separates its flights from the unmutated drone's.
+        same: faults of which every flight equals the unmutated drone's to the bit.
+        none: faults that leave a trace for which no requirement of the templates separates the flights.
+    """
+
+    proposals: tuple[Proposal, ...]
+    same: tuple[str, ...]
+    none: tuple[str, ...]
+
+    @classmethod
+    def of(cls, found: Found) -> Proposals:
+        """What a search found, the confirmed ones first."""
+        proposals = sorted(map(Proposal.of, found.tested), key=lambda one: not one.confirmed)
+        return cls(tuple(proposals), found.same, found.apart)
+
+
+PROPOSE = Output("propose", "1.0", Proposals, rows="proposals")
+
+
+def _key(mutant: str) -> str:
+    """A name for the requirement of a mutant."""
+    return "P-" + "".join(letter if letter.isalnum() or letter in "-." else "-" for letter in mutant)
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def sought_in(now: Snapshot, mutants: Sequence[str]) -> list[Sought]:
+    """The mutants, by default those that are put to the test and of which nothing was seen, where they change samples.
+
+    Raises:
+        InputError: a mutant is unknown or was not flown, or there is none.
+    """
+    by_id: Mapping[str, MutantScore] = {one.id: one for one in now.score.mutants}
+    if mutants:
+        chosen = [mutant.id for mutant in select(mutants, now.study.matrix, now.study.catalogue)]
+        for id_ in chosen:
+            if id_ not in by_id:
+                raise InputError(f"{id_} has no flights in the campaign {now.name}; `scaloft-fi run --mutant {id_}`")
+    else:
+        chosen = [one.id for one in now.score.counted if one.tested and not one.detected and not one.seen_in]
+    if not chosen:
+        raise InputError(f"the campaign {now.name} has no fault that is put to the test and violates nothing")
+    found = []
+    for mutant in select(chosen, now.study.matrix, now.study.catalogue):
+        keys = tuple(result.situation for result in by_id[mutant.id].results if result.infected)
+        found.append(Sought(mutant, keys))
+    return found
+
+
+def fresh_seeds(now: Snapshot, count: int) -> Seeds:
+    """The seeds of the campaign, as far as they are wanted, and as many that it never flew.
+
+    Args:
+        now: the campaign.
+        count: seeds of the mutants in each half.
+    """
+    last = max(outcome.seed for outcome in now.outcomes)
+    return Seeds(range(count), range(KEPT), range(last + 1, last + 1 + count), range(last + 1, last + 1 + KEPT))
+
+
+def tables(answer: Proposals) -> tuple[Table, ...]:
+    """The proposals for people, the confirmed ones first, and what was not found."""
+    rows = tuple(
+        (
+            one.mutant,
+            one.title,
+            one.shown.short,
+            one.alarms.short,
+            f"{one.p:.2g}" if one.confirmed else f"{one.p:.2g}, not confirmed",
+            len(one.others),
+        )
+        for one in answer.proposals
+    )
+    lists = (
+        ("No requirement of the templates separates its flights", answer.none),
+        ("Every flight equals the unmutated drone's to the bit", answer.same),
+    )
+    notes = (
+        *(f"{words}: {', '.join(ids)}." for words, ids in lists if ids),
+        "shown in: fresh flights of the mutant that violate it.  alarms: of the unmutated drone, in any situation.",
+        "others: further faults that it shows.  `--output FILE` writes the entries for sim/requirements.yaml.",
+        "A proposal is in no score: a person decides whether its violation is a hazard.",
+    )
+    head = ("mutant", "requirement", "shown in", "alarms", "p", "others")
+    return (Table("Requirements that are missing", head, rows, notes),)
+
+
+MissingMutants = Annotated[
+    Several,
+    Option(
+        "Ids or patterns.",
+        "",
+        metavar="[ID|GLOB...]",
+        complete=names.mutants,
+        otherwise="every default that the campaign puts to the test and that violates no safety requirement",
+    ),
+]
+SeedCount = Annotated[
+    int,
+    Option(
+        "Seeds of each mutant for the choice, and as many fresh ones for the test.",
+        "--seeds",
+        metavar="N",
+        type=click.IntRange(min=1, max=KEPT),
+        default=3,
+    ),
+]
+Entries = Annotated[
+    Path | None,
+    Option("Also write the confirmed entries for sim/requirements.yaml into FILE.", "--output", metavar="FILE"),
+]
+
+
+@verb(
+    "propose",
+    examples=(
+        ("Propose a requirement for each fault that violates none", "scaloft-fi propose"),
+        ("On more seeds, for all that an own campaign does not show", "scaloft-fi propose --campaign night --seeds 5"),
+        ("For one fault, and write the entry to paste", "scaloft-fi propose MORE-depth --output missing.yaml"),
+    ),
+    sections={
+        "Where": "--study --campaign",
+        "How": "--seeds --jobs --untrusted",
+        "What is printed": "--output --format --tables --quiet --help",
+    },
+)
+def propose_command(
+    *,
+    mutants: MissingMutants = (),
+    study_folder: options.StudyFolder,
+    campaign: options.Campaign,
+    seeds: SeedCount,
+    jobs: options.Jobs,
+    untrusted: options.Untrusted,
+    output: Entries,
+    quiet: options.Quiet,
+) -> Answer:
+    """Propose the requirement that is missing, for faults that are put to the test and violate none.
+
+    The flights are flown again for their logs.  Limits on every signal, on how long it stays beyond a level and on how
+    far it goes within a second, for the whole flight, near a surface, and while or after a definition of the study
+    holds, are held against the mutant and the unmutated drone on the campaign's seeds.  The one with the widest margin
+    is tested on fresh seeds, by the score's own test, at the study's alpha over all that were chosen.
+    """
+    one_thread_each()
+    options.check_writable(output)
+    study = study_of(study_folder, campaign)
+    options.allow(study, untrusted=untrusted)
+    told = proposed(study, campaign, several(mutants, "mutants"), seeds, jobs, Silence() if quiet else Progress())
+    if output is not None:
+        write_own(output, "".join(one.yaml + "\n" for one in told.proposals if one.confirmed).encode())
+    return Answer(PROPOSE, lambda: told, lambda: tables(told))
+
+
+def proposed(
+    study: Study, campaign: str, mutants: Sequence[str], seeds: int, jobs: int | None, progress: Progress
+) -> Proposals:
+    """Propose the requirements that are missing.
+
+    Raises:
+        InputError: a mutant is unknown or was not flown, there is none, or the study cannot be flown.
+    """
+    if study.command is not None:
+        raise InputError("a simulator that a command starts writes records; `propose` reads logs of the built-in one")
+    with snapshot(study, campaign) as now:
+        sought, planned, study = sought_in(now, mutants), fresh_seeds(now, seeds), now.study
+    try:
+        return Proposals.of(propose(study, sought, planned, jobs or cores(), progress))
+    finally:
+        progress.close()

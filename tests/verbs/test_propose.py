@@ -1,0 +1,62 @@
+"""`propose`: a requirement from a fault that violates none, tested on fresh seeds; and what it refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from printed import of_form, run
+
+from scaloft_fi.document import load
+from scaloft_fi.judge.requirement import load_requirements
+from scaloft_fi.study import Study
+
+FAULT = "LATE-velcmd@0.5s"
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small study in which one fault was flown in one situation."""
+    folder = tmp_path_factory.mktemp("propose") / "study"
+    assert run("new", folder) == 0
+    key = Study.open(folder).grid.situations[0].key
+    words = ("--situation", key, "--mutant", FAULT, "--baseline-seeds", "10", "--quiet")
+    assert run("run", "--study", folder, *words) == 0
+    return folder
+
+
+@pytest.mark.flight
+def test_a_fault_that_violates_nothing_gets_a_requirement_that_fresh_flights_confirm(
+    study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    capsys.readouterr()
+    words = ("--study", study, "--output", tmp_path / "entries.yaml", "--format", "json", "--quiet", "--jobs", "2")
+    assert run("propose", *words) == 0
+    told = of_form("propose", capsys.readouterr().out)
+    (proposal,) = told["proposals"]
+    assert (proposal["mutant"], proposal["confirmed"]) == (FAULT, True)
+    assert proposal["p"] <= 0.01
+    assert (told["same"], told["none"]) == ([], [])
+    requirements = study / "sim" / "requirements.yaml"
+    pasted = tmp_path / "requirements.yaml"
+    pasted.write_text(requirements.read_text() + (tmp_path / "entries.yaml").read_text())
+    read = {one.name: one for one in load_requirements(pasted, Study.open(study).signals)}
+    (name,) = read.keys() - load(requirements).need("requirements").mapping().keys()
+    assert (read[name].text, read[name].trigger) == (proposal["formula"], proposal["trigger"])
+    assert read[name].kind == "reported"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("NO-human",), "NO-human@100% has no flights in the campaign"),
+        (("LATE-humen",), "did you mean"),
+        (("--campaign", "none"), "none"),
+        (("--seeds", "0"), "--seeds"),
+    ],
+)
+def test_what_it_cannot_propose_for_is_refused_in_a_sentence(
+    study: Path, words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
+):
+    assert run("propose", "--study", study, *words) == 2
+    assert said in capsys.readouterr().err
