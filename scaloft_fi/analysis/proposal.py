@@ -63,6 +63,11 @@ class Candidate:
     condition: Condition
     unit: str
 
+    @property
+    def sign(self) -> float:
+        """Of the limit in its reach: -1 where it limits from below."""
+        return 1.0 if self.above or (self.window_s and not self.lasting) else -1.0
+
     def formula(self, limit: float) -> tuple[str, str]:
         """Trigger, "" for none, and formula with this limit.
 
@@ -249,8 +254,7 @@ def choose(candidates: Sequence[Candidate], clean: Array, mutated: Array, least:
         if margins[best] > 0.0:
             candidate = candidates[best]
             reached = _rounded(float(top[best]), float(beyond[best]))
-            sign = 1.0 if candidate.above or (candidate.window_s and not candidate.lasting) else -1.0
-            return Choice(candidate, sign * reached, float(margins[best]))
+            return Choice(candidate, candidate.sign * reached, float(margins[best]))
     return None
 
 

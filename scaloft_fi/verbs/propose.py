@@ -142,14 +142,14 @@ def sought_in(now: Snapshot, mutants: Sequence[str]) -> list[Sought]:
 
 
 def fresh_seeds(now: Snapshot, count: int) -> Seeds:
-    """The seeds of the campaign, as far as they are wanted, and as many that it never flew.
+    """The first seeds for the choice, and as many for the test that neither the choice nor the campaign flew.
 
     Args:
         now: the campaign.
         count: seeds of the mutants in each half.
     """
-    last = max(outcome.seed for outcome in now.outcomes)
-    return Seeds(range(count), range(KEPT), range(last + 1, last + 1 + count), range(last + 1, last + 1 + KEPT))
+    first = max(KEPT, 1 + max(outcome.seed for outcome in now.outcomes))
+    return Seeds(range(count), range(KEPT), range(first, first + count), range(first, first + KEPT))
 
 
 def tables(answer: Proposals) -> tuple[Table, ...]:
@@ -233,8 +233,8 @@ def propose_command(
 
     The flights are flown again for their logs.  Limits on every signal, on how long it stays beyond a level and on how
     far it goes within a second, for the whole flight, near a surface, and while or after a definition of the study
-    holds, are held against the mutant and the unmutated drone on the campaign's seeds.  The one with the widest margin
-    is tested on fresh seeds, by the score's own test, at the study's alpha over all that were chosen.
+    holds, are held against the mutant and the unmutated drone on the first seeds.  The one with the widest margin is
+    tested on fresh seeds, by the score's own test, at the study's alpha over all that were chosen.
     """
     one_thread_each()
     options.check_writable(output)

@@ -39,7 +39,7 @@ def test_a_flight_violates_a_candidate_where_its_reach_is_beyond_the_limit(z, es
     assert chosen is not None
     requirement = chosen.requirement("P", CANDIDATES.definitions)
     judged = judge_signals(requirement, signals, cut_short=False).reading
-    signed = chosen.limit if candidate.above or (candidate.window_s and not candidate.lasting) else -chosen.limit
+    signed = candidate.sign * chosen.limit
     assert abs(signed - limit) <= 0.5
     if abs(reach - signed) > 1e-9:
         assert judged.violated == (reach > signed)
@@ -68,6 +68,6 @@ def test_the_choice_never_takes_a_limit_that_the_unmutated_drone_passes(seed: in
     chosen = choose(CANDIDATES.listed[:16], clean, mutated, 3)
     if chosen is not None:
         number = CANDIDATES.listed.index(chosen.candidate)
-        sign = 1.0 if chosen.candidate.above or (chosen.candidate.window_s and not chosen.candidate.lasting) else -1.0
+        sign = chosen.candidate.sign
         assert clean[:, number].max() < sign * chosen.limit
         assert (mutated[:, number] > sign * chosen.limit).sum() >= 3

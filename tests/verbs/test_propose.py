@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from printed import of_form, run
@@ -10,6 +11,7 @@ from printed import of_form, run
 from scaloft_fi.document import load
 from scaloft_fi.judge.requirement import load_requirements
 from scaloft_fi.study import Study
+from scaloft_fi.verbs.propose import fresh_seeds
 
 FAULT = "LATE-velcmd@0.5s"
 
@@ -44,6 +46,14 @@ def test_a_fault_that_violates_nothing_gets_a_requirement_that_fresh_flights_con
     (name,) = read.keys() - load(requirements).need("requirements").mapping().keys()
     assert (read[name].text, read[name].trigger) == (proposal["formula"], proposal["trigger"])
     assert read[name].kind == "reported"
+
+
+def test_no_seed_of_the_choice_is_in_the_test_though_the_campaign_flew_few():
+    for flown in ([0], [0, 4], [12, 13]):
+        now = SimpleNamespace(outcomes=[SimpleNamespace(seed=seed) for seed in flown])
+        seeds = fresh_seeds(now, 3)
+        assert not {*seeds.fresh, *seeds.fresh_pool} & {*flown, *seeds.chosen, *seeds.chosen_pool}
+        assert (len(seeds.fresh), len(seeds.fresh_pool)) == (len(seeds.chosen), len(seeds.chosen_pool))
 
 
 @pytest.mark.parametrize(

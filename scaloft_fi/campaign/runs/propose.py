@@ -1,9 +1,9 @@
 """Fly what a proposal needs: logs of mutants and of the unmutated drone, a choice on some seeds, a test on fresh ones.
 
-The store keeps no signals, so the flights are flown again.  The choice sees the seeds of the campaign.  Each chosen
-requirement is then judged on seeds that the campaign never flew, by the score's own exact test: the mutant's flights
-beside those of the unmutated drone, in the situations in which nine in ten of the latter hold the requirement.  All
-that were chosen share the level, so the chance that any is confirmed for a fault that does nothing is at most alpha.
+The store keeps no signals, so the flights are flown again.  The choice sees the first seeds.  Each chosen requirement
+is then judged on seeds that neither the choice nor the campaign flew, by the score's own exact test: the mutant's
+flights beside those of the unmutated drone, in the situations in which nine in ten of the latter hold it.  All that
+were chosen share the level, so the chance that any is confirmed for a fault that does nothing is at most alpha.
 """
 
 from __future__ import annotations
