@@ -28,13 +28,16 @@ from scaloft_fi.verbs.new import firmware_files, write_new
 NAME = "autopilots"
 ACCEPTED = f"{NAME}_accepted.jsonl.gz"
 KINDS = ("betaflight", "px4", "ardupilot", "lines")
-FURTHER = {"px4, barometer and magnetometer": "px4", "ardupilot, battery": "ardupilot"}
+BEFORE = "px4, barometer and magnetometer"
+"""An arm of an adapter that is no more; its flights cannot be flown again."""
+FURTHER = {BEFORE: "px4", "px4, barometer of 0.2 m": "px4", "ardupilot, battery": "ardupilot"}
 """Arms whose firmware gets the further sensors that `scaloft-fi new --firmware` gives it; the others do not."""
 ARMS = {kind: kind for kind in KINDS} | FURTHER
 """The kind of each arm."""
 EMPTY = tuple(key for key in LIGHT if key.endswith("H0"))
 """The light situations without a person."""
-SEEDS, FURTHER_SEEDS, LEAST_HELD, LEAST_SITUATIONS = range(3000, 3010), range(3010, 3020), 9, 7
+SEEDS, FURTHER_SEEDS, LATEST_SEEDS = range(3000, 3010), range(3010, 3020), range(3020, 3030)
+LEAST_HELD, LEAST_SITUATIONS = 9, 7
 HELD = ("SR1", "OP1")
 
 
@@ -49,7 +52,7 @@ def study_of(arm: str, program: Path, folder: Path) -> Study:
 
 def names(arm: str) -> list[str]:
     """The flights by which the firmware of an arm is accepted."""
-    seeds = FURTHER_SEEDS if arm in FURTHER else SEEDS
+    seeds = LATEST_SEEDS if arm.endswith("0.2 m") else FURTHER_SEEDS if arm in FURTHER else SEEDS
     return [f"{BASELINE}/{key}/{seed}" for key, seed in itertools.product(EMPTY, seeds)]
 
 
@@ -106,7 +109,7 @@ def main() -> None:
     options.add_argument("--again", action="store_true", help="fly the stored flights again, and compare digests")
     asked, kept = options.parse_args(), read(PUBLISHED / ACCEPTED)
     programs = {kind: Path(path) for kind, _, path in (one.partition("=") for one in asked.program)}
-    for arm, program in ((arm, programs[kind]) for arm, kind in ARMS.items() if kind in programs):
+    for arm, program in ((arm, programs[kind]) for arm, kind in ARMS.items() if kind in programs and arm != BEFORE):
         with tempfile.TemporaryDirectory() as folder:
             study, before = study_of(arm, program, Path(folder) / "study"), dict(kept.get(arm, {}))
             print(f"{arm}: {hashlib.sha256(program.read_bytes()).hexdigest()}", file=sys.stderr)

@@ -24,7 +24,8 @@ NAME = "firmware_matrix"
 KINDS = ("betaflight", "px4")
 SITUATIONS = ("T0O0W0D0H0", "T0O0W0D0H1", "T1O1W1D0H0", "T1O1W1D0H1")
 """Straight ahead, and with a corner, an obstacle and the bar; each with nobody and with a person."""
-SEEDS, POOL = "0-0", "0-9"
+SEEDS = {"betaflight": ("0-0", "0-9"), "px4": ("20-20", "20-29")}
+"""Seeds of the mutants, and of the pool."""
 
 
 def study_of(kind: str, program: Path) -> Study:
@@ -61,7 +62,8 @@ def main() -> None:
     options = parser.parse_args()
     if options.fly:
         where = [word for key in SITUATIONS for word in ("--situation", key)]
-        how = ("--seeds", SEEDS, "--baseline-seeds", POOL, "--jobs", options.jobs)
+        seeds, pool = SEEDS[options.fly]
+        how = ("--seeds", seeds, "--baseline-seeds", pool, "--jobs", options.jobs)
         fly_and_publish(study_of(options.fly, options.program), PUBLISHED / NAME / options.fly, *where, *how)
     else:
         (PUBLISHED / f"{NAME}.md").write_text(registered(NAME) + results(), encoding="utf-8")
