@@ -66,8 +66,8 @@ FUSED = {
 }
 """What they are where a study's PX4 gets these sensors: height from the barometer, heading from the magnetometer.
 
-Its own 3.5 m for the barometer's noise lets the accelerometer's bias, which it has not met while it booted, drive a drone
-that is ordered to hold its height upwards at 0.13 m/s; our barometer has 0.1 m.
+With its own 3.5 m for the barometer's noise, of which ours has 0.1 m, it does not learn within a flight the bias of the
+accelerometer, which it has not met while it booted, and climbs at 0.13 m/s where it is ordered to hold its height.
 """
 MODULES = (
     "dataman start -r", f"simulator_mavlink start -c {SENSED}", "load_mon start", "rc_update start",
