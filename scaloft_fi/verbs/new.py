@@ -49,6 +49,7 @@ spins: [-1, -1, 1, 1]
 throttle_exponent: 2.0           # curve of the speed controllers: a rotor's thrust is its greatest times throttle^2"""
 PARAMETERS = "sim/firmware/parameters.txt"
 """The firmware's own parameters, for a kind that has a template of them."""
+IMU = "hazop/matrix/imu.yaml"
 SENSORS = {"px4": ("barometer", "magnetometer"), "ardupilot": ("battery",)}
 """Further sensors of the firmware in such a study, by kind; its template has their settings and their cells."""
 CHANGES = (
@@ -96,6 +97,8 @@ def firmware_files(kind: str, program: Path) -> Files:
     for name, old, new in CHANGES:
         assert files[name].count(old) == 1, name
         files[name] = files[name].replace(old, new)
+    if orders == "velocity":  # its own estimator keeps it up: what turns the companion's is no control
+        files[IMU] = files[IMU].replace(b"REVERSE:\n  status: control", b"REVERSE:\n  status: credible")
     own, sensors = _template(f"firmware/{kind}"), SENSORS.get(kind, ())
     words = {
         "your_kind": kind,
