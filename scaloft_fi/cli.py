@@ -117,6 +117,7 @@ GROUPS: dict[str, dict[str, str]] = {
         "margin": "find the smallest magnitude that is killed, by bisection",
         "seek": "find a situation that would have shown a fault",
         "propose": "find a requirement that would have shown a fault",
+        "suite": "put the faults to your own tests, and score them",
         "merge": "join campaigns that were flown in parts",
         "replay": "fly one flight again, bit for bit, and draw it",
     },

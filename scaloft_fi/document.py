@@ -322,7 +322,15 @@ def load(path: Path) -> Item:
     Raises:
         InputError: the file cannot be read, is not YAML, repeats a key, has a tag, or exceeds a limit.
     """
-    text = read_text(path)
+    return parsed(read_text(path), path)
+
+
+def parsed(text: str, path: Path) -> Item:
+    """The item of a YAML document; `path` is where it stands, for errors.
+
+    Raises:
+        InputError: the text is not YAML, repeats a key, has a tag, or exceeds a limit.
+    """
     try:
         return (_parsed_once if len(text) <= KEPT else _parsed)(text, path)
     except _FlawError as flaw:

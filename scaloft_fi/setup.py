@@ -157,6 +157,15 @@ class Setup:
         """Time limit of a flight in the situation [s]."""
         return self.scenario(situation).t_max_s
 
+    def runner(self, situation: Situation) -> str:
+        """What flies the situation: one run of it flies all situations of the same runner, for one subject and seed."""
+        return situation.key
+
+    @property
+    def most_wall_s(self) -> float:
+        """Longest wall time of a flight that ends itself after it [s]; 0 for our simulator, which ends by itself."""
+        return self.command.limit_s if self.command else 0.0
+
     def changes(self, situation: Situation) -> dict[str, Any]:
         """The values that the situation sets in the documents of world, vehicle and sensors, by dotted path."""
         values = self.grid.values(situation).values()

@@ -306,6 +306,15 @@ class Study(Setup):
         return self.archived_name or self.folder.resolve().name
 
     @property
+    def tests_of(self) -> str:
+        """The file of the suite whose tests run in place of flights; "" for a study that flies."""
+        return ""
+
+    def noted(self) -> dict[str, Any]:
+        """What a campaign keeps of a suite, in plain JSON values; {} of a study that flies."""
+        return {}
+
+    @property
     def packaged(self) -> bool:
         """Whether this is the study of the installed package, whose folder takes no results."""
         return self.folder.resolve() == PACKAGE / "_study"

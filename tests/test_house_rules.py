@@ -59,6 +59,7 @@ READERS = {
     "verbs/doctor.py": "/proc/meminfo",
     "outside/exchange.py": "the output of its processes, which the guard bounds",
     "outside/guard.py": "the output of its processes, and /proc",
+    "outside/suite.py": "the file to which the flights of one test add what a fault altered",
     "views/table.py": "a file of this package",
     "hazop/sheet.py": "files of this package",
     "apart.py": "/proc, and the pipe of the process that it forks",

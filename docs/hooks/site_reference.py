@@ -23,6 +23,7 @@ from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.status import Status
 from scaloft_fi.mutants.operator import Need
 from scaloft_fi.outside.records import Lost
+from scaloft_fi.outside.suite import Colour
 from scaloft_fi.reference import command_reference, outputs_page, yaml_keys_page
 from scaloft_fi.scripting.study import OpenCampaign
 from scaloft_fi.sim.log import Ending
@@ -68,6 +69,7 @@ VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
     ("What a record says", "Of a requirement: `judge`.", RecordVerdict),
     ("What a record lost", "Told beside the readings of `judge`.", Lost),
     ("A row of a sheet", "What `hazop import` did with it.", RowState),
+    ("Runs of tests", "What a run of one of your own tests says (`suite`).", Colour),
 )
 """The enumerations whose values are printed: title, what they tell."""
 

@@ -210,6 +210,14 @@ def alone(flights: Iterable[Flight]) -> list[Batch]:
     return [Batch((flight,)) for flight in flights]
 
 
+def in_runs(flights: Iterable[Flight], runner: Callable[[Situation], str]) -> list[Batch]:
+    """One batch for the flights that one run flies, none of them shared."""
+    runs: dict[tuple[str, int, str], list[Flight]] = {}
+    for flight in flights:
+        runs.setdefault((flight.subject.id, flight.seed, runner(flight.situation)), []).append(flight)
+    return [Batch(tuple(flown)) for flown in runs.values()]
+
+
 def together(flights: Sequence[Flight], weight_s: Callable[[Flight], float], jobs: int) -> list[Batch]:
     """Batches of mutants with the baseline of their situation and seed; a baseline outside `flights` is flown again.
 

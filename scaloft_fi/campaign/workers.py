@@ -186,14 +186,13 @@ class Local:
         if self.clean:
             work = LateWorker(study.folder, study.grid_name, flyer, study.inputs)
         # a command ends itself after its limit, before the pool takes its worker for hung
-        limit_s = study.command.limit_s if study.command else 0.0
         with ProcessPool(
             work,
             self.jobs,
             left=left_of,
             lost=lost,
             stop=stop,
-            patience_s=max(processes.WORKER_PATIENCE_S, (processes.ATTEMPTS + 1) * limit_s),
+            patience_s=max(processes.WORKER_PATIENCE_S, (processes.ATTEMPTS + 1) * study.most_wall_s),
             start=processes.started_clean if self.clean else processes.forked,
         ) as pool:
 

@@ -54,7 +54,7 @@ PARAMETERS = {
 }  # fmt: skip
 """Parameters of every study's PX4, before the study's own, which have its rotors: only an inertial sensor, position and
 heading from outside, no remote control."""
-FUSED = {
+FUSED: Mapping[str, Mapping[str, float]] = {
     "barometer": {"SYS_HAS_BARO": 1, "EKF2_BARO_CTRL": 1, "EKF2_HGT_REF": 0, "EKF2_BARO_NOISE": 0.2},
     "magnetometer": {
         "SYS_HAS_MAG": 1,

@@ -21,7 +21,7 @@ from scaloft_fi.marks import MOST, Bounds, Called, Choices, Examples, Given, Mor
 from scaloft_fi.model import read
 from scaloft_fi.mutants.mutant import EVERY_SEAM
 from scaloft_fi.outside.border import BORDERS, PORTS, Border, BorderError, BorderName, Topic
-from scaloft_fi.outside.exchange import DONE, Command, Processes
+from scaloft_fi.outside.exchange import DONE, LINE, Command, Processes
 from scaloft_fi.stack.declaration import Declaration, Seam, Wire
 from scaloft_fi.stack.messages import Stamp
 
@@ -408,6 +408,34 @@ def run_command(
 ) -> Told:
     """Run a command to its end; returns what its last line of output says.
 
+    The arguments are those of `finished`.
+
+    Raises:
+        BorderError: it cannot be started, or its guard has died.
+        CommandError: it takes longer, or fails.
+    """
+    how, lines = finished(words, env, cwd, limit_s, folder, attend, lifeline)
+    if how != DONE:
+        raise CommandError(f"the command {how}; it said last: {said_last(lines)}")
+    return told("".join(lines[-1:]))
+
+
+def said_last(lines: Sequence[str]) -> str:
+    """The last lines of a command, for a sentence."""
+    return " / ".join(line(one)[:LINE] for one in lines[-SHOWN_LINES:])[-SHOWN:] or "nothing"
+
+
+def finished(
+    words: Sequence[str],
+    env: Mapping[str, str],
+    cwd: Path,
+    limit_s: float,
+    folder: Path,
+    attend: Callable[[], None] | None = None,
+    lifeline: int | None = None,
+) -> tuple[str, Sequence[str]]:
+    """Run a command until it ends or its time is over; returns how, as in `DONE`, and its last lines.
+
     Args:
         words: program and arguments.
         env: environment variables beside ours.
@@ -419,7 +447,6 @@ def run_command(
 
     Raises:
         BorderError: it cannot be started, or its guard has died.
-        CommandError: it takes longer, or fails.
     """
     processes = Processes([Command(tuple(words), env)], cwd, {}, folder, lifeline)
     due_s = time.monotonic() + limit_s
@@ -431,12 +458,7 @@ def run_command(
             time.sleep(LOOK_S)
     finally:
         processes.stop()
-    said = processes.last_lines(SHOWN_LINES)[-SHOWN:] or "nothing"
-    if not processes.how:
-        raise CommandError(f"the command ran longer than {limit_s:g} s; it said last: {said}")
-    if processes.how != DONE:
-        raise CommandError(f"the command {processes.how}; it said last: {said}")
-    return told("".join(processes.lines()[-1:]))
+    return processes.how or f"ran longer than {limit_s:g} s", processes.lines()
 
 
 def told(last: str) -> Told:

@@ -24,7 +24,9 @@ from scaloft_fi.campaign.workers import LOCAL, Executor, Local, executor_named
 from scaloft_fi.checks.check import check_study
 from scaloft_fi.defaults import CAMPAIGN, SEARCHED
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.output import write_named
+from scaloft_fi.outside.suite import injecting
 from scaloft_fi.scripting.flight import Figure, FlownFlight, described, in_python, number
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import campaigns, dispositions, kills, margin, situations, worksheet
@@ -650,6 +652,8 @@ class OpenStudy:
     def fly(self, mutant: str, situation: str, seed: int = 0) -> FlownFlight:
         """Fly one flight, in this process; nothing is stored.
 
+        In a test that `scaloft-fi suite` runs, a flight of the baseline is one of the fault that is put to the test.
+
         Args:
             mutant: `baseline`, `PLACEBO`, or name or id of a mutant.
             situation: key or alias of a situation.
@@ -659,8 +663,11 @@ class OpenStudy:
             InputError: there is no such mutant or situation, or the study cannot be flown.
         """
         with in_python():
-            study = self.definition
-            return FlownFlight(fly_with_log(study, ready_to_fly(study, mutant, situation, seed, lambda _text: None)))
+            with injecting(mutant, BASELINE) as (subject, tell):
+                study = self.definition
+                flown = fly_with_log(study, ready_to_fly(study, subject, situation, seed, lambda _text: None))
+                tell(flown.log.counts)
+            return FlownFlight(flown)
 
     def map(self, situation: str | None = None) -> Figure:
         """Mine, bodies, route and happenings of a situation, without flying it.

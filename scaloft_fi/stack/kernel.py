@@ -11,6 +11,7 @@ import hashlib
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -176,12 +177,16 @@ class _Kept(caching._Cache):
         return self._cache.cache_path
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        found = self._cache.load_overload(sig, target_context)
+        try:
+            found = self._cache.load_overload(sig, target_context)
+        except OSError:  # a file of the machine is no fault of the drone
+            found = None
         _Kept.missed += found is None
         return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        self._cache.save_overload(sig, data)
+        with suppress(OSError):  # what cannot be kept is compiled again
+            self._cache.save_overload(sig, data)
 
     def enable(self) -> None:
         self._cache.enable()

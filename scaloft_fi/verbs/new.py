@@ -98,7 +98,8 @@ def firmware_files(kind: str, program: Path) -> Files:
         assert files[name].count(old) == 1, name
         files[name] = files[name].replace(old, new)
     if orders == "velocity":  # its own estimator keeps it up: what turns the companion's is no control
-        files[IMU] = files[IMU].replace(b"REVERSE:\n  status: control", b"REVERSE:\n  status: credible")
+        control, credible = b"REVERSE:\n  status: control", b"REVERSE:\n  status: credible\n  severity: damage"
+        files[IMU] = files[IMU].replace(control, credible)
     own, sensors = _template(f"firmware/{kind}"), SENSORS.get(kind, ())
     words = {
         "your_kind": kind,

@@ -112,7 +112,7 @@ def called(function: Callable[..., Any]) -> Callable[..., Any]:
     def call(**given: Any) -> Any:
         name = next((name for name in ("study", "study_folder") if name in hints), None)
         if (name is not None and hasattr(hints[name], "__metadata__")) or name == "study":
-            tell_study(given[name], quiet=given.get("quiet", False), campaign=given.get("campaign", ""))
+            tell_study(given[name], quiet=given.get("quiet", False), campaign=given.get("campaign") or "")
         if name == "study":
             given["study"] = _opened(given)
         if not _answers(hints):
@@ -441,6 +441,10 @@ def allow(study: Study, *, untrusted: bool) -> None:
     Raises:
         InputError: there are programs, and `untrusted` or the user refuses them.
     """
+    if study.tests_of:
+        raise InputError(
+            f"the campaign has runs of tests and no flights; `scaloft-fi suite {study.tests_of}` runs them"
+        )
     programs, folder = programs_of(study), study.folder.resolve()
     if not programs:
         return

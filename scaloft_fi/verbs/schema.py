@@ -25,6 +25,7 @@ from scaloft_fi.outside.command import FlightCommand
 from scaloft_fi.outside.exchange import BELOW, OutsideConfig
 from scaloft_fi.outside.records import RecordMap
 from scaloft_fi.outside.stack import VelocityConfig
+from scaloft_fi.outside.suite import Suite
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.sim.grid import Finds, FurtherGridModel, GridModel
 from scaloft_fi.sim.happenings import HAPPENINGS
@@ -237,6 +238,7 @@ DOCUMENTS: Mapping[str, Document] = {
         Document("found", "sim/found.yaml", _model(Finds), written=True),
         Document("flyer", "sim/flyer.yaml", _model(FlightCommand)),
         Document("record", "sim/record.yaml", _model(RecordMap)),
+        Document("suite", "suite.yaml", _model(Suite)),
     )
 }
 """In the order in which a study is read about."""

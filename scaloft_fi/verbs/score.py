@@ -386,19 +386,32 @@ def report(
     Raises:
         InputError: one of the bars where there is no pool to decide by.
     """
+    check_pool(scored, bars)
+    words = partial(scored.text, everything=everything)
+    answer(Answer(output, lambda: scored, told=words, warnings=scored.warnings), style, tables)
+    return below(scored.score, bars)
+
+
+def check_pool(scored: ScoredFlights, bars: Mapping[str, float]) -> None:
+    """Refuse bars where there is no pool to decide by.
+
+    Raises:
+        InputError: there is none.
+    """
     for option, least in bars.items() if not scored.score.pooled else ():
         raise InputError(
             f"{option}={least:g} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
             "baseline flights wherever a mutant infects; `scaloft-fi run` flies them"
         )
 
-    words = partial(scored.text, everything=everything)
-    answer(Answer(output, lambda: scored, told=words, warnings=scored.warnings), style, tables)
-    reached = {"--fail-under": scored.score.mutation_score, "--fail-under-firm": scored.score.firm}
+
+def below(score: Score, bars: Mapping[str, float]) -> int:
+    """The exit code of a score, with a sentence where a ratio is below its bar."""
+    reached = {"--fail-under": score.mutation_score, "--fail-under-firm": score.firm}
     shares = {option: reached[option].value for option in bars}
-    below = [f"{option} {bars[option]:g}" for option, own in shares.items() if own is None or own < bars[option]]
-    if not below:
+    short = [f"{option} {bars[option]:g}" for option, own in shares.items() if own is None or own < bars[option]]
+    if not short:
         return 0
     detected, firm = reached.values()
-    say(f"mutation score {detected}, firm {firm}: below {' and '.join(below)}")
+    say(f"mutation score {detected}, firm {firm}: below {' and '.join(short)}")
     return ExitCode.BELOW

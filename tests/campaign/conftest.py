@@ -90,6 +90,13 @@ class FakeStudy:
     alpha: float = 0.01
     grid_name: str | None = None
     command: None = None
+    most_wall_s: float = 0.0
+
+    def runner(self, situation: FakeSituation) -> str:
+        return situation.key
+
+    def noted(self) -> dict[str, Any]:
+        return {}
 
     def changes(self, situation: FakeSituation) -> dict[str, Any]:
         return {"key": situation.key}

@@ -37,6 +37,7 @@ ELSEWHERE = {
     "outside_ros1.md": "it needs ROS 1; tests/examples/test_testbed.py flies this study where it is installed",
     "outside_ros2.md": "it needs ROS 2; tests/outside/test_ros2.py flies this study where it is installed",
     "own_simulator.md": "tests/examples/test_own_simulator.py flies these studies",
+    "own_tests.md": "tests/verbs/test_suite.py runs planted tests, tests/examples/test_own_tests.py the example",
     "trust.md": "tests/verbs/test_trust.py asks of this study",
     "requirements.md": f"{LONG}; tests/verbs/test_propose.py proposes in a small study",
     "seek.md": f"{LONG}; tests/campaign/seeking searches small grids",

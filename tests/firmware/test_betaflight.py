@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import shutil
 import struct
@@ -12,6 +14,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from printed import of_form, run
+from processes import ROOT
 
 import scaloft_fi
 from scaloft_fi.firmware.betaflight import state_packet, stick_packet
@@ -81,3 +85,17 @@ def test_a_real_betaflight_flies_and_its_faults_are_judged(program: Path, tmp_pa
     assert [row["status"] for row in rows if row["mutant"].startswith("REVERSE")].count("revealed") >= 1
     log = (tmp_path / "study" / "results" / "campaigns" / "betaflight" / "mission_log.json").read_text()
     assert '"stack": "firmware, betaflight as built"' in log
+
+
+@pytest.mark.release
+@pytest.mark.flight
+def test_the_tests_of_a_team_over_the_firmware_show_a_reversed_accelerometer(program: Path, tmp_path: Path):
+    study = tmp_path / "study"
+    assert run("new", study, "--firmware", "betaflight", "--program", program) == 0
+    shutil.copytree(ROOT / "examples" / "own_tests", study, dirs_exist_ok=True)
+    words = ("--study", study, "--mutant", "REVERSE-accelerometer", "--jobs", "2", "--quiet", "--format", "json")
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        assert run("suite", study / "suite.yaml", *words) == 0
+    told = of_form("suite", out.getvalue())
+    assert {one["state"] for one in told["tests"]} == {"steady"}
+    assert any("REVERSE-accelerometer" in one["shows"] for one in told["tests"])

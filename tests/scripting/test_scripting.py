@@ -26,7 +26,7 @@ from scaloft_fi.verbs.options import several
 @pytest.fixture
 def campaign(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> scaloft_fi.OpenCampaign:
     """A campaign of the reference study; the current folder is empty."""
-    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", Paper)
+    monkeypatch.setattr("scaloft_fi.campaign.flights.physics.Physics", Paper)
     monkeypatch.chdir(tmp_path)
     return scaloft_fi.open(STUDY).campaign(f"{tmp_path}/script/c")
 
@@ -143,7 +143,7 @@ def test_an_unknown_format_or_grouping_names_the_nearest(campaign: scaloft_fi.Op
 
 
 def test_a_gate_that_fails_is_an_error_of_its_own(campaign: scaloft_fi.OpenCampaign, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: Paper(tame=True))
+    monkeypatch.setattr("scaloft_fi.campaign.flights.physics.Physics", lambda: Paper(tame=True))
     with pytest.raises(scaloft_fi.GateError, match="a control shows nothing"):
         campaign.run("LATE-human", "T0O0W0D0H1", jobs=1)
 
@@ -200,7 +200,7 @@ def test_what_is_no_study_is_one_sentence(study: Path | str, grid: str | None, s
 def test_a_flight_of_nobody_is_refused_before_anything_is_prepared(
     study: scaloft_fi.OpenStudy, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: pytest.fail("it was prepared"))
+    monkeypatch.setattr("scaloft_fi.campaign.flights.physics.Physics", lambda: pytest.fail("it was prepared"))
     with pytest.raises(scaloft_fi.InputError, match="LATE-humna"):
         study.fly("LATE-humna", "T0O0W0D0H1")
     with pytest.raises(scaloft_fi.InputError, match="no situation 'T9'"):

@@ -35,7 +35,7 @@ NO_CAMPAIGN = (
 @pytest.fixture
 def paper(monkeypatch: pytest.MonkeyPatch) -> Paper:
     flyer = Paper()
-    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: flyer)
+    monkeypatch.setattr("scaloft_fi.campaign.flights.physics.Physics", lambda: flyer)
     return flyer
 
 
@@ -69,7 +69,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A campaign of a detected mutant, a survivor and a control, over two situations."""
     folder = tmp_path_factory.mktemp("forms") / "campaign"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("scaloft_fi.campaign.runs.run.Physics", Papers)
+        patch.setattr("scaloft_fi.campaign.flights.physics.Physics", Papers)
         words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--mutant", "REVERSE-velcmd", "--situation")
         where = ("--study", str(STUDY), "--campaign", str(folder))
         asked = ("run", *words, "T0O0W0D0H?", "--seeds", "3", "--choose", "all", "--quiet", "--jobs", "1", *where)

@@ -38,7 +38,7 @@ def two(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[st
     words = ("--mutant", "LATE-human", "--situation", "T?O?W0D0H1", "--seeds", "3", "--quiet", "--campaign")
     names = f"{tmp_path}/old", f"{tmp_path}/new"
     told_by(call("run", *words, names[0], campaign=False))
-    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", Cured)
+    monkeypatch.setattr("scaloft_fi.campaign.flights.physics.Physics", Cured)
     told_by(call("run", *words, names[1], campaign=False))
     return names
 

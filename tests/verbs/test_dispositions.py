@@ -37,7 +37,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("dispositions") / "campaign"
     words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--mutant", "NO-goal", "--campaign", str(folder))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("scaloft_fi.campaign.runs.run.Physics", Mild)
+        patch.setattr("scaloft_fi.campaign.flights.physics.Physics", Mild)
         assert CliRunner().invoke(main, ["run", *words, *FLOWN, "--study", str(STUDY)]).exit_code == 0
     return folder
 

@@ -223,7 +223,7 @@ def test_bad_words_are_one_sentence_and_nothing_is_written(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: pytest.fail("it flew"))
+    monkeypatch.setattr("scaloft_fi.campaign.flights.physics.Physics", lambda: pytest.fail("it flew"))
     Path("file").write_text("mine")
     lines = _lines()
     places = {"CAMPAIGN": str(folder), "HERE": str(tmp_path), "STUDY": str(STUDY)}

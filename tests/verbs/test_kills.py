@@ -135,7 +135,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Call:
 
     words = ("--mutant", "LATE-human", "--mutant", "EARLY-human", "--situation", "T0O?W0D0H?", "--seeds", "3")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("scaloft_fi.campaign.runs.run.Physics", Paper)
+        patch.setattr("scaloft_fi.campaign.flights.physics.Physics", Paper)
         assert telling("run", *words, "--quiet").exit_code == 0
     return telling
 

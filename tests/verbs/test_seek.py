@@ -29,7 +29,7 @@ LATE, MORE = "LATE-human@3s", "MORE-goal@0.6m"
 @pytest.fixture
 def ruled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: Call) -> Ruled:
     flyer = Ruled(tmp_path / "flown.txt", {LATE: fast})
-    monkeypatch.setattr("scaloft_fi.campaign.runs.run.Physics", lambda: flyer)
+    monkeypatch.setattr("scaloft_fi.campaign.flights.physics.Physics", lambda: flyer)
     return flyer
 
 

@@ -102,7 +102,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> Call:
         return CliRunner().invoke(main, [verb, *twice, *words, *named], catch_exceptions=False)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("scaloft_fi.campaign.runs.run.Physics", Evil)
+        patch.setattr("scaloft_fi.campaign.flights.physics.Physics", Evil)
         flights = ("--mutant", "LATE-human", "--mutant", "NO-human", "--situation", "T0O0W0D0H1", "--seeds", "3")
         flown = telling("run", *flights, "--jobs", "1", "--warnings")
     assert flown.exit_code == 0, flown.output

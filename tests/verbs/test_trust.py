@@ -30,6 +30,7 @@ FLIES = {
     "margin": ("LATE-human",),
     "seek": ("LATE-human", "--grid", "paper"),
     "propose": ("LATE-human",),
+    "suite": ("suite.yaml",),
     "replay": (FLOWN,),
     "check": ("--fly",),
 }

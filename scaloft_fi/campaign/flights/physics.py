@@ -8,9 +8,21 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from importlib import import_module
 from threading import Timer
 
-from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker, fly_log, fly_shared, judged, left_of, lost, wire_of
+from scaloft_fi.campaign.flights.fly import (
+    Batch,
+    Flight,
+    Flyer,
+    Worker,
+    fly_log,
+    fly_shared,
+    judged,
+    left_of,
+    lost,
+    wire_of,
+)
 from scaloft_fi.campaign.processes import PATIENCE_S, ProcessPool
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
@@ -139,3 +151,11 @@ class Commanded:
         alone = Worker(study, self)
         for flight in batch.flights:
             alone(Batch((flight,)), report)
+
+
+def flyer_of(study: Study) -> Flyer:
+    """What flies a study: our simulator, the command of the study, or the tests of a suite."""
+    if study.tests_of:  # by name: who flies or reads flights needs no tests
+        tester: Flyer = import_module("scaloft_fi.campaign.flights.suite").Tester()
+        return tester
+    return Commanded() if study.command else Physics()

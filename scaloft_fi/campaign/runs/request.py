@@ -42,7 +42,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import Rulings, rulings_of
-from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.grid import ALL
 from scaloft_fi.sim.situation import Situation
@@ -333,6 +333,7 @@ def run_looks(
     others: Sequence[Outcome] = (),
     progress: Progress,
     flyer: Flyer | None = None,
+    reaches: Callable[[Flight], bool] = lambda _flight: True,
 ) -> tuple[Report, tuple[Look, ...]]:
     """Fly whole looks: all flights of a look are flown and judged before the next look is planned.
 
@@ -348,6 +349,7 @@ def run_looks(
         others: baselines of another campaign, used for the decisions.
         progress: progress display.
         flyer: flies; PyBullet when None.
+        reaches: which flights of mutants are flown.
 
     Returns:
         The outcomes of all flights; the looks.
@@ -359,7 +361,12 @@ def run_looks(
     """
     situations = list(dict.fromkeys(flight.situation for flight in question.baselines))
     mutants = list(dict.fromkeys(f.mutant for f in question.mutants if f.mutant is not None and f.mutant != PLACEBO))
-    first = replace(plan(situations, range(LOOKS[0]), mutants, question.canary), pool_seeds=question.pool_seeds)
+
+    def planned(seeds: Sequence[int], canary: Mutant | None) -> Plan:
+        made = plan(situations, seeds, mutants, canary)
+        return replace(made, mutants=tuple(filter(reaches, made.mutants)), pool_seeds=question.pool_seeds)
+
+    first = planned(range(LOOKS[0]), question.canary)
     flights, looks = list[Flight](), list[Look]()
     with opened(study, folder, options, progress=progress, flyer=flyer, first=first.known) as campaign:
         for seeds in LOOKS:
@@ -369,15 +376,15 @@ def run_looks(
             if not mutants or not situations or campaign.stopped():
                 break
             campaign.reporter.progress.stage = f"look {number} of {len(LOOKS)}"
-            due = replace(plan(situations, range(before, seeds), mutants, None), pool_seeds=first.pool_seeds)
+            due = planned(range(before, seeds), None)
             campaign.plan(due.known)
             campaign.fly(due.known)
             flights = list(dict.fromkeys((*flights, *due.known, *fly_pool(due, campaign, Budget(None)))))
             scored = score(campaign.outcomes(flights), study.roster, study.space, campaign.spending, others)
             judged = {one.subject.id: one.verdict for one in (*scored.mutants, *scored.controls)}
             verdicts = {mutant: judged.get(mutant.id, Verdict.NOT_TESTED) for mutant in mutants}
-            planned = sum(flight.mutant != PLACEBO for flight in due.mutants)
-            looks.append(Look(seeds, len(mutants), planned, *map([*verdicts.values()].count, Verdict)))
+            count = sum(flight.mutant != PLACEBO for flight in due.mutants)
+            looks.append(Look(seeds, len(mutants), count, *map([*verdicts.values()].count, Verdict)))
             mutants = [mutant for mutant, verdict in verdicts.items() if verdict is Verdict.UNDECIDED]
             situations = [one for one in situations if scored.pool.steady(one.key, Kind.SAFETY)]
         report = finish(campaign, first, flights)

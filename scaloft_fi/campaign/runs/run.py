@@ -22,8 +22,8 @@ from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.campaign.flights.fly import Batch, Flight, Flyer
-from scaloft_fi.campaign.flights.physics import Commanded, Physics
-from scaloft_fi.campaign.plan import Plan, alone, canary_flight, infects, together
+from scaloft_fi.campaign.flights.physics import flyer_of
+from scaloft_fi.campaign.plan import Plan, alone, canary_flight, in_runs, infects, together
 from scaloft_fi.campaign.progress import Progress, Reporter
 from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.gates import ONE_PROCESS, RunOptions, prove_platform
@@ -279,7 +279,9 @@ class Run:
             flights: the flights.
             jobs: number of processes; None = those of the run.
         """
-        return together(flights, self.weight_s, jobs or self.workers.jobs) if self._shares else alone(flights)
+        if self._shares:
+            return together(flights, self.weight_s, jobs or self.workers.jobs)
+        return in_runs(flights, self.study.runner)
 
     @property
     def _shares(self) -> bool:
@@ -456,7 +458,7 @@ def opened(
         folder: folder of the campaign.
         options: options of the run.
         progress: progress display.
-        flyer: flies; when None the command of the study, else PyBullet.
+        flyer: flies; when None as `flyer_of` says.
         first: first requested flights.  If the store lacks any of them, the flyer is prepared before anything is
             written, so that a study that cannot be flown leaves no files.
 
@@ -467,7 +469,7 @@ def opened(
     archive.promising(folder)
     executor = options.executor or Local(options.jobs)
     stopped = Event()
-    flies = flyer or (Commanded() if study.command else Physics())
+    flies = flyer or flyer_of(study)
     with executor.workers(study, flies, stop=stopped.is_set, say=progress.line) as workers:
         with read_store(folder / archive.STORE_NAME) as known:
             keys = set(map(Keys(study).key, first))

@@ -18,6 +18,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache, partial
+from importlib import import_module
 from itertools import chain
 from operator import attrgetter, itemgetter
 from pathlib import Path
@@ -617,8 +618,8 @@ def _target(folder: Path, name: str) -> Path:
     return folder.joinpath(*parts)
 
 
-GRID_NOTE = "grid"
-"""Prefix of the name of the record."""
+GRID_NOTE, SUITE_NOTE = "grid", "suite"
+"""Prefixes of the names of the records."""
 
 
 def study_of(folder: Path | str | None, campaign: str, grid: str | None = None) -> Study:
@@ -688,6 +689,10 @@ def with_grid(study: Study, store: Store) -> Study:
     Raises:
         InputError: the study has no such grid.
     """
+    suites = store.records(SUITE_NOTE, dict)
+    if suites:  # by name: who reads flights waits for no simulator
+        tested: Study = import_module("scaloft_fi.campaign.flights.suite").SuiteStudy.of(study, suites[0])
+        return tested
     wanted = flown_grid(store)
     if wanted is not None:
         names = grid_names(study.folder / "sim")
@@ -699,7 +704,10 @@ def with_grid(study: Study, store: Store) -> Study:
 
 
 def remember_grid(store: Store, study: Study) -> None:
-    """Record the grid of a campaign; a campaign over the study's own grid needs no record."""
+    """Record the grid, or the suite, of a campaign; a campaign over the study's own grid needs no record."""
+    if noted := study.noted():
+        store.remember(SUITE_NOTE, noted, "tested")
+        return
     if study.grid_name is not None and flown_grid(store) != study.grid_name:
         store.remember(GRID_NOTE, study.grid_name, "flown")
 
@@ -710,7 +718,7 @@ def _flown(study: Study, campaign: str) -> Study | None:
     if is_archive(folder):
         return opened(study, folder)[0]
     with read_store(folder / STORE_NAME) as store:
-        if store is None or (flown_grid(store) is None and not store.planned()):
+        if store is None or not (flown_grid(store) or store.records(SUITE_NOTE, bool) or store.planned()):
             return None
         return with_grid(study, store)
 

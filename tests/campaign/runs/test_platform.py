@@ -335,7 +335,7 @@ def test_no_flight_shares_a_baseline(log: Any, noisy: Any, monkeypatch: pytest.M
         batches.extend(made := [Batch((flight,)) for flight in flights])
         return made
 
-    monkeypatch.setattr("scaloft_fi.campaign.runs.run.alone", noted)
+    monkeypatch.setattr("scaloft_fi.campaign.runs.run.in_runs", lambda flights, _runner: noted(flights))
     monkeypatch.setattr("scaloft_fi.campaign.runs.run.together", None)  # calling it would raise
     with opened(noisy, noisy.folder / "c", RunOptions(), progress=quiet(), flyer=log, first=()) as campaign:
         campaign.fly(asked(noisy, range(3)).known)

@@ -1,0 +1,336 @@
+"""`suite`: a planted suite of tests of known behaviour, told right by the default numbers; what is refused."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from printed import of_form, run
+
+from scaloft_fi.analysis.detection import Sample, Spending, detect
+from scaloft_fi.analysis.pool import LEAST, Pool
+from scaloft_fi.campaign.flights.fly import Flight
+from scaloft_fi.campaign.flights.suite import outcome_of
+from scaloft_fi.campaign.plan import canary
+from scaloft_fi.campaign.store.archive import STORE_NAME
+from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.mutants.wire import SeamCount
+from scaloft_fi.outside.suite import Colour, Ran, Result
+from scaloft_fi.sim.situation import Situation
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.suite import asked_mutants
+
+ROOT = Path(__file__).parents[2]
+PLANTED = """
+import json, os, random, signal, sys, time
+which, seed, fault, junit = sys.argv[1:]
+effects = json.load(open("effects.json"))
+
+def red(test):
+    # the salt gives the test that is flaky at 0.1 a red run in ten, without which ten runs cannot tell it from steady
+    chance = {"flaky01": 0.1, "flaky03": 0.3, "red": 1.0}.get(test, 0.0)
+    return test in effects.get(fault, ()) or random.Random(f"3 {test} {seed} {fault}").random() < chance
+
+if which == "many":
+    cases = "".join(
+        f'<testcase classname="t.planted" name="{name}">' + '<failure message="no"/>' * red(name) + "</testcase>"
+        for name in effects["tests"]
+    )
+    open(junit, "w").write(f"<testsuites><testsuite>{cases}</testsuite></testsuites>")
+print(json.dumps({"altered": 3, "carried": 9}), flush=True)
+if which == "alone":
+    if "hang" in effects.get(fault, ()):
+        time.sleep(60)
+    if "crash" in effects.get(fault, ()):
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if "odd" in effects.get(fault, ()):
+        sys.exit(9)
+    sys.exit(1 if red("alone") else 0)
+"""
+TESTS = (
+    "steady1",
+    "steady2",
+    "steady3",
+    "redundant1",
+    "redundant2",
+    "blind1",
+    "blind2",
+    "blind3",
+    "flaky01",
+    "flaky03",
+)
+THREE, ONE = ("steady1", "redundant1", "redundant2"), ("steady2",)
+
+
+class Planted(NamedTuple):
+    """A folder with the planted suite, and the tests that each of twenty faults turns red."""
+
+    folder: Path
+    effects: Mapping[str, Sequence[str]]
+
+
+def suite_text(seams: Sequence[str]) -> str:
+    """The suite's file: one command with many tests, one that is a test."""
+    return f"""tests:
+  many:
+    run: ["{{python}}", -I, planted.py, many, "{{seed}}", "{{mutant}}", "{{junit}}"]
+    inputs: [planted.py]
+    seams: &seams [{", ".join(seams)}]
+  alone:
+    run: ["{{python}}", -I, planted.py, alone, "{{seed}}", "{{mutant}}", "-"]
+    seams: *seams
+    limit_s: 3
+"""
+
+
+@pytest.fixture(scope="module")
+def planted(tmp_path_factory: pytest.TempPathFactory) -> Planted:
+    """A folder with the planted suite, and the tests that each of twenty faults turns red."""
+    folder, study = tmp_path_factory.mktemp("suite"), Study.open(ROOT)
+    control = canary(study)
+    assert control is not None
+    faults = [one for one in asked_mutants(study, ()) if one.seam != control.seam][:20]
+    kinds = [THREE] * 6 + [ONE] * 4 + [("alone",)] * 2 + [("hang",), ("crash",), ("odd",)] + [()] * 5
+    effects: dict[str, Sequence[str]] = {one.id: kind for one, kind in zip(faults, kinds, strict=True)}
+    seams = sorted({one.seam for one in (*faults, control)})
+    (folder / "planted.py").write_text(PLANTED)
+    told = {**effects, control.id: ["steady1", "steady3"], "tests": [*TESTS, "red"]}
+    (folder / "effects.json").write_text(json.dumps(told))
+    (folder / "suite.yaml").write_text(suite_text(seams))
+    return Planted(folder, effects)
+
+
+def suite(folder: Path, *words: object) -> int:
+    """Run `suite` in a folder."""
+    return run("suite", folder / "suite.yaml", "--study", ROOT, "--campaign", folder / "flown", "--quiet", *words)
+
+
+def options(effects: Mapping[str, Sequence[str]]) -> list[str]:
+    return [word for id_ in effects for word in ("--mutant", id_)]
+
+
+@pytest.fixture(scope="module")
+def told(planted: Planted) -> dict[str, Any]:
+    """What the suite answers."""
+    folder, effects = planted
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        assert suite(folder, "--format", "json", "--jobs", 2, *options(effects)) == 0
+    return of_form("suite", out.getvalue())
+
+
+def test_each_test_has_its_class_and_each_fault_its_kills(told: dict[str, Any], planted: Planted):
+    _, effects = planted
+    states = {one["test"].removeprefix("planted::"): one["state"] for one in told["tests"]}
+    assert states == dict.fromkeys((*TESTS, "alone"), "steady") | {"flaky01": "flaky", "flaky03": "flaky", "red": "red"}
+    shown = {one["test"].removeprefix("planted::"): one["shows"] for one in told["tests"]}
+    kills = {id_: {test for test, shows in shown.items() if id_ in shows} for id_ in effects}
+    never = {"hang", "crash", "odd"}
+    assert kills == {id_: set(red) - never for id_, red in effects.items()}
+    verdicts = {one["id"]: one["verdict"] for one in told["score"]["mutants"]}
+    assert {id_ for id_, verdict in verdicts.items() if verdict == "detected"} == {
+        id_ for id_, own in kills.items() if own
+    }
+
+
+def test_redundant_tests_are_not_needed_and_blind_ones_show_nothing(told: dict[str, Any]):
+    tests = {one["test"].removeprefix("planted::"): one for one in told["tests"]}
+    assert {name for name, one in tests.items() if one["needed"]} == {"steady1", "steady2", "alone"}
+    assert {name for name, one in tests.items() if one["shows"]} == {*THREE, *ONE, "alone"}
+    assert len(told["smallest"]) == 3
+
+
+def test_every_fault_that_no_test_shows_is_told_with_its_seam_the_worst_first(told: dict[str, Any]):
+    missed = told["missed"]
+    assert {one["mutant"] for one in missed} == {
+        one["id"] for one in told["score"]["mutants"] if one["verdict"] != "detected"
+    }
+    order = {one.id: one.rank for one in Study.open(ROOT).matrix.severities.values()}
+    ranks = [order[one["severity"]] for one in missed]
+    assert ranks == sorted(ranks)
+    assert all(one["seam"] and one["deviation"] and one["effect"] for one in missed)
+
+
+def test_a_command_that_hangs_crashes_or_ends_oddly_is_no_verdict(
+    told: dict[str, Any], planted: Planted, capsys: pytest.CaptureFixture[str]
+):
+    folder, effects = planted
+    assert run("export", "--study", ROOT, "--campaign", folder / "flown") == 0
+    rows = json.loads(capsys.readouterr().out)
+    odd = [id_ for id_, red in effects.items() if set(red) & {"hang", "crash", "odd"}]
+    assert {row["status"] for row in rows if row["mutant"] in odd and row["situation"] == "alone"} == {"invalid"}
+
+
+@pytest.mark.parametrize("verb", ["score", "kills", "coverage", "worksheet", "status", "export", "dispositions"])
+def test_a_verb_that_reads_a_campaign_reads_one_of_tests(
+    told: dict[str, Any],
+    planted: Planted,
+    verb: str,
+    capsys: pytest.CaptureFixture[str],
+):
+    folder, _ = planted
+    assert run(verb, "--study", ROOT, "--campaign", folder / "flown") == 0
+    assert capsys.readouterr().out
+
+
+def test_an_archive_of_the_campaign_is_read_without_the_tests(
+    told: dict[str, Any],
+    planted: Planted,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+):
+    folder, _ = planted
+    archive = tmp_path / "a" / "archive"
+    assert (
+        run("export", "--format", "archive", "--output", archive, "--campaign", folder / "flown", "--study", ROOT) == 0
+    )
+    capsys.readouterr()
+    assert run("score", "--campaign", archive, "--study", ROOT, "--format", "json") == 0
+    again = json.loads(capsys.readouterr().out)
+    assert again["ratios"] == told["score"]["ratios"]
+
+
+@pytest.mark.parametrize("verb", [("run",), ("replay", "baseline/alone/0"), ("margin", "NO-goal"), ("propose",)])
+def test_a_verb_that_flies_refuses_a_campaign_of_tests(
+    told: dict[str, Any],
+    planted: Planted,
+    verb: Sequence[str],
+    capsys: pytest.CaptureFixture[str],
+):
+    folder, _ = planted
+    assert run(*verb, "--study", ROOT, "--campaign", folder / "flown") == 2
+    assert "suite.yaml" in capsys.readouterr().err
+
+
+def test_the_same_command_again_runs_only_the_first_look_at_the_commands(
+    told: dict[str, Any], planted: Planted, capsys: pytest.CaptureFixture[str]
+):
+    folder, effects = planted
+    (folder / "planted.py").touch()
+    sound = [id_ for id_, red in effects.items() if not set(red) & {"hang", "crash", "odd"}]
+    before = (folder / "flown" / "outcomes.sqlite").stat().st_size
+    assert suite(folder, "--format", "json", *options(dict.fromkeys(sound, ()))) == 0
+    assert (folder / "flown" / "outcomes.sqlite").stat().st_size == before
+    assert json.loads(capsys.readouterr().out)["score"]["ratios"] == told["score"]["ratios"]
+
+
+def test_a_campaign_of_flights_takes_no_runs_of_tests(
+    planted: Planted, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    flown = tmp_path / "flown" / STORE_NAME
+    flown.parent.mkdir()
+    Store(flown).close()
+    before = flown.read_bytes()
+    (tmp_path / "suite.yaml").write_text("tests:\n  a: {run: [sh, -c, 'exit 0']}\n")
+    assert suite(tmp_path, "--mutant", "NO-goal") == 2
+    assert "flights" in capsys.readouterr().err
+    assert flown.read_bytes() == before
+
+
+def test_reach_says_which_faults_reach_a_command_and_runs_none(
+    planted: Planted, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    folder, effects = planted
+    words = ("--study", ROOT, "--campaign", tmp_path / "none", "--quiet", "--reach", "--format", "csv")
+    assert run("suite", folder / "suite.yaml", *words, *options(effects)) == 0
+    assert f"many,11,{len(effects)}," in capsys.readouterr().out
+    assert not (tmp_path / "none").exists()
+
+
+def test_since_runs_only_commands_with_a_changed_input(
+    planted: Planted, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    folder, effects = planted
+    for name in ("planted.py", "effects.json", "suite.yaml"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    identity = ("-c", "user.name=a", "-c", "user.email=a@b")
+    for words in (("init", "-q"), ("add", "-A"), (*identity, "commit", "-qm", "x")):
+        subprocess.run(["git", *words], cwd=tmp_path, check=True)
+    one = next(id_ for id_, red in effects.items() if red == THREE)
+    assert suite(tmp_path, "--since", "HEAD", "--mutant", one) == 0
+    assert not (tmp_path / "flown").exists()
+    (tmp_path / "planted.py").write_text(PLANTED + "\n# changed\n")
+    assert suite(tmp_path, "--since", "HEAD", "--mutant", one, "--format", "json") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert {pair["situation"] for pair in told["score"]["pairs"]} == {f"planted::{name}" for name in (*TESTS, "red")}
+
+
+def test_a_control_that_turns_no_test_red_fails_the_gate(
+    planted: Planted, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    folder, effects = planted
+    for name in ("planted.py", "suite.yaml"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    (tmp_path / "effects.json").write_text(json.dumps({"tests": ["steady1"]}))
+    assert suite(tmp_path, "--mutant", next(iter(effects))) == 4
+    assert "control" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("tests:\n  a: {run: [there_is_no_such_program]}\n", "there_is_no_such_program"),
+        ("tests:\n  a: {run: [sh, -c, 'exit 7']}\n", "code 7"),
+        ("tests:\n  a: {run: [sh, -c, 'true'], red: [0]}\n", "red"),
+        ("tests:\n  a: {run: [sh, -c, 'true'], seams: [humann]}\n", "humann"),
+        ("tests:\n  a: {run: [sh, -c, 'true {nosuch}']}\n", "nosuch"),
+        ("tests:\n  a: {run: [sh, -c, 'true {junit}']}\n", "JUnit"),
+        ("tests:\n  a: {run: [sh, -c, 'echo x > {junit}']}\n", "JUnit"),
+        ("tests:\n  a: {run: [sh, -c, 'true'], inputs: [gone]}\n", "gone"),
+        ("tests:\n  a/b: {run: [sh, -c, 'true']}\n", "a/b"),
+        ("tests: {}\n", "tests"),
+        ("test:\n  a: {run: [sh]}\n", "test"),
+    ],
+)
+def test_a_suite_that_cannot_run_is_refused_in_a_sentence_before_anything_is_written(
+    tmp_path: Path, text: str, said: str, capsys: pytest.CaptureFixture[str]
+):
+    (tmp_path / "suite.yaml").write_text(text)
+    assert suite(tmp_path, "--mutant", "NO-goal") == 2
+    told = capsys.readouterr().err
+    assert "suite.yaml" in told
+    assert said in told
+    assert not (tmp_path / "flown").exists()
+
+
+FAULT = Mutant("NO-a", "NO", "a", "", 0.0, "a", "drop")
+
+
+def ran(mutant: Mutant | None, test: str, seed: int, *, red: bool) -> Any:
+    situation = Situation(test, (("Test", 0),))
+    counts = {"a": SeamCount(9, 3, 1.0)} if mutant else {}
+    return outcome_of(
+        Flight(mutant, situation, seed), Ran({test: Result(Colour.RED if red else Colour.GREEN)}, "", counts)
+    )
+
+
+def test_flaky_tests_call_faults_without_effect_detected_at_most_as_often_as_alpha_says():
+    chances, found = {"a": 0.1, "b": 0.3, "c": 0.1, "d": 0.3, "e": 0.2, "f": 0.0}, 0
+    for draw in range(1000):
+        noise = np.random.default_rng(draw)
+        pool = Pool.of(ran(None, t, s, red=noise.random() < p) for t, p in chances.items() for s in range(LEAST))
+        own = {t: [ran(FAULT, t, s, red=noise.random() < p) for s in range(10)] for t, p in chances.items()}
+        samples = [Sample.of(runs) for runs in own.values()]
+        spending = Spending(0.01, frozenset({FAULT.id}))
+        found += detect(FAULT.id, samples, pool, spending, Kind.SAFETY).detected
+    assert found <= 10
+
+
+def test_a_junit_case_is_red_by_failure_unknown_by_error_and_vacuous_when_skipped():
+    from scaloft_fi.outside.suite import _cases
+
+    cases = _cases(
+        b'<testsuite><testcase name="a"/><testcase name="b"><failure message="x"/></testcase>'
+        b'<testcase name="c"><error message="y"/></testcase><testcase classname="k.T" name="d"><skipped/></testcase>'
+        b'<testcase name="a"><failure/></testcase></testsuite>'
+    )
+    colours = {name: result.colour for name, result in cases.items()}
+    assert colours == {"a": Colour.RED, "b": Colour.RED, "c": Colour.UNKNOWN, "T::d": Colour.SKIPPED}
