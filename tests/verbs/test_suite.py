@@ -301,6 +301,33 @@ def test_a_suite_that_cannot_run_is_refused_in_a_sentence_before_anything_is_wri
     assert not (tmp_path / "flown").exists()
 
 
+CART = """
+import sys
+from scaloft_fi.outside.client import connect
+border, place_m = connect(publishes=["/cmd_raw"]), 0.0
+for _ in range(60):
+    border.send("/cmd_raw", {"stamp_s": 0.0, "velocity": [0.5, 0.0, 0.0], "yaw_rad": 0.0})
+    order = next(message for message in border if message.get("topic") == "/cmd")
+    place_m += order["data"]["velocity"][0] / 20
+sys.exit(abs(place_m - 1.5) > 0.1)
+"""
+
+
+def test_a_relay_carries_a_fault_into_the_topics_of_a_system_that_a_shell_script_starts(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    (tmp_path / "cart.py").write_text(CART)
+    (tmp_path / "check.sh").write_text('exec "$1" cart.py\n')
+    relay = "relays: {velcmd: {from: /cmd_raw, to: /cmd, border: lines}}\n"
+    (tmp_path / "suite.yaml").write_text(relay + 'tests:\n  drives: {run: [sh, check.sh, "{python}"]}\n')
+    faults = ("--mutant", "MORE-velcmd@1.5x", "--mutant", "NO-goal")
+    assert suite(tmp_path, "--format", "json", "--jobs", 2, *faults) == 0
+    told = json.loads(capsys.readouterr().out)
+    (test,) = told["tests"]
+    assert (test["state"], test["shows"]) == ("steady", ["MORE-velcmd@1.5x"])
+    assert told["unreached"] == ["NO-goal"]
+
+
 FAULT = Mutant("NO-a", "NO", "a", "", 0.0, "a", "drop")
 
 
