@@ -359,7 +359,7 @@ def suite_command(
     name = campaign or file.stem
     if is_file(campaign_folder(suite, name) / STORE_NAME) and not study_of(study_folder, name).tests_of:
         raise InputError(f"--campaign={name}: the campaign holds flights; name another one for the runs of tests")
-    suite = suite.look(time.monotonic)
+    suite = suite.look(chosen, time.monotonic)
     shown_reach = reach_tables(suite, asked, jobs)
     if reach:
         tell(render(shown_reach, Format(style)))
@@ -368,7 +368,7 @@ def suite_command(
         say(render(shown_reach, Format.TABLE))
     how = RunOptions(jobs=jobs, max_invalid=max_invalid, command=typed())
     bar = progress.Silence() if quiet else progress.Progress(tally=score.detected_so_far)
-    told = tested(suite, asked, chosen, name, how, bar)
+    told = tested(suite, asked, name, how, bar)
     words = partial(told.text, everything=everything)
     answer(Answer(SUITE, lambda: told, told=words, warnings=told.score.warnings), style, tables_folder)
     return score.below(told.score.score, bars)
@@ -377,12 +377,11 @@ def suite_command(
 def tested(
     study: SuiteStudy,
     mutants: Sequence[Mutant],
-    commands: Sequence[str],
     campaign: str,
     how: RunOptions,
     bar: progress.Progress,
 ) -> TestedSuite:
-    """Run the tests of some commands without a fault, with PLACEBO and a control, then with the mutants.
+    """Run the tests without a fault, with PLACEBO and a control, then with the mutants that reach them.
 
     Raises:
         GateError: a gate failed.
@@ -390,7 +389,7 @@ def tested(
         Interrupted: the user stopped the run; every run that ended is saved.
     """
     folder = campaign_folder(study, campaign)
-    tests = [one for one in study.grid.situations if study.runner(one) in commands]
+    tests = study.grid.situations
     control = plan.canary(study)
 
     def reaches(flight: Flight) -> bool:
@@ -402,6 +401,5 @@ def tested(
     run(study, question, folder, how, progress=bar)
     faults = plan.plan(tests, (0,), mutants, None).with_pool()
     run_looks(study, faults, folder, how, progress=bar, reaches=reaches)
-    flown = {test.key for test in tests}
-    unreached = tuple(one.id for one in mutants if not any(study.reaches(one, test) for test in flown))
+    unreached = tuple(one.id for one in mutants if not any(study.reaches(one, test.key) for test in tests))
     return TestedSuite(score.scored_campaign(study, campaign), study, unreached)
