@@ -161,7 +161,7 @@ class Processes:
         due_s = time.monotonic() + START_S
         while not self._ended and not self._started and time.monotonic() < due_s:
             self._listen(0.05)
-        if self._ended or not self._started:
+        if not self._started:  # one that has ended since was started, and `ended` says how
             raise BorderError(self._ended or f"the guard of the processes did not start within {START_S:g} s")
 
     def ended(self, within_s: float = 0.0) -> str:

@@ -23,7 +23,7 @@ from typing import Annotated, Any, NamedTuple
 from xml.etree import ElementTree
 
 from scaloft_fi.document import Item, digest, is_file, is_folder, is_there, read_bytes, read_text
-from scaloft_fi.errors import InputError, ScaloftError
+from scaloft_fi.errors import InputError
 from scaloft_fi.marks import MOST, Bounds, Examples, Given, Size
 from scaloft_fi.mutants.mutant import EVERY_SEAM, Mutant
 from scaloft_fi.mutants.wire import SeamCount
@@ -37,12 +37,14 @@ from scaloft_fi.outside.command import (
     ClockTopic,
     Relay,
     Relays,
+    Told,
     Word,
     finished,
     said_last,
     told,
 )
 from scaloft_fi.outside.exchange import DONE, FlightFolder
+from scaloft_fi.registry import in_one_line
 from scaloft_fi.stack.declaration import Declaration, Wire
 
 JUNIT, MUTANT = "junit", "mutant"
@@ -206,8 +208,8 @@ def run_tests(
             relays.close()
         counts, failed = _reached(reached)
         counts |= {seam: count for seam, count in getattr(wire, "counts", {}).items() if seam in suite.relays}
-        said = told("".join(lines[-1:]))
-        if own and mutant is not None and said.altered is not None:
+        said = told("".join(lines[-1:])) if own else Told()
+        if mutant is not None and said.altered is not None:
             counts[mutant.seam] = SeamCount(max(said.carried or 0, said.altered), said.altered, said.first_altered_s)
         results, why = ({}, failed) if failed else _results(name, command, how, junit, said_last(lines))
         if results and own and mutant is not None and mutant.seam not in (*counts, EVERY_SEAM):
@@ -270,8 +272,8 @@ def injecting(subject: str, baseline: str) -> Iterator[tuple[str, Callable[[Mapp
 
     try:
         yield fault if fault and subject == baseline else subject, tell
-    except ScaloftError as error:
-        tell({"failed": str(error)})
+    except Exception as error:  # a flight that fails in the harness is no red test
+        tell({"failed": in_one_line(error)})
         raise
 
 

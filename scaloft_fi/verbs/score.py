@@ -386,23 +386,15 @@ def report(
     Raises:
         InputError: one of the bars where there is no pool to decide by.
     """
-    check_pool(scored, bars)
-    words = partial(scored.text, everything=everything)
-    answer(Answer(output, lambda: scored, told=words, warnings=scored.warnings), style, tables)
-    return below(scored.score, bars)
-
-
-def check_pool(scored: ScoredFlights, bars: Mapping[str, float]) -> None:
-    """Refuse bars where there is no pool to decide by.
-
-    Raises:
-        InputError: there is none.
-    """
     for option, least in bars.items() if not scored.score.pooled else ():
         raise InputError(
             f"{option}={least:g} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
             "baseline flights wherever a mutant infects; `scaloft-fi run` flies them"
         )
+
+    words = partial(scored.text, everything=everything)
+    answer(Answer(output, lambda: scored, told=words, warnings=scored.warnings), style, tables)
+    return below(scored.score, bars)
 
 
 def below(score: Score, bars: Mapping[str, float]) -> int:

@@ -16,6 +16,7 @@ import click
 
 from scaloft_fi.analysis.pool import LEAST, Pair, State
 from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.analysis.suite import Suite, minimal_suite
 from scaloft_fi.campaign import plan, progress
 from scaloft_fi.campaign.flights.fly import Flight
@@ -28,13 +29,13 @@ from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, study
 from scaloft_fi.console import joined, say, tell
 from scaloft_fi.document import is_file, read_text
 from scaloft_fi.errors import InputError, shown
-from scaloft_fi.hazop.matrix import CellStatus, class_of, worst_first
-from scaloft_fi.mutants.catalogue import defaults
+from scaloft_fi.hazop.matrix import CellStatus, cell_of, class_of, worst_first
+from scaloft_fi.mutants.catalogue import defaults, realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.study import Study
-from scaloft_fi.verbs import names, options, score
+from scaloft_fi.verbs import options, score
 from scaloft_fi.verbs import run as run_verb
-from scaloft_fi.verbs.options import Option, Several, answer, several, typed, verb
+from scaloft_fi.verbs.options import Option, answer, several, typed, verb
 from scaloft_fi.verbs.score import ScoredFlights
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Format, Table, counted, render
@@ -119,8 +120,13 @@ class TestedSuite:
         pairs = {pair.situation: pair for pair in self.score.pairs}
         return {
             one.id: tuple(k.situation for k in one.kills if k.flights >= SEVERAL or not pairs[k.situation].violated)
-            for one in self.score.score.counted
+            for one in self._faults
         }
+
+    @property
+    def _faults(self) -> Sequence[MutantScore]:
+        """The mutants that count, or all that ran where none counts, as on the first screen."""
+        return self.score.score.counted or [one for one in self.score.score.mutants if one.flown]
 
     @property
     def smallest(self) -> tuple[str, ...]:
@@ -149,15 +155,11 @@ class TestedSuite:
     def missed(self) -> tuple[Missed, ...]:
         """The faults that no test shows, the worst first."""
         matrix = self.study.matrix
-        listed = [one for one in self.score.score.counted if not one.detected]
-        classes = {one.id: one.severity for one in listed}
         found = []
-        for id_ in worst_first([one.id for one in listed], classes.get):
-            one = next(other for other in listed if other.id == id_)
-            cell = matrix.cell(one.id.partition("@")[0].partition("#")[0])
-            seam = next(mutant.seam for mutant in defaults(matrix) if mutant.id == id_)
+        for one in worst_first([one for one in self._faults if not one.detected], lambda one: one.severity):
+            cell, seam = matrix.cell(cell_of(one.id)), realise(matrix, one.id).seam
             told = (class_of(one.severity), str(one.verdict), seam, len(one.results), cell.deviation, cell.effect)
-            found.append(Missed(id_, *told))
+            found.append(Missed(one.id, *told))
         return tuple(found)
 
     def tables(self) -> tuple[Table, ...]:
@@ -218,7 +220,12 @@ def changed_since(revision: str, folder: Path) -> list[Path]:
 
     def git(*words: str) -> list[str]:
         try:
-            done = subprocess.run(["git", "-C", str(folder), *words], capture_output=True, text=True, check=False)
+            done = subprocess.run(
+                ["git", "-C", str(folder), "-c", "core.quotepath=off", *words],
+                capture_output=True,
+                text=True,
+                check=False,
+            )
         except OSError as error:
             raise InputError(f"--since={shown(revision)} needs git: {error.strerror}") from error
         if done.returncode:
@@ -227,7 +234,8 @@ def changed_since(revision: str, folder: Path) -> list[Path]:
 
     (top,) = git("rev-parse", "--show-toplevel")
     new = git("ls-files", "--others", "--exclude-standard", "--full-name")
-    listed = git("diff", "--name-only", revision, "--") if not revision.startswith("-") else git("rev-parse", revision)
+    (known,) = git("rev-parse", "--verify", "--end-of-options", f"{revision}^{{commit}}")
+    listed = git("diff", "--name-only", known)
     return [Path(top, name).resolve() for name in (*listed, *new)]
 
 
@@ -280,16 +288,7 @@ OwnCampaign = Annotated[
         otherwise="the name of FILE without its ending",
     ),
 ]
-AskedMutants = Annotated[
-    Several,
-    Option(
-        "A cell's name (its default), an id, or a pattern over names and ids (repeatable).",
-        "--mutant",
-        metavar="ID|GLOB",
-        complete=names.mutants,
-        otherwise="the default of every credible cell",
-    ),
-]
+AskedMutants = Annotated[run_verb.FlownMutants, options.DefaultWords("the default of every credible cell")]
 SuiteJobs = Annotated[
     int,
     Option("Commands that run at a time; more than one needs tests that do not meet.", "--jobs", metavar="N",

@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 import subprocess
+import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,13 +18,15 @@ from printed import of_form, run
 from scaloft_fi.analysis.detection import Sample, Spending, detect
 from scaloft_fi.analysis.pool import LEAST, Pool
 from scaloft_fi.campaign.flights.fly import Flight
-from scaloft_fi.campaign.flights.suite import outcome_of
+from scaloft_fi.campaign.flights.suite import SuiteStudy, outcome_of
 from scaloft_fi.campaign.plan import canary
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.wire import SeamCount
+from scaloft_fi.outside.command import finished
+from scaloft_fi.outside.exchange import Processes
 from scaloft_fi.outside.suite import Colour, Ran, Result
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
@@ -328,6 +331,12 @@ def test_a_relay_carries_a_fault_into_the_topics_of_a_system_that_a_shell_script
     assert told["unreached"] == ["NO-goal"]
 
 
+BROKEN = """
+from scaloft_fi.outside.suite import injecting
+with injecting("baseline", "baseline") as (subject, tell):
+    assert subject == "NO-a"
+    raise RuntimeError("no server")
+"""
 FAULT = Mutant("NO-a", "NO", "a", "", 0.0, "a", "drop")
 
 
@@ -349,6 +358,25 @@ def test_flaky_tests_call_faults_without_effect_detected_at_most_as_often_as_alp
         spending = Spending(0.01, frozenset({FAULT.id}))
         found += detect(FAULT.id, samples, pool, spending, Kind.SAFETY).detected
     assert found <= 10
+
+
+def test_a_flight_that_fails_in_the_harness_is_told_and_is_no_red_test(tmp_path: Path):
+    (tmp_path / "check.py").write_text(BROKEN)
+    (tmp_path / "suite.yaml").write_text("tests:\n  a: {run: ['{python}', check.py]}\n")
+    study = SuiteStudy(ROOT, None, "", tmp_path / "suite.yaml", (tmp_path / "suite.yaml").read_text())
+    told = study.run("a", FAULT, "a", 0)
+    assert (told.of("a").colour, told.of("a").why) == (Colour.UNKNOWN, "RuntimeError: no server")
+
+
+def test_a_command_that_has_ended_before_anybody_looked_was_started(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    listen = Processes._listen
+
+    def late(self: Processes, wait_s: float) -> None:
+        time.sleep(0.5)
+        listen(self, wait_s)
+
+    monkeypatch.setattr(Processes, "_listen", late)
+    assert finished(["sh", "-c", "exit 3"], {}, tmp_path, 9.0, tmp_path)[0] == "ended with code 3"
 
 
 def test_a_junit_case_is_red_by_failure_unknown_by_error_and_vacuous_when_skipped():
