@@ -11,7 +11,7 @@ import click
 
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import MutantScore
-from scaloft_fi.campaign.processes import cores, one_thread_each
+from scaloft_fi.campaign.processes import Start, cores, forked, one_thread_each
 from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.campaign.runs.propose import Found, Seeds, Sought, Tested, propose
 from scaloft_fi.campaign.store.archive import study_of
@@ -45,6 +45,7 @@ class Proposal:
         alarms: fresh flights of the unmutated drone that violate it, in any situation.
         p: by the exact test on fresh seeds, after Bonferroni over the requirements tested.
         confirmed: whether p is at most alpha.
+        firm: whether it is confirmed without any one seed too.
         others: the other mutants that it shows on fresh seeds, each after Bonferroni over requirements and mutants.
     """
 
@@ -58,6 +59,7 @@ class Proposal:
     alarms: Ratio
     p: Annotated[float, About("p (0..1)")]
     confirmed: bool
+    firm: bool
     others: tuple[str, ...]
 
     @classmethod
@@ -66,7 +68,7 @@ class Proposal:
         made = tested.requirement
         return cls(
             tested.mutant, made.title, made.trigger, made.text, made.unit, tested.choice.margin, tested.shown,
-            tested.alarms, tested.p, tested.confirmed, tested.others,
+            tested.alarms, tested.p, tested.confirmed, tested.firm, tested.others,
         )  # fmt: skip
 
     @property
@@ -137,7 +139,7 @@ def sought_in(now: Snapshot, mutants: Sequence[str]) -> list[Sought]:
     found = []
     for mutant in select(chosen, now.study.matrix, now.study.catalogue):
         keys = tuple(result.situation for result in by_id[mutant.id].results if result.infected)
-        found.append(Sought(mutant, keys))
+        found.append(Sought(mutant.id, mutant, keys))
     return found
 
 
@@ -160,7 +162,7 @@ def tables(answer: Proposals) -> tuple[Table, ...]:
             one.title,
             one.shown.short,
             one.alarms.short,
-            f"{one.p:.2g}" if one.confirmed else f"{one.p:.2g}, not confirmed",
+            f"{one.p:.2g}{', not confirmed' if not one.confirmed else '' if one.firm else ', not firm'}",
             len(one.others),
         )
         for one in answer.proposals
@@ -247,7 +249,13 @@ def propose_command(
 
 
 def proposed(
-    study: Study, campaign: str, mutants: Sequence[str], seeds: int, jobs: int | None, progress: Progress
+    study: Study,
+    campaign: str,
+    mutants: Sequence[str],
+    seeds: int,
+    jobs: int | None,
+    progress: Progress,
+    start: Start = forked,
 ) -> Proposals:
     """Propose the requirements that are missing.
 
@@ -259,6 +267,6 @@ def proposed(
     with snapshot(study, campaign) as now:
         sought, planned, study = sought_in(now, mutants), fresh_seeds(now, seeds), now.study
     try:
-        return Proposals.of(propose(study, sought, planned, jobs or cores(), progress))
+        return Proposals.of(propose(study, sought, planned, jobs or cores(), progress, start))
     finally:
         progress.close()

@@ -8,7 +8,7 @@ were chosen share the level, so the chance that any is confirmed for a fault tha
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -19,7 +19,7 @@ from scaloft_fi.analysis.proposal import Array, Candidates, Choice, choose
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.campaign.flights.fly import Flight, fly_log, reason_of
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.processes import PATIENCE_S, ProcessPool
+from scaloft_fi.campaign.processes import PATIENCE_S, ProcessPool, Start, forked
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE
@@ -53,10 +53,27 @@ class Told:
 
 @dataclass(frozen=True)
 class Sought:
-    """A mutant that violates nothing, and the situations in which it changes samples."""
+    """A subject that violates nothing, and the situations in which it changes samples.
 
-    mutant: Mutant
+    Attributes:
+        id: its name.
+        mutant: the mutant; None for the unmutated drone with other noise, which nothing may tell from itself.
+        situations: keys of the situations.
+        shift: added to each of its seeds.
+    """
+
+    id: str
+    mutant: Mutant | None
     situations: tuple[str, ...]
+    shift: int = 0
+
+    def flights(self, study: Study, seeds: Iterable[int]) -> list[Flight]:
+        """Its flights with these seeds."""
+        return [
+            Flight(self.mutant, study.grid.situation(key), seed + self.shift)
+            for key in self.situations
+            for seed in seeds
+        ]
 
 
 @dataclass(frozen=True)
@@ -81,6 +98,7 @@ class Tested:
         alarms: fresh flights of the unmutated drone that violate it, in any situation, of all.
         p: chance of as many violations more if the mutant did nothing, times the number of requirements tested.
         confirmed: whether that is at most alpha.
+        firm: whether it is so too without any one seed of the mutant's, and without any one of the unmutated drone's.
         others: the other mutants that it shows in the same way, each by itself.
     """
 
@@ -91,6 +109,7 @@ class Tested:
     alarms: Ratio
     p: float
     confirmed: bool
+    firm: bool
     others: tuple[str, ...]
 
 
@@ -117,130 +136,130 @@ def candidates_of(study: Study) -> Candidates:
     return Candidates(signals, tuple(definitions.items()), tuple(world.surfaces))
 
 
-def propose(study: Study, sought: Sequence[Sought], seeds: Seeds, jobs: int, progress: Progress) -> Found:
-    """Choose a requirement for each mutant on some seeds, and test it on fresh ones.
+def propose(
+    study: Study, sought: Sequence[Sought], seeds: Seeds, jobs: int, progress: Progress, start: Start = forked
+) -> Found:
+    """Choose a requirement for each subject on some seeds, and test it on fresh ones.
 
     Args:
         study: the study.
-        sought: the mutants.
+        sought: the subjects.
         seeds: of the flights.
         jobs: number of processes.
         progress: told of each flight.
+        start: starts a process.
 
     Raises:
         InputError: the study cannot be flown, or a flight failed in the harness.
     """
     candidates = candidates_of(study)
-    work = partial(_work, study, candidates)
+    work = partial(_alone if study.stack.forks else _apart, study, candidates)
     progress.stage = "choosing"
-    with ProcessPool(work, jobs, left=_left, lost=_lost, patience_s=PATIENCE_S) as pool:
+    with ProcessPool(work, jobs, left=_left, lost=_lost, patience_s=PATIENCE_S, start=start) as pool:
         Physics().prepare(study, progress.line)
-        fly = partial(_flown, study, pool, progress)
-        first = fly(sought, seeds.chosen, seeds.chosen_pool, ())
+        fly = partial(_flown, pool, progress)
+        unmutated = Sought(BASELINE, None, tuple(dict.fromkeys(key for one in sought for key in one.situations)))
+        clean = unmutated.flights(study, seeds.chosen_pool)
+        beside = unmutated.flights(study, seeds.chosen)
+        own = {one.id: one.flights(study, seeds.chosen) for one in sought}
+        first = fly([*clean, *beside, *(flight for flights in own.values() for flight in flights)], ())
+        same_seed = {flight.pair: first[flight.name].digest for flight in beside}
+        reached = np.array([first[name].reaches for name in dict.fromkeys(f.name for f in (*clean, *beside))])
         chosen, same, apart = dict[str, Choice](), list[str](), list[str]()
         for one in sought:
-            clean = [
-                told.reaches
-                for (mutant, _, _), told in first.items()
-                if mutant == BASELINE and told.reaches is not None
-            ]
-            traces = [
-                told.reaches
-                for (mutant, key, seed), told in first.items()
-                if mutant == one.mutant.id
-                and told.reaches is not None
-                and told.digest != first[BASELINE, key, seed].digest
-            ]
-            choice = (
-                choose(candidates.listed, np.array(clean), np.array(traces), LEAST) if len(traces) >= LEAST else None
-            )
+            told = [first[flight.name] for flight in own[one.id]]
+            traces = [t.reaches for t in told if t.digest != same_seed.get(t.flight.pair)]
+            choice = choose(candidates.listed, reached, np.array(traces), LEAST) if len(traces) >= LEAST else None
             if choice is not None:
-                chosen[one.mutant.id] = choice
+                chosen[one.id] = choice
             else:
-                (apart if traces else same).append(one.mutant.id)
+                (apart if traces else same).append(one.id)
         progress.stage = "testing"
         requirements = {id_: choice.requirement(f"P-{id_}", candidates.definitions) for id_, choice in chosen.items()}
-        fresh = fly(sought, seeds.fresh, seeds.fresh_pool, tuple(requirements.values())) if chosen else {}
-    tested = _tested(chosen, requirements, fresh, study.alpha)
+        own = {one.id: one.flights(study, seeds.fresh) for one in sought} if chosen else {}
+        clean = unmutated.flights(study, seeds.fresh_pool) if chosen else []
+        fresh = fly([*clean, *(f for flights in own.values() for f in flights)], tuple(requirements.values()))
+    violated = {id_: [fresh[flight.name] for flight in flights] for id_, flights in own.items()}
+    tested = _tested(chosen, requirements, violated, [fresh[flight.name] for flight in clean], study.alpha)
     return Found(tuple(tested), tuple(same), tuple(apart))
 
 
-_Flown = Mapping[tuple[str, str, int], Told]
-
-
 def _tested(
-    chosen: Mapping[str, Choice], requirements: Mapping[str, Requirement], fresh: _Flown, alpha: float
+    chosen: Mapping[str, Choice],
+    requirements: Mapping[str, Requirement],
+    fresh: Mapping[str, Sequence[Told]],
+    clean: Sequence[Told],
+    alpha: float,
 ) -> Iterator[Tested]:
-    mutants = list(dict.fromkeys(mutant for mutant, _, _ in fresh if mutant != BASELINE))
+    """The chosen requirements on fresh flights, of each subject by its id and of the unmutated drone."""
     for number, (id_, choice) in enumerate(chosen.items()):
-        clean = [told.violated[number] for (mutant, _, _), told in fresh.items() if mutant == BASELINE]
-        own = [told.violated[number] for (mutant, _, _), told in fresh.items() if mutant == id_]
-        chances = {mutant: p_value(_strata(mutant, number, fresh)) for mutant in mutants}
-        p = min(1.0, len(chosen) * chances[id_])
-        others = tuple(
-            one for one in mutants if one != id_ and reaches(len(chosen) * len(mutants) * chances[one], alpha)
+
+        def chance(subject: Sequence[Told], pool: Sequence[Told], number: int = number) -> float:
+            return p_value(_strata(subject, pool, number))
+
+        p = min(1.0, len(chosen) * chance(fresh[id_], clean))
+        lacking = [
+            *((_without(fresh[id_], seed), clean) for seed in {told.flight.seed for told in fresh[id_]}),
+            *((fresh[id_], _without(clean, seed)) for seed in {told.flight.seed for told in clean}),
+        ]
+        others = (
+            one
+            for one, flown in fresh.items()
+            if one != id_ and reaches(len(chosen) * len(fresh) * chance(flown, clean), alpha)
         )
         yield Tested(
             id_,
             choice,
             requirements[id_],
-            Ratio(sum(own), len(own)),
-            Ratio(sum(clean), len(clean)),
+            Ratio(sum(told.violated[number] for told in fresh[id_]), len(fresh[id_])),
+            Ratio(sum(told.violated[number] for told in clean), len(clean)),
             p,
             reaches(p, alpha),
-            others,
+            reaches(p, alpha) and all(reaches(len(chosen) * chance(*pair), alpha) for pair in lacking),
+            tuple(others),
         )
 
 
-def _strata(mutant: str, number: int, fresh: _Flown) -> Iterator[Stratum]:
-    """The flights of a mutant beside those of the unmutated drone, by situation."""
-    for key in dict.fromkeys(key for one, key, _ in fresh if one == mutant):
-        counts = []
-        for subject in (mutant, BASELINE):
-            flown = [t.violated[number] for (one, at, _), t in fresh.items() if one == subject and at == key]
-            counts += [sum(flown), len(flown)]
-        yield Stratum(*counts)
+def _without(flown: Iterable[Told], seed: int) -> list[Told]:
+    return [told for told in flown if told.flight.seed != seed]
+
+
+def _strata(subject: Iterable[Told], clean: Iterable[Told], number: int) -> Iterator[Stratum]:
+    """The flights of a subject beside those of the unmutated drone, by situation."""
+    counts: dict[str, list[int]] = {}
+    for place, flown in enumerate((subject, clean)):
+        for told in flown:
+            row = counts.setdefault(told.flight.situation.key, [0, 0, 0, 0])
+            row[2 * place] += told.violated[number]
+            row[2 * place + 1] += 1
+    return (Stratum(*row) for row in counts.values() if row[1])
 
 
 def _flown(
-    study: Study,
-    pool: ProcessPool[Task, Told],
-    progress: Progress,
-    sought: Sequence[Sought],
-    seeds: Collection[int],
-    pool_seeds: Collection[int],
-    requirements: tuple[Requirement, ...],
-) -> _Flown:
-    """Fly the mutants and the unmutated drone; each of the mutant's flights has its own baseline in the first stage."""
-    situations = list(dict.fromkeys(key for one in sought for key in one.situations))
-    own = set() if requirements else set(seeds)
-    flights = [Flight(None, study.grid.situation(key), s) for key in situations for s in sorted({*pool_seeds, *own})]
-    flights += [
-        Flight(one.mutant, study.grid.situation(key), s) for one in sought for key in one.situations for s in seeds
-    ]
-    progress.flights += len(flights)
-    found: dict[tuple[str, str, int], Told] = {}
-    for told in pool.map(Task(flight, requirements) for flight in flights):
+    pool: ProcessPool[Task, Told], progress: Progress, flights: Iterable[Flight], requirements: tuple[Requirement, ...]
+) -> Mapping[str, Told]:
+    """Fly each flight once; by name."""
+    tasks = [Task(flight, requirements) for flight in {flight.name: flight for flight in flights}.values()]
+    progress.flights += len(tasks)
+    found = {}
+    for told in pool.map(tasks):
         if told.invalid:
             raise InputError(f"{told.flight.name} failed in the harness: {told.invalid}")
         progress.advance()
-        found[told.flight.subject.id, told.flight.situation.key, told.flight.seed] = told
-    names = [(flight.subject.id, flight.situation.key, flight.seed) for flight in flights]
-    return {name: found[name] for name in names}
-
-
-def _work(study: Study, candidates: Candidates, task: Task, report: Callable[[Told], None]) -> None:
-    if study.stack.forks:
-        report(_told(study, candidates, task))
-        return
-    work = partial(_alone, study, candidates)
-    with ProcessPool(work, 1, left=_left, lost=_lost, patience_s=PATIENCE_S) as apart:
-        for told in apart.map([task]):
-            report(told)
+        found[told.flight.name] = told
+    return found
 
 
 def _alone(study: Study, candidates: Candidates, task: Task, report: Callable[[Told], None]) -> None:
     report(_told(study, candidates, task))
+
+
+def _apart(study: Study, candidates: Candidates, task: Task, report: Callable[[Told], None]) -> None:
+    """As `_alone`, in a process of its own, for a stack that leaves threads or processes behind."""
+    work = partial(_alone, study, candidates)
+    with ProcessPool(work, 1, left=_left, lost=_lost, patience_s=PATIENCE_S) as one:
+        for told in one.map([task]):
+            report(told)
 
 
 def _told(study: Study, candidates: Candidates, task: Task) -> Told:
