@@ -1,0 +1,107 @@
+"""Propose the requirement that is missing for every survivor of the reference campaign, and for the unmutated drone.
+
+    python -m experiments.missing_requirements [--jobs N] [--output FILE]
+
+What was found is kept beside the page, in `missing_requirements.json`; the same command makes the page from it.  Delete
+the file to fly again.
+"""
+
+from __future__ import annotations
+
+import experiments.published_kernels  # noqa: F401 - it must be imported before numpy
+
+# isort: split
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from experiments import PUBLISHED
+from experiments.pages import blocks, table, write
+from scaloft_fi.campaign.progress import Progress
+from scaloft_fi.campaign.runs.propose import Sought, propose
+from scaloft_fi.campaign.store.archive import study_of
+from scaloft_fi.output import write_whole
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.propose import PROPOSE, Proposals, fresh_seeds, sought_in
+from scaloft_fi.verbs.snapshot import snapshot
+
+NAME = "missing_requirements"
+CAMPAIGN = str(PUBLISHED / "reference")
+SEEDS, REDRAWS, APART = 3, 20, 100
+"""Seeds of a subject in each half; redraws of the unmutated drone; the distance of their seeds."""
+PARTS = ("survivors", "redraws")
+
+
+def found(jobs: int) -> dict[str, Any]:
+    """What is proposed for the survivors of the campaign, and for the redraws."""
+    with snapshot(study_of(PUBLISHED.parents[1], CAMPAIGN, None), CAMPAIGN) as now:
+        survivors, seeds, study = sought_in(now, ()), fresh_seeds(now, SEEDS), now.study
+    keys = tuple(situation.key for situation in study.grid.situations)
+    redraws = [Sought(f"redraw {number}", None, keys, APART * number) for number in range(1, REDRAWS + 1)]
+    told = {}
+    for part, sought in zip(PARTS, (survivors, redraws), strict=True):
+        progress = Progress()
+        told[part] = PROPOSE.record(Proposals.of(propose(study, sought, seeds, jobs, progress)))
+        progress.close()
+    return told
+
+
+def results(_study: Study, jobs: int, folder: Path) -> str:
+    """The section with the results, from what was found before or is found now."""
+    kept = folder / f"{NAME}.json"
+    if not kept.exists():
+        write_whole(kept, json.dumps(found(jobs), indent=1).encode())
+    told = json.loads(kept.read_bytes())
+    survivors, redraws = (told[part] for part in PARTS)
+    confirmed = [one for one in survivors["proposals"] if one["confirmed"]]
+    firm = sum(one["firm"] for one in confirmed)
+    shown = {one["mutant"] for one in confirmed} | {other for one in confirmed for other in one["others"]}
+    wrong = sum(one["confirmed"] for one in redraws["proposals"])
+    return blocks(
+        "## Flown",
+        f"**{len(confirmed)} of {_subjects(survivors)} survivors get a confirmed requirement, {firm} firmly** (without "
+        f"any one seed too).  The confirmed ones together show {len(shown)} of them.  {len(survivors['same'])} equal "
+        f"the unmutated drone to the bit, for {len(survivors['none'])} no candidate separates the flights, and "
+        f"{len(survivors['proposals']) - len(confirmed)} were chosen and not confirmed.  Of {_subjects(redraws)} "
+        f"redraws {len(redraws['proposals'])} get a choice, and **{wrong} are confirmed**.",
+        "### Survivors with a requirement",
+        table(HEAD, map(_row, survivors["proposals"])),
+        "### Survivors without one",
+        f"No candidate separates the flights: {_listed(survivors['none'])}.",
+        f"Equal to the bit: {_listed(survivors['same'])}.",
+        "### Redraws",
+        table(HEAD, map(_row, redraws["proposals"])) if redraws["proposals"] else "None gets a choice.",
+    )
+
+
+HEAD = ("mutant", "requirement", "shown in", "alarms", "p", "", "margin", "others")
+
+
+def _row(one: Mapping[str, Any]) -> Iterator[object]:
+    state = "not confirmed" if not one["confirmed"] else "firm" if one["firm"] else "not firm"
+    shown, alarms = (f"{one[name]['part']}/{one[name]['whole']}" for name in ("shown", "alarms"))
+    title = one["title"].replace("|", "\\|")
+    yield from (
+        one["mutant"],
+        title,
+        shown,
+        alarms,
+        f"{one['p']:.2g}",
+        state,
+        f"{one['margin']:.1f}",
+        len(one["others"]),
+    )
+
+
+def _listed(ids: Sequence[str]) -> str:
+    return ", ".join(ids) or "none"
+
+
+def _subjects(told: Mapping[str, Any]) -> int:
+    return sum(len(told[name]) for name in ("proposals", "same", "none"))
+
+
+if __name__ == "__main__":
+    write(__doc__, NAME, results)
