@@ -6,7 +6,7 @@ import hashlib
 import json
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from datetime import date
 from functools import cached_property
 from pathlib import Path
@@ -299,6 +299,15 @@ class Study(Setup):
         if grid not in names:
             raise InputError(f"--grid={shown(grid)} must be the name of a grid of the study{did_you_mean(grid, names)}")
         return cls(found, grid if grid != names[0] else None)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Its fields alone: what was read of them is read anew in the process that gets the study."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
+
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        """The study, in a process that knows the plugins."""
+        load_plugins()
+        self.__dict__.update(state)
 
     @property
     def name(self) -> str:

@@ -133,16 +133,15 @@ def interruptible(stopped: threading.Event) -> Iterator[None]:
 
 @dataclass
 class LateWorker:
-    """The work of a new process: it opens the study when it gets its first batch.
+    """The work of a new process: it reads the study when it gets its first batch.
 
     Attributes:
-        folder, grid_name: of the study.
+        study: the study.
         flyer: flies.
         inputs: hashes of the study that the run has read; None where others have compared them.
     """
 
-    folder: Path
-    grid_name: str | None
+    study: Study
     flyer: Flyer
     inputs: Mapping[str, str] | None = None
     _worker: Worker | None = None
@@ -154,11 +153,10 @@ class LateWorker:
             InputError: the study cannot be flown, or has changed since the run has read it.
         """
         if self._worker is None:
-            study = Study.open(self.folder, self.grid_name)
-            if self.inputs is not None and self.inputs != study.inputs:
-                raise InputError(f"{self.folder}: the study has changed since the run began; run again")
-            self.flyer.prepare(study, lambda _text: None)
-            self._worker = Worker(study, self.flyer)
+            if self.inputs is not None and self.inputs != self.study.inputs:
+                raise InputError(f"{self.study.folder}: the study has changed since the run began; run again")
+            self.flyer.prepare(self.study, lambda _text: None)
+            self._worker = Worker(self.study, self.flyer)
         self._worker(batch, report)
 
 
@@ -184,7 +182,7 @@ class Local:
         """Start a pool; each process starts at its first task: a fork inherits the prepared state, others prepare."""
         work: Work = Worker(study, flyer)
         if self.clean:
-            work = LateWorker(study.folder, study.grid_name, flyer, study.inputs)
+            work = LateWorker(study, flyer, study.inputs)
         # a command ends itself after its limit, before the pool takes its worker for hung
         with ProcessPool(
             work,
@@ -394,7 +392,7 @@ def fly_batch(name: str, grid: str | None, flyer: Flyer, batch: Batch) -> list[O
     if expiry is not None:
         expiry.cancel()
     if pool is None:
-        work, start = LateWorker(folder, grid, flyer), processes.started_clean
+        work, start = LateWorker(_study(folder, grid), flyer), processes.started_clean
         pool = ProcessPool(work, 1, left=left_of, lost=lost, stop=_unwanted, patient=False, start=start)
     try:
         flown = list(pool.map([batch]))

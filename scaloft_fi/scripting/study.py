@@ -14,7 +14,7 @@ from scaloft_fi.analysis.score import By, MutantScore
 from scaloft_fi.campaign.flights.fly import CAN_FORK
 from scaloft_fi.campaign.plan import parse_seeds
 from scaloft_fi.campaign.plan import parse_shard as shard_in
-from scaloft_fi.campaign.processes import cores
+from scaloft_fi.campaign.processes import cores, started_clean
 from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.request import Request, fly, planned_run
@@ -31,8 +31,10 @@ from scaloft_fi.scripting.flight import Figure, FlownFlight, described, in_pytho
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import campaigns, dispositions, kills, margin, situations, worksheet
 from scaloft_fi.verbs import compare as comparing
+from scaloft_fi.verbs import propose as proposing
 from scaloft_fi.verbs import run as flying
 from scaloft_fi.verbs import seek as seeking
+from scaloft_fi.verbs import suite as testing
 from scaloft_fi.verbs.campaigns import MergedCampaigns, MergedPlatform
 from scaloft_fi.verbs.check import checked
 from scaloft_fi.verbs.export.dossier import FORMATS, dossier, flight_columns
@@ -460,6 +462,28 @@ class OpenCampaign:
             )
 
     @described
+    def propose(
+        self,
+        mutants: proposing.MissingMutants = (),
+        *,
+        seeds: proposing.SeedCount = 3,
+        jobs: Jobs = None,
+        progress: Told = False,
+    ) -> Answer:
+        """Propose the requirement that is missing, for faults that are put to the test and violate none; flies.
+
+        Args:
+            progress: as for `run`.
+
+        Raises:
+            InputError: an argument is not allowed, a mutant was not flown, or the study cannot be flown.
+        """
+        with in_python():
+            count = int(number(seeds, "seeds", 1, proposing.KEPT))
+            asked, how = several(mutants, "mutants"), progress_of(progress)
+            return proposing.proposed(self._study, self.name, asked, count, _jobs(jobs), how, started_clean).answer
+
+    @described
     def seek(
         self,
         mutants: seeking.SoughtMutants = (),
@@ -524,14 +548,18 @@ class OpenCampaign:
 
 
 def _options(jobs: int | None, same_platform: bool) -> RunOptions:
-    """Options of a search."""
-    count = cores() if jobs is None else int(number(jobs, "jobs", 1, MOST_JOBS))
+    """Options of a run without options of its own."""
+    count = _jobs(jobs)
     return RunOptions(jobs=count, executor=_executor("local", count, None), same_platform=same_platform)
+
+
+def _jobs(jobs: int | None) -> int:
+    return cores() if jobs is None else int(number(jobs, "jobs", 1, MOST_JOBS))
 
 
 def _executor(name: str, jobs: int | None, cluster_security: Path | str | None) -> Executor:
     """What runs the flights; on this machine, new interpreters where the system can hand them a connection."""
-    count = None if jobs is None else int(number(jobs, "jobs", 1, MOST_JOBS))
+    count = None if jobs is None else _jobs(jobs)
     if name == LOCAL and os.name == "posix" and cluster_security is None:
         return Local(count or cores(), clean=True)
     return executor_named(name, count, None if cluster_security is None else Path(cluster_security))
@@ -683,6 +711,34 @@ class OpenStudy:
             one = study.grid.situation(situation) if situation else study.grid.situations[0]
             titles = ", ".join(study.grid.titles(one))
             return Figure(f"map of {one.key}", draw_plan(plan_of(study, one), title=one.key, subtitle=titles))
+
+    @described
+    def suite(
+        self,
+        file: testing.SuiteFile,
+        *,
+        campaign: testing.OwnCampaign = None,
+        mutants: testing.AskedMutants = (),
+        shard: testing.SuiteShard = None,
+        jobs: testing.SuiteJobs = 1,
+        progress: Told = False,
+    ) -> Answer:
+        """Put the faults of the study to one's own tests: which test shows what, and which fault no test shows.
+
+        Args:
+            progress: as for `OpenCampaign.run`.
+
+        Raises:
+            GateError: a gate failed.
+            InputError: the file or an argument is not allowed, or a command says nothing.
+            Interrupted: the user stopped the run; every run that ended is saved.
+        """
+        with in_python(file="file"):
+            study, place = self.definition, Path(file)
+            asked, name = testing.asked_mutants(study, several(mutants, "mutants"), shard), campaign or place.stem
+            suite, how = testing.looked_at(study, place, name), _options(jobs, same_platform=False)
+            assert suite is not None, "no revision leaves anything out"
+            return testing.tested(suite, asked, name, how, progress_of(progress)).answer()
 
     @described
     def judge(self, files: JudgedFiles, *, record: RecordMapping = None, situation: RecordedIn = None) -> Answer:

@@ -107,6 +107,11 @@ class Proposals:
         proposals = sorted(map(Proposal.of, found.tested), key=lambda one: not one.confirmed)
         return cls(tuple(proposals), found.same, found.apart)
 
+    @property
+    def answer(self) -> Answer:
+        """The answer of the verb."""
+        return Answer(PROPOSE, lambda: self, lambda: tables(self))
+
 
 PROPOSE = Output("propose", "1.0", Proposals, rows="proposals")
 
@@ -242,10 +247,12 @@ def propose_command(
     options.check_writable(output)
     study = study_of(study_folder, campaign)
     options.allow(study, untrusted=untrusted)
-    told = proposed(study, campaign, several(mutants, "mutants"), seeds, jobs, Silence() if quiet else Progress())
+    told = proposed(
+        study, campaign, several(mutants, "mutants"), seeds, jobs or cores(), Silence() if quiet else Progress()
+    )
     if output is not None:
         write_own(output, "".join(one.yaml + "\n" for one in told.proposals if one.confirmed).encode())
-    return Answer(PROPOSE, lambda: told, lambda: tables(told))
+    return told.answer
 
 
 def proposed(
@@ -253,7 +260,7 @@ def proposed(
     campaign: str,
     mutants: Sequence[str],
     seeds: int,
-    jobs: int | None,
+    jobs: int,
     progress: Progress,
     start: Start = forked,
 ) -> Proposals:
@@ -267,6 +274,6 @@ def proposed(
     with snapshot(study, campaign) as now:
         sought, planned, study = sought_in(now, mutants), fresh_seeds(now, seeds), now.study
     try:
-        return Proposals.of(propose(study, sought, planned, jobs or cores(), progress, start))
+        return Proposals.of(propose(study, sought, planned, jobs, progress, start))
     finally:
         progress.close()

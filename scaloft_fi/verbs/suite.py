@@ -8,7 +8,7 @@ import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated
 
@@ -192,9 +192,14 @@ class TestedSuite:
             *((Table("Write next a test that sees", titles, following, more),) if following else ()),
         )
 
-    def text(self, how: Format, *, everything: bool) -> str:
-        """The answer as text."""
-        return joined([self.score.text(how, everything=everything), render(self.tables(), how)])
+    def answer(self, *, everything: bool = False) -> Answer:
+        """The answer of the verb."""
+        return Answer(
+            SUITE,
+            lambda: self,
+            told=lambda how: joined([self.score.text(how, everything=everything), render(self.tables(), how)]),
+            warnings=self.score.warnings,
+        )
 
 
 NEXT, SEVERAL = 5, 3
@@ -257,11 +262,18 @@ def commands_since(study: SuiteStudy, revision: str) -> list[str]:
     return [name for name, paths in own.items() if touched(paths)]
 
 
-def asked_mutants(study: Study, patterns: Sequence[str]) -> tuple[Mutant, ...]:
-    """The mutants that patterns mean; without any the default of each credible cell."""
-    if patterns:
-        return plan.parse_mutants(study, patterns)
-    return tuple(one for one in defaults(study.matrix) if study.matrix.cell(one.cell).status is CellStatus.CREDIBLE)
+def asked_mutants(study: Study, patterns: Sequence[str], shard: str | None = None) -> tuple[Mutant, ...]:
+    """The mutants that patterns mean, without any the default of each credible cell; of a shard its part of them.
+
+    Raises:
+        InputError: there is no such mutant, or the shard has none.
+    """
+    credible = (one for one in defaults(study.matrix) if study.matrix.cell(one.cell).status is CellStatus.CREDIBLE)
+    asked = plan.parse_mutants(study, patterns) if patterns else tuple(credible)
+    number, shards = plan.parse_shard(shard) if shard is not None else (1, 1)
+    if len(asked) < shards:
+        raise InputError(f"--shard={shard!r} may have at most {counted(len(asked), 'shard')}, one for each fault")
+    return asked[number - 1 :: shards]
 
 
 def reach_tables(study: SuiteStudy, mutants: Sequence[Mutant], jobs: int) -> tuple[Table, ...]:
@@ -298,6 +310,14 @@ Since = Annotated[
     str | None,
     Option("Run only the commands of which a declared input has changed since the git revision REV.", metavar="REV"),
 ]
+SuiteShard = Annotated[
+    str | None,
+    Option(
+        "Run the K-th of N parts of the faults, each beside runs without a fault; `merge` joins the campaigns.",
+        "--shard",
+        metavar="K/N",
+    ),
+]
 Reach = Annotated[bool, Option("Say which faults reach which test and what a run costs, and run no fault.")]
 
 
@@ -310,7 +330,7 @@ Reach = Annotated[bool, Option("Say which faults reach which test and what a run
     ),
     sections={
         "Where": "--study --campaign",
-        "Which faults": "--mutant --since --reach",
+        "Which faults": "--mutant --shard --since --reach",
         "How": "--jobs --untrusted",
         "What fails the run": "--fail-under --fail-under-firm --max-invalid",
         "What is printed": "--all --format --tables --quiet --help",
@@ -322,6 +342,7 @@ def suite_command(
     study_folder: options.StudyFolder,
     campaign: OwnCampaign,
     mutants: AskedMutants,
+    shard: SuiteShard,
     since: Since,
     reach: Reach,
     jobs: SuiteJobs,
@@ -345,20 +366,12 @@ def suite_command(
     options.allow(study, untrusted=untrusted)
     if untrusted:
         raise InputError(f"--untrusted refuses that {file} starts programs of its own")
-    asked, bars = asked_mutants(study, several(mutants, "mutants")), score.bars_of(fail_under, fail_under_firm)
-    suite = SuiteStudy(study.folder, None, study.archived_name, file.absolute(), read_text(file))
-    suite.check()
-    if since is not None:
-        chosen = commands_since(suite, since)
-        if not chosen:
-            say(f"no input of a test has changed since {since}: nothing is run")
-            return 0
-    else:
-        chosen = list(suite.suite.tests)
+    asked, bars = asked_mutants(study, several(mutants, "mutants"), shard), score.bars_of(fail_under, fail_under_firm)
     name = campaign or file.stem
-    if is_file(campaign_folder(suite, name) / STORE_NAME) and not study_of(study_folder, name).tests_of:
-        raise InputError(f"--campaign={name}: the campaign holds flights; name another one for the runs of tests")
-    suite = suite.look(chosen, time.monotonic)
+    suite = looked_at(study, file, name, since)
+    if suite is None:
+        say(f"no input of a test has changed since {since}: nothing is run")
+        return 0
     shown_reach = reach_tables(suite, asked, jobs)
     if reach:
         tell(render(shown_reach, Format(style)))
@@ -368,9 +381,22 @@ def suite_command(
     how = RunOptions(jobs=jobs, max_invalid=max_invalid, command=typed())
     bar = progress.Silence() if quiet else progress.Progress(tally=score.detected_so_far)
     told = tested(suite, asked, name, how, bar)
-    words = partial(told.text, everything=everything)
-    answer(Answer(SUITE, lambda: told, told=words, warnings=told.score.warnings), style, tables_folder)
+    answer(told.answer(everything=everything), style, tables_folder)
     return score.below(told.score.score, bars)
+
+
+def looked_at(study: Study, file: Path, campaign: str, since: str | None = None) -> SuiteStudy | None:
+    """The suite of a file, whose commands ran once with PLACEBO; None where none has changed since a revision.
+
+    Raises:
+        InputError: the file, the campaign or the revision is not allowed, or a command says nothing.
+    """
+    suite = SuiteStudy(study.folder, None, study.archived_name, file.absolute(), read_text(file))
+    suite.check()
+    chosen = list(suite.suite.tests) if since is None else commands_since(suite, since)
+    if is_file(campaign_folder(suite, campaign) / STORE_NAME) and not study_of(study.folder, campaign).tests_of:
+        raise InputError(f"--campaign={campaign}: the campaign holds flights; name another one for the runs of tests")
+    return suite.look(chosen, time.monotonic) if chosen else None
 
 
 def tested(

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 from printed import of_form, run
 
+import scaloft_fi
 from scaloft_fi.document import load
 from scaloft_fi.judge.requirement import load_requirements
 from scaloft_fi.study import Study
@@ -46,6 +47,15 @@ def test_a_fault_that_violates_nothing_gets_a_requirement_that_fresh_flights_con
     (name,) = read.keys() - load(requirements).need("requirements").mapping().keys()
     assert (read[name].text, read[name].trigger) == (proposal["formula"], proposal["trigger"])
     assert read[name].kind == "reported"
+
+
+@pytest.mark.release
+@pytest.mark.flight
+def test_python_proposes_in_new_processes_what_the_verb_proposes(study: Path, capsys: pytest.CaptureFixture[str]):
+    found = scaloft_fi.open(study).campaign().propose(FAULT, seeds=2)
+    capsys.readouterr()
+    assert run("propose", FAULT, "--study", study, "--seeds", "2", "--format", "json", "--quiet") == 0
+    assert found.record()["proposals"] == of_form("propose", capsys.readouterr().out)["proposals"]
 
 
 def test_no_seed_of_the_choice_is_in_the_test_though_the_campaign_flew_few():

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from printed import of_form, run
 
+import scaloft_fi
 from scaloft_fi.analysis.detection import Sample, Spending, detect
 from scaloft_fi.analysis.pool import LEAST, Pool
 from scaloft_fi.campaign.flights.fly import Flight
@@ -22,6 +23,7 @@ from scaloft_fi.campaign.flights.suite import SuiteStudy, outcome_of
 from scaloft_fi.campaign.plan import canary
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.errors import InputError
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.wire import SeamCount
@@ -223,6 +225,31 @@ def test_the_same_command_again_runs_only_the_first_look_at_the_commands(
     assert suite(folder, "--format", "json", *options(dict.fromkeys(sound, ()))) == 0
     assert (folder / "flown" / "outcomes.sqlite").stat().st_size == before
     assert json.loads(capsys.readouterr().out)["score"]["ratios"] == told["score"]["ratios"]
+
+
+def test_shards_join_to_what_an_undivided_run_tells(
+    told: dict[str, Any], planted: Planted, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    folder, effects = planted
+    asked = {id_: () for id_, red in effects.items() if not set(red) & {"hang", "crash", "odd"}}
+    for part in ("1/2", "2/2"):
+        where = ("--study", ROOT, "--campaign", tmp_path / part[0], "--quiet", "--jobs", 2)
+        assert run("suite", folder / "suite.yaml", *where, "--shard", part, *options(asked)) == 0
+    assert run("merge", "--study", ROOT, "--campaign", tmp_path / "all", tmp_path / "1", tmp_path / "2") == 0
+    capsys.readouterr()
+    assert run("score", "--study", ROOT, "--campaign", tmp_path / "all", "--format", "json") == 0
+    verdicts = {one["id"]: one["verdict"] for one in json.loads(capsys.readouterr().out)["mutants"]}
+    assert verdicts == {one["id"]: one["verdict"] for one in told["score"]["mutants"] if one["id"] in asked}
+
+
+def test_python_gives_the_answer_of_the_verb(told: dict[str, Any], planted: Planted, tmp_path: Path):
+    one = next(id_ for id_, red in planted.effects.items() if red == THREE)
+    found = scaloft_fi.open(ROOT).suite(planted.folder / "suite.yaml", campaign=str(tmp_path / "c"), mutants=one)
+    assert sorted(found["tests"]["test"]) == sorted(test["test"] for test in told["tests"])
+    shows = {test["test"].removeprefix("planted::") for test in found.record()["tests"] if test["shows"]}
+    assert shows == set(THREE)
+    with pytest.raises(InputError, match=r"shard='21/21' may have at most 1 shard"):
+        scaloft_fi.open(ROOT).suite(planted.folder / "suite.yaml", mutants=one, shard="21/21")
 
 
 def test_a_campaign_of_flights_takes_no_runs_of_tests(
