@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -140,3 +141,20 @@ def test_the_example_over_ros_2_agrees_with_the_same_planner_over_lines(python: 
     assert ["LATE-human@3s", KEY, "landed", ["SR2"]] in facts["ros2"]
     assert ["baseline", KEY, "landed", []] in facts["ros2"]
     assert Study.open(tmp_path / "ros2").stack.deterministic is False
+
+
+@pytest.mark.release
+@pytest.mark.flight
+def test_a_shell_script_over_the_example_shows_a_late_person(python: str, tmp_path: Path):
+    study, own = tmp_path / "study", ROOT / "examples" / "own_tests"
+    subprocess.run([sys.executable, ROOT / "examples/outside_planner/make_study.py", study, "ros2"], check=True)
+    for name in ("shell.yaml", "person.sh"):
+        shutil.copy(own / name, study / name)
+    words = ("shell.yaml", "--mutant", "LATE-human", "--jobs", "2", "--quiet", "--format", "json")
+    done = subprocess.run(
+        [python, "-m", "scaloft_fi", "suite", *words],
+        cwd=study, capture_output=True, text=True, timeout=LIMIT_S, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    (test,) = json.loads(done.stdout)["tests"]
+    assert (test["state"], test["shows"]) == ("steady", ["LATE-human@3s"])
