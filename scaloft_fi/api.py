@@ -72,7 +72,10 @@ if TYPE_CHECKING:
     from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroundings
     from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
     from scaloft_fi.sim.world import ROLES, Role
+    from scaloft_fi.stack.reference.declaration import REFERENCE
     from scaloft_fi.stack.reference.messages import SpeedLimit
+    from scaloft_fi.stack.reference.planner import LocalPlan, Planner
+    from scaloft_fi.stack.reference.stack import ReferenceStack
     from scaloft_fi.study import Study
     from scaloft_fi.verbs.export.dossier import Dossier, export_format
 
@@ -89,7 +92,10 @@ LATE = {
         "sim.happenings": "Effect HAPPENINGS HappeningKind Surroundings",
         "sim.sensors.sensor": "FlightSetting Moment SENSORS SensorKind",
         "sim.world": "ROLES Role",
+        "stack.reference.declaration": "REFERENCE",
         "stack.reference.messages": "SpeedLimit",
+        "stack.reference.planner": "LocalPlan Planner",
+        "stack.reference.stack": "ReferenceStack",
         "study": "Study",
         "verbs.export": "Dossier export_format",
     }.items()
@@ -109,6 +115,8 @@ __all__ += ["Bounds", "Choices", "Count", "Examples", "NotNegative", "Pattern", 
 __all__ += ["STEP_HZ", "STEP_S", "TICK_HZ", "TICK_S", "Belief", "Claim", "Declaration", "FastPath", "Instant", "Mark"]
 __all__ += ["PlainStack", "PlainWire", "Seam", "SpeedLimit", "Stack", "StackCheck", "Task", "Wire", "check_stack"]
 __all__ += ["declare_claims", "declare_stack"]
+# for planners in the reference stack
+__all__ += ["REFERENCE", "LocalPlan", "Planner", "ReferenceStack"]
 # for samples and their noise
 __all__ += ["Array", "Image", "Point", "Stamp", "Table", "Vector", "messages"]
 # for worlds, sensors and signals

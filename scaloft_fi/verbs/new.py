@@ -1,4 +1,4 @@
-"""`scaloft-fi new`: write a small study, a plugin package with a study that uses it, or a study of a real autopilot.
+"""`scaloft-fi new`: write a small study, one of a real autopilot, or a package of a plugin or a planner with its study.
 
 The templates are the folder `templates/` of the checkout, which the wheel carries as `_templates`.  The files of the
 vehicle, the sensors and the stack are those of the reference study; a study of an autopilot has its mine too.
@@ -21,9 +21,10 @@ from typing import Annotated, Literal
 
 from scaloft_fi.document import is_file, is_folder, is_there, read_bytes
 from scaloft_fi.errors import InputError, did_you_mean, shown
-from scaloft_fi.hazop.load import reference_study
+from scaloft_fi.hazop.load import FOLDERS, reference_study
 from scaloft_fi.output import write_whole
 from scaloft_fi.registry import load_plugins
+from scaloft_fi.sim.grid import FOUND_FILE
 from scaloft_fi.verbs.options import LineFormat, Option, answer, verb
 from scaloft_fi.views.output import Answer, Output
 
@@ -76,6 +77,20 @@ def plugin_files(package: str) -> Files:
     """
     files = {f"study/{name}": text for name, text in study_files().items() if not name.startswith(("hazop", "mutants"))}
     return _filled(_joined(files, _template("plugin")), {WORD: package})
+
+
+def planner_files(package: str) -> Files:
+    """The files of a package with a planner, whose folder `study/` is the reference study with that planner.
+
+    Args:
+        package: name of the package; see `check_package_name`.
+    """
+    reference = reference_study()
+    paths = (path for below in FOLDERS for path in (reference / below).rglob("*") if path.is_file())
+    own = {path.relative_to(reference).as_posix(): path for path in paths if path.suffix != ".md"}
+    files = {name: read_bytes(path) for name, path in own.items() if path.name != FOUND_FILE}
+    files["sim/stack.yaml"] = files["sim/stack.yaml"].replace(b"name: reference", b"name: " + package.encode(), 1)
+    return _filled(_template("planner"), {WORD: package}) | {f"study/{name}": text for name, text in files.items()}
 
 
 def firmware_files(kind: str, program: Path) -> Files:
@@ -222,7 +237,7 @@ class Written:
 
     Attributes:
         folder: the new folder.
-        kind: a study, or a plugin package with a study in its folder study/.
+        kind: a study, or a package (of a plugin or a planner) with a study in its folder study/.
         files: the files, relative to the folder.
         next: the commands to give next, quoted for a shell, in their order.
     """
@@ -242,6 +257,7 @@ NEW = Output("new", "1.0", Written, rows="files")
         ("Write a study to edit", "scaloft-fi new my_mine"),
         ("Write a package with an operator, a stack, a sensor and a signal", "scaloft-fi new my_faults --plugin"),
         ("Give the package another name than the folder", "scaloft-fi new work/faults --plugin --name my_faults"),
+        ("Put a planner of your own into the reference drone", "scaloft-fi new my_planner --planner"),
         ("Put a real autopilot below the companion", "scaloft-fi new my_px4 --firmware px4 --program /opt/px4/bin/px4"),
     ),
 )
@@ -255,9 +271,17 @@ def new_command(
             "DIR/study a study that uses them."
         ),
     ],
+    planner: Annotated[
+        bool,
+        Option("Write a package with a planner for the reference stack instead, and in DIR/study the reference study."),
+    ],
     name: Annotated[
         str | None,
-        Option("Name of the package, with --plugin.", metavar="NAME", otherwise="the last part of DIR, - read as _"),
+        Option(
+            "Name of the package, with --plugin or --planner.",
+            metavar="NAME",
+            otherwise="the last part of DIR, - read as _",
+        ),
     ],
     firmware: Annotated[
         str | None,
@@ -269,7 +293,8 @@ def new_command(
     """Write a small study that flies in about a minute, and whose files say what each of their keys means.
 
     A corridor, a cart, a person, two axes, two requirements, six cells.  DIR must be empty or new.  With --plugin, DIR
-    is a package of yours that any study can use once it is installed.
+    is a package of yours that any study can use once it is installed.  With --planner, it is a package whose planner
+    flies the reference drone through the 32 situations of the reference study.
 
     With --firmware, DIR is a study of the paper's mine: 32 situations, with a real autopilot below the reference
     stack's perception and navigation, and a HAZOP of what flows into the autopilot and out of it, 96 cells or more.
@@ -282,25 +307,29 @@ def new_command(
     from scaloft_fi.sim.stacks import STACKS
     from scaloft_fi.verbs.schema import pointed, schema_files
 
-    if name is not None and not plugin:
-        raise InputError(f"--name={name!r} is the name of a package; give --plugin with it, or leave it out")
+    asked = [way for way, given in (("--plugin", plugin), ("--planner", planner), ("--firmware", firmware)) if given]
+    if len(asked) > 1:
+        raise InputError(f"{' and '.join(asked)} write different things; give one of them")
+    if name is not None and not (plugin or planner):
+        raise InputError(f"--name={name!r} is the name of a package; give --plugin or --planner, or leave it out")
     if program is not None and firmware is None:
         raise InputError(f"--program={shown(str(program))} is an autopilot's; give --firmware with it, or leave it out")
     if firmware is not None:
-        files, what = _firmware(firmware, program, plugin=plugin)
-    elif plugin:
+        files, what = _firmware(firmware, program)
+    elif plugin or planner:
         package = folder.absolute().name.replace("-", "_") if name is None else name
         check_package_name(package, "DIR" if name is None else "--name")
-        files = pointed(plugin_files(package), "study/")
+        files = pointed(planner_files(package) if planner else plugin_files(package), "study/")
         what = f"the package {package}, and a study that uses it, {len(files)} files"
     else:
         documents, schemas = pointed(study_files()), schema_files(STACKS["reference"])
         files = documents | schemas
         what = f"a study of 6 cells and 6 situations, {len(documents)} files, and {len(schemas)} schemas for an editor"
     write_new(folder, files)
-    commands = _next(folder, plugin=plugin, chosen=FIRST if firmware else "")
+    chosen = FIRST if firmware else " --mutant LATE-human" if planner else ""
+    commands = _next(folder, package=plugin or planner, chosen=chosen)
     told = f"{folder}: {what}.  Next:\n\n" + "".join(f"  {command}\n" for command in commands)
-    written = Written(folder, "plugin" if plugin else "study", tuple(sorted(files)), commands)
+    written = Written(folder, "plugin" if plugin or planner else "study", tuple(sorted(files)), commands)
     answer(Answer(NEW, lambda: written, told=lambda _: told), style)
 
 
@@ -308,19 +337,17 @@ FIRST = " --situation 'T0O0W0D0*' --mutant LATE-gyro"
 """What a study of an autopilot flies first: one fault in light, without a person and with one."""
 
 
-def _firmware(kind: str, program: Path | None, *, plugin: bool) -> tuple[Files, str]:
+def _firmware(kind: str, program: Path | None) -> tuple[Files, str]:
     """The files of a study of an autopilot, and what they are in words.
 
     Raises:
-        InputError: the kind is unknown, the program is no file, or a package is asked for.
+        InputError: the kind is unknown, or the program is no file.
     """
     from scaloft_fi.firmware.kind import KINDS, MOTORS, FirmwareConfig
     from scaloft_fi.firmware.stack import FIRMWARE
     from scaloft_fi.stack.reference.declaration import SEAMS
     from scaloft_fi.verbs.schema import pointed, schema_files
 
-    if plugin:
-        raise InputError(f"--firmware={shown(kind)} writes a study, and --plugin a package; give one of them")
     load_plugins()
     if kind not in KINDS:
         raise InputError(f"--firmware={shown(kind)} must be a kind of firmware{did_you_mean(kind, KINDS)}")
@@ -336,15 +363,15 @@ def _firmware(kind: str, program: Path | None, *, plugin: bool) -> tuple[Files, 
     return documents | schemas, f"{what} for an editor"
 
 
-def _next(folder: Path, *, plugin: bool, chosen: str) -> tuple[str, ...]:
+def _next(folder: Path, *, package: bool, chosen: str) -> tuple[str, ...]:
     here = shlex.quote(str(folder))
-    if plugin:
+    if package:
         study, schemas = (shlex.quote(str(folder / below)) for below in ("study", "study/schemas"))
         return (
             f"pip install -e {shlex.quote(f'{folder}[test]')}",
             f"python -m pytest {here}",
             f"scaloft-fi schema --study {study} --write {schemas}",
-            f"scaloft-fi run --study {study}",
+            f"scaloft-fi run --study {study}{chosen}",
         )
     there = () if folder.resolve() == Path.cwd() else (f"cd {here}",)
     return *there, "scaloft-fi check", f"scaloft-fi run{chosen}"

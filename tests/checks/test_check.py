@@ -117,11 +117,12 @@ def test_a_program_of_a_stage_outside_that_is_missing_is_told(tmp_path: Path):
 
 @pytest.mark.release
 def test_the_examples_of_plugins_have_no_error_and_no_physics_is_imported(tmp_path: Path):
-    for example in ("own_stack", "own_planner"):
-        install_project(tmp_path / "site", EXAMPLES / example)
-    made_by("own_planner", "copy_study", tmp_path / "straight", ROOT)
-    _without_grids(tmp_path / "straight")
-    done = call(tmp_path / "site", "-c", PROGRAM, EXAMPLES / "own_stack" / "study", tmp_path / "straight", cwd=tmp_path)
+    assert CliRunner().invoke(main, ["new", str(tmp_path / "straight"), "--planner"]).exit_code == 0
+    for package in (EXAMPLES / "own_stack", tmp_path / "straight"):
+        install_project(tmp_path / "site", package)
+    study = tmp_path / "straight" / "study"
+    shutil.rmtree(study / "sim" / "grids")
+    done = call(tmp_path / "site", "-c", PROGRAM, EXAMPLES / "own_stack" / "study", study, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert [line for line in done.stdout.splitlines() if ": error: " in line] == []
 

@@ -1,4 +1,4 @@
-"""The example of another planner in the reference stack: installed, and flown in the reference study."""
+"""A planner of one's own in the reference stack: written by `new --planner`, installed, checked and flown."""
 
 from __future__ import annotations
 
@@ -6,44 +6,38 @@ import re
 from pathlib import Path
 
 import pytest
-from processes import ROOT, call, install_project, printed
+from printed import run
+from processes import install_project, printed
 
-EXAMPLE = ROOT / "examples" / "own_planner"
-WATCH = """
-from scaloft_fi.api import Study
-from scaloft_fi.sim.flight import fly
-from scaloft_fi.stack.declaration import PlainWire
-
-study = Study.open(".")
-log = fly(study.sim, study.grid.situation("T0O1W0D0H0"), 0, PlainWire(), study.stack)
-print("flown", log.ending.value, round(max(log.signals["y_m"]), 1), repr(log.stack_error))
-"""
+MOST_LINES = 40
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("work") / "straight"
+    assert run("new", folder, "--planner") == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def site(package: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
-    install_project(folder, EXAMPLE)
+    install_project(folder, package)
     return folder
 
 
-@pytest.fixture(scope="module")
-def study(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("planner") / "study"
-    printed(EXAMPLE / "copy_study.py", folder, site=site)
-    return folder
+def test_the_planner_and_its_stack_are_at_most_forty_lines(package: Path):
+    assert len((package / "straight" / "stack.py").read_text().splitlines()) <= MOST_LINES
 
 
-@pytest.mark.release
-def test_the_catalogue_of_the_reference_study_serves_it(site: Path, study: Path):
-    printed("-m", "scaloft_fi", "mutants", "--check", "--study", study, site=site, cwd=study)
+def test_the_catalogue_of_the_reference_study_serves_it(site: Path, package: Path):
+    printed("-m", "scaloft_fi", "mutants", "--check", "--study", "study", site=site, cwd=package)
 
 
 @pytest.mark.release
 @pytest.mark.flight
-def test_it_stops_before_the_obstacle_on_the_straight_line(site: Path, study: Path):
-    done = call(site, "-c", WATCH, cwd=study)
-    flown = re.search(r"flown (\w+) ([\d.]+) ''", done.stdout)
-    assert flown, done.stdout + done.stderr
-    assert flown[1] == "timed_out"
-    assert 3.0 < float(flown[2]) < 4.5
+def test_its_tests_pass_and_its_first_run_shows_a_late_person(site: Path, package: Path):
+    printed("-m", "pytest", "-q", "-p", "no:cacheprovider", site=site, cwd=package)
+    words = ("--study", "study", "--mutant", "LATE-human", "--situation", "T0O0*", "--quiet")
+    screen = printed("-m", "scaloft_fi", "run", *words, site=site, cwd=package)
+    assert re.search(r"LATE-human@3s .*SR2", screen), screen

@@ -1,21 +1,19 @@
-"""A stack named `straight`: the reference stack, but its planner knows only the straight line to the waypoint."""
+"""A stack named `your_plugin`: the reference stack with this planner, which knows only the straight line."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from scaloft_fi.sim.stacks import declare_stack
-from scaloft_fi.stack.reference.declaration import REFERENCE
-from scaloft_fi.stack.reference.planner import LocalPlan, Planner
-from scaloft_fi.stack.reference.stack import ReferenceStack
+from scaloft_fi.api import REFERENCE, LocalPlan, Planner, ReferenceStack, declare_stack
 
 HALF_WIDTH_M, STOP_M = 0.4, 1.2
 
 
-class StraightPlanner(Planner):
+class OwnPlanner(Planner):
     """Flies straight to the waypoint, and stops where an obstacle is near on that line."""
 
     def plan(self, obstacles, target, pose):
+        """The way from here: a direction of length 1, or zeros to wait, and the distance that is left [m]."""
         way = np.array(target) - pose.position
         distance_m = float(np.linalg.norm(way))
         direction = way / distance_m if distance_m > 0.0 else np.zeros(3)
@@ -26,10 +24,10 @@ class StraightPlanner(Planner):
         return LocalPlan(np.zeros(3) if blocked else direction, distance_m, blocked, 0)
 
 
-class StraightStack(ReferenceStack):
+class OwnStack(ReferenceStack):
     """The reference stack with that planner."""
 
-    planner_kind = StraightPlanner
+    planner_kind = OwnPlanner
 
 
-declare_stack(replace(REFERENCE, name="straight", make=StraightStack))
+declare_stack(replace(REFERENCE, name="your_plugin", make=OwnStack))

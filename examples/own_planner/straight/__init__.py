@@ -1,1 +1,0 @@
-"""The reference stack with another planner."""

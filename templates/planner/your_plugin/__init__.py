@@ -1,0 +1,1 @@
+"""The reference stack with a planner of your own."""
