@@ -467,6 +467,7 @@ class OpenCampaign:
         mutants: proposing.MissingMutants = (),
         *,
         seeds: proposing.SeedCount = 3,
+        situations: proposing.SituationCount = 8,
         jobs: Jobs = None,
         progress: Told = False,
     ) -> Answer:
@@ -479,9 +480,12 @@ class OpenCampaign:
             InputError: an argument is not allowed, a mutant was not flown, or the study cannot be flown.
         """
         with in_python():
-            count = int(number(seeds, "seeds", 1, proposing.KEPT))
+            size = proposing.Size(
+                int(number(seeds, "seeds", 1, proposing.KEPT)),
+                int(number(situations, "situations", 1, proposing.MOST_SITUATIONS)),
+            )
             asked, how = several(mutants, "mutants"), progress_of(progress)
-            return proposing.proposed(self._study, self.name, asked, count, _jobs(jobs), how, started_clean).answer
+            return proposing.proposed(self._study, self.name, asked, size, _jobs(jobs), how, started_clean).answer
 
     @described
     def seek(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import click
 
@@ -19,6 +19,7 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.output import write_own
+from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
 from scaloft_fi.verbs.options import Option, Several, several, verb
@@ -26,8 +27,15 @@ from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 
-KEPT = 10
-"""Seeds of the unmutated drone, of the choice and of the test each."""
+KEPT, MOST_SITUATIONS = 10, 10**6
+"""Seeds of the unmutated drone, of the choice and of the test each; no grid has more situations."""
+
+
+class Size(NamedTuple):
+    """Seeds of a mutant in each half, and the most situations in which it flies."""
+
+    seeds: int = 3
+    situations: int = 8
 
 
 @dataclass(frozen=True)
@@ -125,8 +133,13 @@ def _quoted(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
-def sought_in(now: Snapshot, mutants: Sequence[str]) -> list[Sought]:
+def sought_in(now: Snapshot, mutants: Sequence[str], most: int) -> list[Sought]:
     """The mutants, by default those that are put to the test and of which nothing was seen, where they change samples.
+
+    Args:
+        now: the campaign.
+        mutants: ids or patterns.
+        most: most situations of each; where there are more, as many are drawn.
 
     Raises:
         InputError: a mutant is unknown or was not flown, or there is none.
@@ -143,9 +156,15 @@ def sought_in(now: Snapshot, mutants: Sequence[str]) -> list[Sought]:
         raise InputError(f"the campaign {now.name} has no fault that is put to the test and violates nothing")
     found = []
     for mutant in select(chosen, now.study.matrix, now.study.catalogue):
-        keys = tuple(result.situation for result in by_id[mutant.id].results if result.infected)
-        found.append(Sought(mutant.id, mutant, keys))
+        keys = [result.situation for result in by_id[mutant.id].results if result.infected]
+        found.append(Sought(mutant.id, mutant, drawn(mutant.id, keys, most)))
     return found
+
+
+def drawn(subject: str, keys: Sequence[str], most: int) -> tuple[str, ...]:
+    """At most so many of the situations, in their order; the same for the same subject."""
+    kept = set(sorted(keys, key=lambda key: key_words("propose", subject, key))[:most])
+    return tuple(key for key in keys if key in kept)
 
 
 def fresh_seeds(now: Snapshot, count: int) -> Seeds:
@@ -206,6 +225,16 @@ SeedCount = Annotated[
         default=3,
     ),
 ]
+SituationCount = Annotated[
+    int,
+    Option(
+        "Most situations in which a mutant flies, drawn from those where it changes samples.",
+        "--situations",
+        metavar="N",
+        type=click.IntRange(min=1, max=MOST_SITUATIONS),
+        default=8,
+    ),
+]
 Entries = Annotated[
     Path | None,
     Option("Also write the confirmed entries for sim/requirements.yaml into FILE.", "--output", metavar="FILE"),
@@ -221,7 +250,7 @@ Entries = Annotated[
     ),
     sections={
         "Where": "--study --campaign",
-        "How": "--seeds --jobs --untrusted",
+        "How": "--seeds --situations --jobs --untrusted",
         "What is printed": "--output --format --tables --quiet --help",
     },
 )
@@ -231,6 +260,7 @@ def propose_command(
     study_folder: options.StudyFolder,
     campaign: options.Campaign,
     seeds: SeedCount,
+    situations: SituationCount,
     jobs: options.Jobs,
     untrusted: options.Untrusted,
     output: Entries,
@@ -247,9 +277,8 @@ def propose_command(
     options.check_writable(output)
     study = study_of(study_folder, campaign)
     options.allow(study, untrusted=untrusted)
-    told = proposed(
-        study, campaign, several(mutants, "mutants"), seeds, jobs or cores(), Silence() if quiet else Progress()
-    )
+    asked, size = several(mutants, "mutants"), Size(seeds, situations)
+    told = proposed(study, campaign, asked, size, jobs or cores(), Silence() if quiet else Progress())
     if output is not None:
         write_own(output, "".join(one.yaml + "\n" for one in told.proposals if one.confirmed).encode())
     return told.answer
@@ -259,7 +288,7 @@ def proposed(
     study: Study,
     campaign: str,
     mutants: Sequence[str],
-    seeds: int,
+    size: Size,
     jobs: int,
     progress: Progress,
     start: Start = forked,
@@ -272,7 +301,7 @@ def proposed(
     if study.command is not None:
         raise InputError("a simulator that a command starts writes records; `propose` reads logs of the built-in one")
     with snapshot(study, campaign) as now:
-        sought, planned, study = sought_in(now, mutants), fresh_seeds(now, seeds), now.study
+        sought, planned, study = sought_in(now, mutants, size.situations), fresh_seeds(now, size.seeds), now.study
     try:
         return Proposals.of(propose(study, sought, planned, jobs, progress, start))
     finally:

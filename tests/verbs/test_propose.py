@@ -6,13 +6,15 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from printed import of_form, run
 
 import scaloft_fi
 from scaloft_fi.document import load
 from scaloft_fi.judge.requirement import load_requirements
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.propose import fresh_seeds
+from scaloft_fi.verbs.propose import drawn, fresh_seeds
 
 FAULT = "LATE-velcmd@0.5s"
 
@@ -58,6 +60,16 @@ def test_python_proposes_in_new_processes_what_the_verb_proposes(study: Path, ca
     assert found.record()["proposals"] == of_form("propose", capsys.readouterr().out)["proposals"]
 
 
+@given(st.text(max_size=5), st.lists(st.text(max_size=3), unique=True, max_size=9), st.integers(1, 9))
+def test_at_most_so_many_situations_are_drawn_in_their_order_and_always_the_same(
+    subject: str, keys: list[str], most: int
+):
+    found = drawn(subject, keys, most)
+    assert found == drawn(subject, keys, most)
+    assert list(found) == [key for key in keys if key in found]
+    assert len(found) == min(most, len(keys))
+
+
 def test_no_seed_of_the_choice_is_in_the_test_though_the_campaign_flew_few():
     for flown in ([0], [0, 4], [12, 13]):
         now = SimpleNamespace(outcomes=[SimpleNamespace(seed=seed) for seed in flown])
@@ -73,6 +85,7 @@ def test_no_seed_of_the_choice_is_in_the_test_though_the_campaign_flew_few():
         (("LATE-humen",), "did you mean"),
         (("--campaign", "none"), "none"),
         (("--seeds", "0"), "--seeds"),
+        (("--situations", "0"), "--situations"),
     ],
 )
 def test_what_it_cannot_propose_for_is_refused_in_a_sentence(
