@@ -24,22 +24,23 @@ from scaloft_fi.campaign.runs.propose import Sought, propose
 from scaloft_fi.campaign.store.archive import study_of
 from scaloft_fi.output import write_whole
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.propose import PROPOSE, Proposals, fresh_seeds, sought_in
+from scaloft_fi.verbs.propose import PROPOSE, Proposals, drawn, fresh_seeds, sought_in
 from scaloft_fi.verbs.snapshot import snapshot
 
 NAME = "missing_requirements"
 CAMPAIGN = str(PUBLISHED / "reference")
-SEEDS, REDRAWS, APART = 3, 20, 100
-"""Seeds of a subject in each half; redraws of the unmutated drone; the distance of their seeds."""
+SEEDS, SITUATIONS, REDRAWS, APART = 3, 8, 20, 100
+"""Seeds of a subject in each half; its most situations; redraws of the unmutated drone; the distance of their seeds."""
 PARTS = ("survivors", "redraws")
 
 
 def found(jobs: int) -> dict[str, Any]:
     """What is proposed for the survivors of the campaign, and for the redraws."""
     with snapshot(study_of(PUBLISHED.parents[1], CAMPAIGN, None), CAMPAIGN) as now:
-        survivors, seeds, study = sought_in(now, ()), fresh_seeds(now, SEEDS), now.study
+        survivors, seeds, study = sought_in(now, (), SITUATIONS), fresh_seeds(now, SEEDS), now.study
     keys = tuple(situation.key for situation in study.grid.situations)
-    redraws = [Sought(f"redraw {number}", None, keys, APART * number) for number in range(1, REDRAWS + 1)]
+    names = {number: f"redraw {number}" for number in range(1, REDRAWS + 1)}
+    redraws = [Sought(name, None, drawn(name, keys, SITUATIONS), APART * at) for at, name in names.items()]
     told = {}
     for part, sought in zip(PARTS, (survivors, redraws), strict=True):
         progress = Progress()
