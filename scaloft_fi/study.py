@@ -17,7 +17,7 @@ from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.document import Item, digest, is_file, is_there, load, parse_date, read_text
 from scaloft_fi.errors import Faults, InputError, did_you_mean, shown
-from scaloft_fi.hazop.load import find_study, load_matrix
+from scaloft_fi.hazop.load import find_study, is_packaged, load_matrix
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.marks import MOST, Bounds, Examples, Reads, Size
 from scaloft_fi.model import read
@@ -326,7 +326,7 @@ class Study(Setup):
     @property
     def packaged(self) -> bool:
         """Whether this is the study of the installed package, whose folder takes no results."""
-        return self.folder.resolve() == PACKAGE / "_study"
+        return is_packaged(self.folder)
 
     @property
     def results_folder(self) -> Path:

@@ -412,6 +412,11 @@ class Score:
     behaviours: tuple[tuple[str, ...], ...] = ()
 
     @property
+    def faults(self) -> Sequence[MutantScore]:
+        """The mutants that count; where none was flown, all that were."""
+        return self.counted or [mutant for mutant in self.mutants if mutant.flown]
+
+    @property
     def firm(self) -> Ratio:
         """Default mutants detected whichever one seed is left out, of those flown."""
         return Ratio(sum(mutant.firm for mutant in self.counted) if self.pooled else 0, self.mutation_score.whole)

@@ -68,6 +68,11 @@ def reference_study() -> Path:
     raise InputError(f"{_PACKAGE}: the reference study is missing; install scaloft-fi again")
 
 
+def is_packaged(folder: Path) -> bool:
+    """Whether this is the study of the installed package, whose folder takes no results."""
+    return folder.resolve() == _PACKAGE / "_study"
+
+
 def nearest_study(folder: Path | None = None) -> Path | None:
     """The study in a folder (default: the current one), or in the nearest folder above it; None where there is none.
 

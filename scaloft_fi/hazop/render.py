@@ -44,20 +44,33 @@ def tally(matrix: Matrix) -> str:
     return f"{len(matrix.parameters)} parameters x {len(matrix.guidewords)} guidewords = {len(matrix)} cells: {counts}"
 
 
-def grid_table(matrix: Matrix) -> tuple[list[str], list[list[str]]]:
+def grid_table(matrix: Matrix, signs: Mapping[str, str]) -> tuple[list[str], list[list[str]]]:
     """Return header and rows of the grid: a row for each parameter, a column for each guideword."""
-    rows = [[p.id, *(mark(matrix.cells[word.id, p.id]) for word in matrix.guidewords)] for p in matrix.parameters]
+    marks = {cell.name: f"{signs.get(cell.name, '')} {mark(cell)}".lstrip() for cell in matrix}
+    rows = [[p.id, *(marks[f"{word.id}-{p.id}"] for word in matrix.guidewords)] for p in matrix.parameters]
     return ["", *(word.id for word in matrix.guidewords)], rows
 
 
-def grid(matrix: Matrix, columns: int) -> str:
+def grid(matrix: Matrix, columns: int, signs: Mapping[str, str]) -> str:
     """Draw the grid; a grid that is too wide is split into blocks of columns."""
-    header, rows = grid_table(matrix)
+    header, rows = grid_table(matrix, signs)
     for gap in (2, 1):
         lines = aligned([header, *rows], gap)
         if max(map(len, lines)) <= columns:
             return "\n".join(lines)
     return blocks(header, rows, columns)
+
+
+def signs_grid(matrix: Matrix, signs: Mapping[str, str], columns: int) -> list[str]:
+    """The cells that have a sign, by their names, a line for each parameter; guidewords are cut to their room."""
+    shown = [cell for cell in matrix if cell.name in signs]
+    words = [word.id for word in matrix.guidewords if any(cell.guideword == word.id for cell in shown)]
+    names = dict.fromkeys(cell.parameter for cell in shown)
+    room = columns - max(map(len, names), default=0) - 1
+    most = room if len(" ".join(words)) <= room else max(1, room // len(words) - 1)
+    rows = [[name, *(signs.get(f"{word}-{name}", "") for word in words)] for name in names]
+    head, _, *lines = aligned([["", *(word[:most] for word in words)], *rows], 1)
+    return [head, *lines]
 
 
 def blocks(header: Sequence[str], rows: Sequence[Sequence[str]], columns: int) -> str:
@@ -93,10 +106,10 @@ def cells(matrix: Matrix, columns: int) -> str:
     return "\n\n".join(blocks)
 
 
-def overview(matrix: Matrix, columns: int) -> str:
-    """Draw the grid with its legend and counts."""
+def overview(matrix: Matrix, columns: int, signs: Mapping[str, str]) -> str:
+    """Draw the grid with its legend and counts; `signs`: what a campaign says, by the name of the cell."""
     marks = (*LEGEND, TO_DO) if matrix.counts()[CellStatus.TO_DO] else LEGEND
-    return "\n".join([grid(matrix, columns), "", legend(marks, columns), "", wrapped(tally(matrix), columns)])
+    return "\n".join([grid(matrix, columns, signs), "", legend(marks, columns), "", wrapped(tally(matrix), columns)])
 
 
 def legend(entries: Iterable[str], columns: int, at: int = MARK_COLUMNS) -> str:

@@ -208,7 +208,7 @@ class CampaignScore:
         return f"<score of campaign {self._scored.campaign!r}: {self.mutation_score} detected>"
 
     def _repr_html_(self) -> str:
-        return html((*self._scored.screen(whole=False), *self._scored.run))
+        return html((*self._scored.screen.tables, *self._scored.run))
 
 
 def _mutant(mutant: MutantScore) -> Mapping[str, Any]:

@@ -113,8 +113,8 @@ def campaign_status(now: Snapshot) -> CampaignStatus:
     )
 
 
-def status_tables(told: CampaignStatus) -> tuple[Table, ...]:
-    """The same for people."""
+def status_tables(told: CampaignStatus, then: str) -> tuple[Table, ...]:
+    """The same for people; `then`: what to do next, nothing where no flight counts."""
     flights = [
         (f"{BASELINE} {one.status}" if one.subject == "baseline" else _WORDS.get(one.status, one.status), one.flights)
         for one in told.statuses
@@ -126,6 +126,7 @@ def status_tables(told: CampaignStatus) -> tuple[Table, ...]:
         f"{told.subjects} subjects in {told.situations} situations.",
         *([f"{mixture[:1].upper()}{mixture[1:]}."] if mixture else []),
         *_of_archive(told),
+        *([f"What next: {then}"] if then else []),
     )
     table = Table(f"Campaign {told.campaign}", ("flights", "number"), tuple(flights), notes)
     reasons = tuple((one.why, one.flights) for one in told.reasons)
@@ -153,7 +154,8 @@ def status(study: Study, campaign: Campaign) -> Answer:
     """
     with snapshot(study, campaign) as now:
         told = campaign_status(now)
-    return Answer(STATUS, lambda: told, lambda: status_tables(told))
+        then = now.next_step if told.counted else ""
+    return Answer(STATUS, lambda: told, lambda: status_tables(told, then))
 
 
 status_command = verb(

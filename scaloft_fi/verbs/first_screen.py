@@ -1,13 +1,13 @@
-"""The first screen after `run` and `score`, and the tables behind it.
+"""The first screen after `run` and `score`, and what stands behind it with `--all`.
 
-Long groups are cut unless everything is asked for; the other tables stand behind `--all`.
+The first screen has the four answers and every fault: few of them in a table, many as the signs of the matrix.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from scaloft_fi.analysis.coverage import Coverage
@@ -15,20 +15,21 @@ from scaloft_fi.analysis.detection import Firmness, Noise, Verdict
 from scaloft_fi.analysis.pool import LEAST, Pool, SituationBaseline, State, Tally, findings, tallies
 from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import EARLY_S, By, MutantScore, Score, groups
-from scaloft_fi.analysis.survivor import Background, Disposition, score_without
+from scaloft_fi.analysis.survivor import Background, Disposition, backgrounds, score_without
 from scaloft_fi.console import PROSE, Marked, Style, coloured, line, styled, wrapped
 from scaloft_fi.console import width as terminal_width
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.matrix import class_of, worst_first
+from scaloft_fi.hazop.render import signs_grid
 from scaloft_fi.judge.outcome import PLACEBO_ID
 from scaloft_fi.judge.requirement import Compliance, Kind, rho_text
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Rulings, Status
-from scaloft_fi.study import NO_FINDS, KnownFinds
+from scaloft_fi.study import NO_FINDS, KnownFinds, Study
 from scaloft_fi.verbs.situations import coverage_tables
-from scaloft_fi.verbs.verdict import Next, advice, command, effect, flies, in_campaign, next_find, words
+from scaloft_fi.verbs.verdict import Next, advice, in_campaign, next_step, signs_of, with_legend
 from scaloft_fi.views.output import printed_of
-from scaloft_fi.views.table import Format, Table, commands, counted, render
+from scaloft_fi.views.table import Format, Table, body_text, commands, counted, note, render
 
 NOT_COMPARED = (
     "Scores of two studies do not compare: whoever writes easier cells, or fewer hard ones, scores higher.  Compare "
@@ -56,14 +57,11 @@ def answers(
         finds: of the study.
         grid: name of the campaign's grid, where that is a further grid of the study.
     """
-    faults = scored.counted or [mutant for mutant in scored.mutants if mutant.flown]
+    faults = scored.faults
     told = (
         (_shown(scored, faults), _not_shown(faults), _how_sure(scored, faults)) if scored.pooled else _no_pool(faults)
     )
-    follows = _found(faults, campaign, finds, grid)
-    if scored.lacking or not follows:
-        follows = _next(scored, faults, campaign, roster.defaults.values())
-    return tuple(map(Line, NAMES, (*told, follows)))
+    return tuple(map(Line, NAMES, (*told, next_step(scored, roster, campaign, finds, grid))))
 
 
 def _shown(scored: Score, faults: Sequence[MutantScore]) -> str:
@@ -72,9 +70,9 @@ def _shown(scored: Score, faults: Sequence[MutantScore]) -> str:
     safety = Ratio(sum(mutant.detected for mutant in faults), len(faults))
     operability = sum(mutant.operability.detected for mutant in faults)
     either = sum(mutant.detected or mutant.operability.detected for mutant in faults)
-    shown = f"{_of(safety)} would have been shown by your safety requirements{_firmly(faults)}"
+    shown = f"{_of(safety)} by safety requirements{_firmly(faults)}"
     if operability:
-        shown += f".  By operability {operability}, by either {either}"
+        shown += f"; operability {operability}, either {either}"
     if found := len(scored.selected):
         were = "situation was" if found == 1 else "situations were"
         return f"{shown}.  Selected: {found} {were} found by a search for faults that were not shown."
@@ -99,8 +97,8 @@ def _not_shown(faults: Sequence[MutantScore]) -> str:
     idle = sum(mutant.without_effect for mutant in faults)
     fates = Counter(mutant.verdict for mutant in faults if not mutant.without_effect)
     parts = {
-        Verdict.NOT_DETECTED: "put to the test, and nothing was seen",
-        Verdict.UNDECIDED: "undecided: something was seen, or too few flights were flown",
+        Verdict.NOT_DETECTED: "put to the test, nothing seen",
+        Verdict.UNDECIDED: "undecided: seen or flown too seldom",
         Verdict.NOT_TESTED: "never put to the test",
     }
     counts = [f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict]]
@@ -118,10 +116,8 @@ def _how_sure(scored: Score, faults: Sequence[MutantScore]) -> str:
     flown = {pair.flights for pair in scored.pool.pairs.values() if pair.flights >= LEAST}
     seeds = max((result.flown for mutant in faults for result in mutant.results), default=0)
     beside = f"{min(flown)}" + (f" to {max(flown)}" if len(flown) > 1 else "") if flown else "0"
-    sure += f"  {counted(seeds, 'seed')} beside {beside} baseline flights a situation"
-    if any(mutant.detected for mutant in faults):
-        sure += "; firm: shown whichever one seed is left out"
-    return f"{sure}."
+    sure += f"  {counted(seeds, 'seed')} beside {beside} baseline flights a situation."
+    return sure + "  Firm: whichever one seed is left out." * any(mutant.detected for mutant in faults)
 
 
 def false_detections(alpha: float, tested: int) -> str:
@@ -131,8 +127,8 @@ def false_detections(alpha: float, tested: int) -> str:
     if tested == 1:
         return f"A fault without effect would be called shown with a probability of {alpha:g} at most."
     return (
-        f"If none of the {tested} faults put to the test had any effect, {alpha * tested:.2g} at most would still be "
-        f"called shown, on average ({alpha:g} x {tested}); as mutants share seeds, then several at once."
+        f"If none of the {tested} faults put to the test had any effect, {alpha * tested:.2g} at most would be called "
+        f"shown, on average ({alpha:g} x {tested}).  As mutants share seeds, then several at once."
     )
 
 
@@ -146,42 +142,6 @@ def _no_pool(faults: Sequence[MutantScore]) -> tuple[str, str, str]:
         "not known: without a baseline pool a fault cannot be told from chance.",
         f"not at all: {LEAST} baseline flights in each situation where a mutant infects would show what chance does.",
     )
-
-
-def _next(scored: Score, faults: Sequence[MutantScore], campaign: str, defaults: Collection[str]) -> str:
-    if scored.lacking:
-        seeds = max((result.flown for mutant in faults for result in mutant.results), default=1)
-        flies = command(campaign, faults, seeds, defaults)
-        return f"`{flies}` flies the baseline pool that is missing in {counted(len(scored.lacking), 'situation')}."
-    undecided = [mutant for mutant in faults if mutant.verdict is Verdict.UNDECIDED]
-    looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
-    if looks:
-        most = max(mutant.safety.needed or 0 for mutant in looks)
-        flies = command(campaign, looks, most, defaults)
-        return f"`{flies}` would decide {len(looks)} of the {len(undecided)} undecided."
-    silent = [mutant for mutant in faults if not mutant.detected]
-    if silent:
-        survivors = f"`scaloft-fi kills{in_campaign(campaign)} --show survivors`"
-        return f"{survivors} says of each fault not shown where it stopped, and what to change."
-    if faults:
-        margin = f"`scaloft-fi margin{in_campaign(campaign)} {faults[0].subject.id}`"
-        return f"{margin} finds the smallest magnitude that is still shown."
-    return "`scaloft-fi run --mutant ID` flies a mutant; `scaloft-fi mutants` lists them."
-
-
-def _found(faults: Sequence[MutantScore], campaign: str, known: KnownFinds, grid: str) -> str:
-    """The command that flies the find of the first fault that has one; empty where none has."""
-    finds = [(mutant.subject.id, find) for mutant in faults if (find := next_find(mutant, known))]
-    if not finds:
-        return ""
-    (mutant, find), *others = finds
-    flown = f"`{flies(find, mutant, known, campaign, grid)}`"
-    shows = f"{flown} flies the situation that a search found for it: {words(find)} ({effect(find.shows[mutant])})."
-    if not others:
-        return shows
-    survivors = f"`scaloft-fi kills{in_campaign(campaign)} --show survivors`"
-    more = "1 more fault has a find" if len(others) == 1 else f"{len(others)} more faults have a find"
-    return f"{shows}  {more}: {survivors}."
 
 
 def _of(ratio: Ratio) -> str:
@@ -398,41 +358,35 @@ def group_table(scored: Score, by: By, space: Space) -> Table:
     return Table(f"Score by {by.value}", (by.value, f"{what}/tested", f"{what}/flown"), rows, notes)
 
 
-MANY_SHOWN, SHOWN = 12, 10
-"""Of a group of more mutants than `MANY` the first `SHOWN` are shown."""
+MOST_ROWS = 8
+"""More faults than these stand on the first screen as the signs of the matrix, or are counted."""
 WIDEST = 24
 """Longest condition that a row shows."""
 TITLE = "Would your tests have shown it?"
-COLUMNS = {
-    Verdict.DETECTED: ("killed in", "firm", "by", "where", "first", "effect"),
-    Verdict.UNDECIDED: ("seen", "where", "first", "effect", "next"),
-    Verdict.NOT_DETECTED: ("tested in", "effect", "next"),
-    Verdict.NOT_TESTED: ("effect", "next"),
-}
-"""The columns of each group of mutants."""
 SEVERITY = "severity"
-"""Column of the groups of survivors in a study with classes; the worst class stands first."""
-SPARE = ("where", "by", "seen", "first")
+"""Column of a study with classes of severity."""
+COLUMNS = ("verdict", SEVERITY, "killed in", "firm", "by", "where", "first", "effect", "next")
+"""The columns of a table of mutants, of which those are left out that have no value."""
+ONLY_WHOLE = ("first", "next")
+"""Those that the first screen leaves to `--all`."""
+SPARE = ("where", "by", "first")
 """The columns that a narrow terminal does without, in the order in which they are left out."""
 CONTROL_COLUMNS = ("shows itself by", "effect")
-LEGEND = (
-    (
-        "killed in: situations where most flights of a detected fault violate a requirement, of those that test it "
-        "(it changes samples, nine in ten unmutated flights hold).  no kill: violated here and there."
-    ),
-    "firm: detected whichever one seed is left out; pool: of the baseline's alone.  by: per requirement.",
-    "where: `mixed`: see `scaloft-fi kills ID`.  first: earliest such violation [s from take-off].",
-    "next: seeds that decide (`run --mutant ID --seeds N`; anew: its own campaign); detected: `margin`.",
-)
 NO_KILL = "no kill"
 """Of a detected mutant without a situation where most of its flights violate."""
-WITH_FIND = (
-    *LEGEND[:-1],
-    "next: `run --mutant ID --seeds N` (anew: its own campaign); find: `kills ID --show survivors`.",
-)
-"""The legend where a row tells of a find."""
-NAMES_BESIDE = 70
-"""A narrower terminal has the name of an answer above it, not beside it [characters]."""
+MIXED = "mixed"
+"""Of a condition that is longer than `WIDEST`."""
+LEGEND = {
+    "killed in": "situations where most flights violate a requirement, of those that test the fault.",
+    NO_KILL: "it violates here and there, more often than chance explains.",
+    "pool": "by the baseline's seeds alone, as the mutant flew one.",
+    "by": "situations per requirement.",
+    MIXED: "`scaloft-fi kills ID` says where.",
+    "first": "earliest such violation [s from take-off].",
+    "--seeds": "so many decide, by `run --mutant ID`; anew: in a campaign of its own.",
+    SHORT[Next.FIND]: "`scaloft-fi kills ID --show survivors` has the command.",
+}
+"""What the words of a table say that its reader may not know; the legend has those that are shown."""
 FIRM = {Firmness.FIRM: "yes", Firmness.FIRM_BY_POOL: "pool", Firmness.HANGS: "no", Firmness.TOO_FEW: "too few seeds"}
 _STOPPED = {
     Status.INVALID: "the harness failed",
@@ -445,103 +399,124 @@ _STOPPED = {
 }
 
 
-def first_screen(
-    scored: Score,
-    roster: Roster,
-    space: Space,
-    covered: Coverage,
-    background: Callable[[str], Background | None],
-    *,
-    campaign: str = CAMPAIGN,
-    finds: KnownFinds = NO_FINDS,
-    noise: Sequence[Noise] = (),
-    accepted: Sequence[Disposition] = (),
-    whole: bool = False,
-) -> tuple[Table, ...]:
-    """The screen as tables: the answers, a table a group, and the two lines.
+@dataclass(frozen=True)
+class Screen:
+    """What a campaign's flights say, on the first screen or whole.
 
-    Args:
+    Attributes:
+        study: with the grid of the campaign.
         scored: the campaign's score.
-        roster: which mutants count.
-        space: the grid.
         covered: its situation coverage.
-        background: of the mutant with an id; None where nothing is known of it.
         campaign: its name, for the commands.
-        finds: of the study.
         noise: of a stack that is not deterministic.
         accepted: the survivors that somebody accepted.
-        whole: whether groups are shown to their ends.
     """
-    replies = answers(scored, roster, campaign, finds, space.grid)
-    lines = [Line("Situations", coverage_line(covered)), Line("Unmutated drone", baseline_line(scored.pool))]
-    lines += [Line("Accepted", accepted_line(scored, accepted))] if accepted else []
-    lines += [Line("Noise", noise_line(noise))] if noise else []
-    in_score = Counter(mutant.verdict for mutant in scored.counted)
-    groups = []
-    for verdict in Verdict:
-        members = [mutant for mutant in scored.mutants if mutant.flown and mutant.verdict is verdict]
-        columns = COLUMNS[verdict]
-        if verdict is Verdict.DETECTED:
-            members.sort(key=lambda mutant: -len(mutant.killing))
-        else:
-            members = worst_first(members, lambda mutant: mutant.severity)
-            columns = (SEVERITY, *columns) if any(mutant.severity for mutant in members) else columns
-        shown = _cut(members, whole=whole)
-        facts = [_facts(mutant, scored, space, background(mutant.subject.id), finds) for mutant in shown]
-        rows = [(one["mutant"], *(one[column] for column in columns)) for one in facts]
-        title = f"{verdict.words.capitalize()}: {len(members)}"
-        title += f", of which {in_score[verdict]} count in the score" * (in_score[verdict] != len(members))
-        same = sum(mutant.without_effect for mutant in members) if verdict is Verdict.UNDECIDED else 0
-        title += f"; {same} {'fly' if same > 1 else 'flies'} the same to the bit" if same else ""
-        groups.append(_group(title, columns, rows, len(members)))
-    controls = [_control(mutant) for mutant in _cut(scored.controls, whole=whole)]
-    showing = sum(map(_shows, scored.controls))
-    title = f"Controls, in no ratio: {showing} of {len(scored.controls)} show that faults reach the drone"
-    groups.append(_group(title, CONTROL_COLUMNS, controls, len(scored.controls)))
-    groups = [group for group in groups if group.rows]
-    if groups:
-        found = any(row[-1] == SHORT[Next.FIND] for group in groups for row in group.rows)
-        groups[-1] = replace(groups[-1], notes=(*groups[-1].notes, "", *(WITH_FIND if found else LEGEND)))
-    return (
-        Table(TITLE, ("question", "answer"), tuple(replies)),
-        *groups,
-        Table("Besides", ("what", "finding"), tuple(lines)),
-    )
+
+    study: Study
+    scored: Score
+    covered: Coverage
+    campaign: str = CAMPAIGN
+    noise: Sequence[Noise] = ()
+    accepted: Sequence[Disposition] = ()
+
+    @property
+    def answers(self) -> Table:
+        """The four answers."""
+        study = self.study
+        replies = answers(self.scored, study.roster, self.campaign, study.finds, study.space.grid)
+        return Table(TITLE, ("question", "answer"), replies)
+
+    @property
+    def tables(self) -> tuple[Table, ...]:
+        """The answers, a table a group of mutants, and further findings."""
+        scored, groups = self.scored, []
+        in_score = Counter(mutant.verdict for mutant in scored.counted)
+        for verdict in Verdict:
+            members = [mutant for mutant in scored.mutants if mutant.flown and mutant.verdict is verdict]
+            by_kills = sorted(members, key=lambda mutant: -len(mutant.killing))
+            title = f"{verdict.words.capitalize()}: {len(members)}"
+            title += f", of which {in_score[verdict]} count in the score" * (in_score[verdict] != len(members))
+            groups.append(self._table(title, worst_first(by_kills, lambda mutant: mutant.severity), ("verdict",)))
+        controls = tuple(map(_control, scored.controls))
+        groups.append(Table(f"Controls, in no ratio: {self._controls}", ("mutant", *CONTROL_COLUMNS), controls))
+        groups = [group for group in groups if group.rows]
+        if groups:
+            groups[-1] = replace(groups[-1], notes=("", legend(groups)))
+        lines = [Line("Situations", coverage_line(self.covered)), Line("Unmutated drone", baseline_line(scored.pool))]
+        lines += [Line("Noise", noise_line(self.noise))] if self.noise else []
+        return (self.answers, *groups, Table("Besides", ("what", "finding"), (*lines, *self._accepted)))
+
+    def text(self, *, whole: bool, width: int | None = None, marked: bool | None = None) -> str:
+        """The screen as a terminal shows it: answers and findings as lines, the mutants between them.
+
+        Args:
+            whole: whether every mutant is shown with all that is known of it, not only the first screen.
+            width: of the terminal [characters]; that of standard output when None.
+            marked: whether the text has colours; as standard output has them when None.
+        """
+        columns = terminal_width() if width is None else width
+        colours = coloured() if marked is None else marked
+        first, *groups, last = self.tables if whole else (self.answers, Table("", (), tuple(self._below)))
+        parts = [render([table], Format.TABLE, width=columns, marked=colours) for table in groups]
+        parts = parts if whole else self._faults(columns, marked=colours)
+        text = "\n".join([_lines(first, columns, marked=colours), *parts, _lines(last, columns, marked=colours)])
+        return Marked(text) if colours else text
+
+    def _faults(self, columns: int, *, marked: bool) -> list[str]:
+        """The faults on the first screen: their signs, or a table of them with its legend; nothing without any."""
+        if len(self.scored.counted) > MOST_ROWS:
+            signs = signs_of(self.scored)
+            grid = "\n".join(signs_grid(self.study.matrix, signs, columns))
+            return [with_legend(grid, signs, columns, marked=marked) + "\n"]
+        flown = worst_first([each for each in self.scored.mutants if each.flown], lambda mutant: mutant.severity)
+        shown = self._table("", sorted(flown, key=lambda mutant: mutant.detected)[:MOST_ROWS], ONLY_WHOLE)
+        rows = [[str(cell) for cell in row] for row in shown.rows]
+        body = body_text(shown.headers, rows, columns, shown.spare, marked=marked) if rows else ""
+        return ["\n".join(filter(None, [body, note(legend([shown]), columns, marked=marked)])) + "\n"] if rows else []
+
+    @property
+    def _below(self) -> Iterator[Line]:
+        """What stands below the faults on the first screen."""
+        if self.covered.situations.part < self.covered.situations.whole:
+            yield Line("Situations", coverage_line(self.covered))
+        if self.scored.controls:
+            yield Line("Controls", f"{self._controls}.")
+        yield from (Line("Unmutated drone", told) for told in mostly_red(self.scored.pool))
+        yield from self._accepted
+        everything = f"`scaloft-fi score{in_campaign(self.campaign)} --all`"
+        yield Line("More", f"{everything}: what next for each fault, controls, coverage, baseline.")
+
+    @property
+    def _accepted(self) -> list[Line]:
+        return [Line("Accepted", accepted_line(self.scored, self.accepted))] if self.accepted else []
+
+    @property
+    def _controls(self) -> str:
+        controls = self.scored.controls
+        return f"{sum(map(_shows, controls))} of {len(controls)} show that faults reach the drone"
+
+    def _table(self, title: str, members: Sequence[MutantScore], without: Sequence[str]) -> Table:
+        facts = [_facts(mutant, self.scored, self.study) for mutant in members]
+        columns = [each for each in COLUMNS if each not in without and any(one[each] for one in facts)]
+        rows = tuple((mutant.id, *map(one.get, columns)) for mutant, one in zip(members, facts, strict=True))
+        return Table(title, ("mutant", *columns), rows, spare=tuple(each for each in SPARE if each in columns))
 
 
-def screen_text(screen: Sequence[Table], *, width: int | None = None, marked: bool | None = None) -> str:
-    """The screen as a terminal shows it: answers and findings as lines, the groups as tables between them.
-
-    Args:
-        screen: of a score.
-        width: of the terminal [characters]; that of standard output when None.
-        marked: whether the text has colours; as standard output has them when None.
-    """
-    columns = terminal_width() if width is None else width
-    colours = coloured() if marked is None else marked
-    first, *groups, last = screen
-    parts = [render([table], Format.TABLE, width=columns, marked=colours) for table in groups]
-    text = "\n".join([_lines(first, columns, marked=colours), *parts, _lines(last, columns, marked=colours)])
-    return Marked(text) if colours else text
+def legend(tables: Sequence[Table]) -> str:
+    """What the words of these tables say, of those that they show."""
+    shown = {str(cell) for table in tables for row in (table.headers, *table.rows) for cell in row}
+    words = shown | {cell.partition(" ")[0] for cell in shown}
+    return "  ".join(f"{word}: {meaning}" for word, meaning in LEGEND.items() if word in words)
 
 
 def _lines(table: Table, width: int, *, marked: bool) -> str:
     """A table of two columns as lines: the first column is what the others are indented by."""
-    wide = max(len(str(name)) for name, _ in table.rows) + 2
-    lines = []
+    wide, lines = max(len(str(name)) for name, _ in table.rows) + 2, []
     for name, text in table.rows:
-        head = styled(str(name), Style.STRONG) if marked else str(name)
-        if width < NAMES_BESIDE:
-            lines.append(f"{head}\n{_wrapped(str(text), width, 2, marked=marked)}\n")
-        else:
-            gap = " " * (wide - len(str(name)))
-            lines.append(f"{head}{gap}{_wrapped(str(text), width, wide, marked=marked).lstrip()}\n")
+        head, blanks = styled(str(name), Style.STRONG) if marked else str(name), " " * wide
+        shown = wrapped(line(str(text)), min(width, PROSE), blanks, blanks)
+        lines.append(f"{head}{blanks[len(str(name)) :]}{commands(shown.lstrip(), marked=marked)}\n")
     return "".join(lines)
-
-
-def _wrapped(text: str, width: int, indent: int, *, marked: bool) -> str:
-    blanks = " " * indent
-    return commands(wrapped(line(text), min(width, PROSE), blanks, blanks), marked=marked)
 
 
 def coverage_line(covered: Coverage) -> str:
@@ -579,34 +554,22 @@ def mostly_red(pool: Pool) -> list[str]:
     return sentences
 
 
-def _cut(members: Sequence[MutantScore], *, whole: bool) -> Sequence[MutantScore]:
-    return members if whole or len(members) <= MANY_SHOWN else members[:SHOWN]
-
-
-def _group(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]], members: int) -> Table:
-    """A group's table; its note counts the members that are not shown."""
-    notes = (f"... and {members - len(rows)} more: `scaloft-fi score --all`",) if len(rows) < members else ()
-    return Table(title, ("mutant", *columns), tuple(rows), notes, tuple(each for each in SPARE if each in columns))
-
-
-def _facts(
-    mutant: MutantScore, scored: Score, space: Space, background: Background | None, finds: KnownFinds
-) -> dict[str, str]:
-    where = mutant.condition(space)
+def _facts(mutant: MutantScore, scored: Score, study: Study) -> dict[str, str]:
+    where, rate = mutant.condition(study.space), mutant.kill_rate
     seen = Counter(name for result in mutant.results for name in result.seen)
+    killed = [f"{name} {ratio.short}" for name, ratio in mutant.requirements if name in mutant.safety.p]
+    background = backgrounds(study.matrix, [mutant.id])[mutant.id]
+    steps = () if mutant.detected else advice(mutant, scored, background, study.finds).steps
     return {
-        "mutant": mutant.subject.id,
+        "verdict": mutant.verdict.words,
         SEVERITY: class_of(mutant.severity),
-        "killed in": mutant.kill_rate.short if mutant.kills else NO_KILL,
+        "killed in": NO_KILL if mutant.detected and not mutant.kills else rate.short * mutant.tested,
         "firm": FIRM[mutant.firmness] if mutant.firmness else "",
-        "by": ", ".join(f"{name} {ratio.short}" for name, ratio in mutant.requirements if name in mutant.safety.p)
-        or ", ".join(mutant.safety.by),
-        "seen": ", ".join(f"{name} in {count}/{mutant.kill_rate.whole}" for name, count in seen.items()),
-        "tested in": str(mutant.kill_rate.whole),
-        "where": where if len(where) <= WIDEST else "mixed",
+        "by": ", ".join(killed or mutant.safety.by or (f"{name} seen in {k}/{rate.whole}" for name, k in seen.items())),
+        "where": where if len(where) <= WIDEST else MIXED,
         "first": f"{mutant.first.t_s:.1f}" if mutant.first else "",
         "effect": _effect(mutant),
-        "next": short_step(mutant, advice(mutant, scored, background, finds).steps, background),
+        "next": short_step(mutant, steps, background),
     }
 
 

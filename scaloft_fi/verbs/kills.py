@@ -184,8 +184,8 @@ def survivor_table(listed: Sequence[Survivor]) -> Table:
     return Table("Survivors", headers, rows, (_STOPPED, _STEADY, _WAY))
 
 
-def survivor_summary(listed: Sequence[Survivor]) -> Table:
-    """How many survivors have which verdict and stopped where, by what to do next."""
+def survivor_summary(listed: Sequence[Survivor], then: str) -> Table:
+    """How many survivors have which verdict and stopped where, by what to do next; `then`: the step of the campaign."""
     groups = defaultdict[tuple[Stage, Verdict, Next], list[str]](list)
     for entry in listed:
         groups[entry.stage, entry.verdict, entry.next].append(entry.mutant)
@@ -194,7 +194,7 @@ def survivor_summary(listed: Sequence[Survivor]) -> Table:
         for stage, verdict, then in product(Stage, Verdict, Next)
         if (ids := groups.get((stage, verdict, then)))
     )
-    notes = (_STOPPED, "`--show survivors` says of each why, and what to do.")
+    notes = (_STOPPED, "`--show survivors` says of each why, and what to do.", f"What next: {then}")
     return Table("Survivors", ("verdict", "stopped at", "next", "mutants", "which"), rows, notes)
 
 
@@ -278,6 +278,7 @@ def kills(
         study = now.study
         matrix, stale = _chosen(now, patterns), now.stale
         cases = _survivors(now, matrix) if "survivors" in wanted else None
+        then = now.next_step
     found = suites.interactions(matrix) if "conditions" in wanted else None
     graph = suites.subsumption(matrix.kill_sets(by_requirement)) if "subsumption" in wanted else None
     told = CampaignKills(
@@ -295,7 +296,7 @@ def kills(
     return Answer(
         KILLS,
         lambda: told,
-        lambda: _tables(told, short=not show),
+        lambda: _tables(told, then, short=not show),
         rows=PARTS[show[0]] if len(show) == 1 else "",
         warnings=(*stale.sentences, *(study.finds.warnings if "survivors" in wanted else ())),
     )
@@ -328,8 +329,8 @@ def _survivors(now: Snapshot, matrix: KillMatrix) -> tuple[Survivor, ...]:
     return survivors(tracked, now.score, matrix, known, units, now.name, now.study.finds)
 
 
-def _tables(told: CampaignKills, *, short: bool) -> list[Table]:
-    """A table for each part that was asked for, but none for redundancies where there are none."""
+def _tables(told: CampaignKills, then: str, *, short: bool) -> list[Table]:
+    """A table for each part that was asked for, but none for redundancies where there are none; `then`: what next."""
     made: dict[str, Callable[[Any], Table]] = {
         "chosen": chosen_table,
         "conditions": interaction_table,
@@ -341,7 +342,8 @@ def _tables(told: CampaignKills, *, short: bool) -> list[Table]:
     }
     parts = {name: getattr(told, name) for name in made if getattr(told, name) is not None}
     shown = [made[name](part) for name, part in parts.items() if part or name != "redundancies"]
-    last = [] if told.survivors is None else [(survivor_summary if short else survivor_table)(told.survivors)]
+    listed = told.survivors
+    last = [] if listed is None else [survivor_summary(listed, then) if short else survivor_table(listed)]
     return [*with_detected(shown, told.matrix), *last]
 
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import click
 
-from scaloft_fi.console import tell, width, wrapped
+from scaloft_fi.console import coloured, joined, printable, tell, width, wrapped
+from scaloft_fi.defaults import CAMPAIGN
+from scaloft_fi.document import is_folder
+from scaloft_fi.errors import InputError
 from scaloft_fi.hazop import render
-from scaloft_fi.hazop.load import find_study, load_matrix
+from scaloft_fi.hazop.load import find_study, is_packaged, load_matrix
 from scaloft_fi.hazop.matrix import Cell, Matrix
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import Campaign, Operability, Option, StudyFolder, TableFormat, verb
@@ -72,6 +76,8 @@ def matrix_command(
         tell(_json(shown))
     elif chosen:
         tell(f"{_one(matrix, chosen, style, study_folder)}\n")
+    elif style == "table":
+        tell(_pictured(shown, _signs(study_folder, campaign), grid_only=grid_only))
     else:
         tell(f"{_grid(shown, style) if grid_only else _all(shown, style)}\n")
 
@@ -90,19 +96,45 @@ def _with_events(matrix: Matrix, study_folder: Path | None) -> Matrix:
     return _opened(study_folder).matrix
 
 
+def _signs(study_folder: Path | None, campaign: str) -> Mapping[str, str]:
+    """The sign of each cell of which a campaign flew the default mutant; none where no campaign was flown.
+
+    Raises:
+        InputError: another campaign than the default one does not exist, or holds no flight that counts.
+    """
+    study = find_study(study_folder)
+    results = (Path() if is_packaged(study) else study) / "results"
+    if campaign == CAMPAIGN and not is_folder(results / "campaigns" / campaign):
+        return {}
+    from scaloft_fi.verbs.snapshot import snapshot
+    from scaloft_fi.verbs.verdict import signs_of
+
+    allowed = suppress(InputError) if campaign == CAMPAIGN else nullcontext()
+    with allowed, snapshot(_opened(study_folder), campaign) as now:
+        return signs_of(now.score)
+    return {}
+
+
+def _pictured(matrix: Matrix, signs: Mapping[str, str], *, grid_only: bool) -> str:
+    """The matrix for a terminal, with the signs of a campaign if there is one."""
+    grid = printable(render.overview(matrix, width(), signs))
+    if signs:
+        from scaloft_fi.verbs.verdict import with_legend
+
+        grid = with_legend(grid, signs, width(), marked=coloured())
+    hint = f"one cell whole: `scaloft-fi matrix --cell {next(iter(matrix)).name}`; the grid alone: `--grid`"
+    rest = ["", printable(render.cells(matrix, width())), "", wrapped(hint, width())]
+    return joined([grid, *([] if grid_only else rest), ""])
+
+
 def _all(matrix: Matrix, style: str) -> str:
-    if style == "table":
-        hint = f"one cell whole: `scaloft-fi matrix --cell {next(iter(matrix)).name}`; the grid alone: `--grid`"
-        return "\n\n".join([render.overview(matrix, width()), render.cells(matrix, width()), wrapped(hint, width())])
     if style == "csv":
         return _tabulated(render.HEADER, render.rows(matrix), style)
     return _tabulated(render.SHORT_HEADER, render.short_rows(matrix), style)
 
 
 def _grid(matrix: Matrix, style: str) -> str:
-    if style == "table":
-        return render.overview(matrix, width())
-    header, lines = render.grid_table(matrix)
+    header, lines = render.grid_table(matrix, {})
     return _tabulated(["parameter", *header[1:]], lines, style)
 
 

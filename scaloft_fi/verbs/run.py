@@ -181,7 +181,7 @@ def run_command(
     study = archive.study_of(study_folder, campaign, grid)
     planned = request.planned_run(study, asked)
     options.allow(study, untrusted=untrusted)
-    shown = progress.Silence() if quiet else progress.Progress(tally=score.detected_so_far)
+    shown = progress.Silence() if quiet else progress.Progress(tally=score.shown_so_far)
     flown = request.fly(planned, archive.campaign_folder(study, campaign), run_options, progress=shown)
     scored = score.scored_run(flown, campaign)
     return score.report(scored, score.RUN, everything=everything, style=style, tables=tables_folder, bars=bars)

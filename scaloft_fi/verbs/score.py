@@ -17,19 +17,21 @@ from scaloft_fi.analysis.detection import Look, Noise, Spending, Verdict, noise_
 from scaloft_fi.analysis.pool import Pair, SituationBaseline, findings
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import By, Group, Score, groups, score_of
-from scaloft_fi.analysis.survivor import Disposition, accepted_survivors, backgrounds, score_without
+from scaloft_fi.analysis.survivor import Disposition, accepted_survivors, score_without
 from scaloft_fi.campaign.store.archive import borrowed
-from scaloft_fi.console import joined, say, width, wrapped
+from scaloft_fi.console import joined, say, width
 from scaloft_fi.errors import ExitCode, InputError
 from scaloft_fi.hazop.matrix import CellStatus
+from scaloft_fi.hazop.render import signs_grid
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import options
 from scaloft_fi.verbs.dispositions import ratchet
-from scaloft_fi.verbs.first_screen import first_screen, group_table, screen_text, tables_behind
+from scaloft_fi.verbs.first_screen import Screen, group_table, tables_behind
 from scaloft_fi.verbs.options import Option, answer, verb
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
+from scaloft_fi.verbs.verdict import signs_of
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Format, Table, counted, render
 
@@ -194,20 +196,10 @@ class ScoredFlights:
         draft = f"{counted(to_do, 'cell')} of the matrix to do: without a mutant, and in no ratio" if to_do else ""
         return (*filter(None, [self.warning, unread, draft]), *self.stale.sentences, *self.study.finds.warnings)
 
-    def screen(self, *, whole: bool) -> tuple[Table, ...]:
-        """The first screen as tables; `whole`: long groups are shown to their ends."""
-        return first_screen(
-            self.score,
-            self.study.roster,
-            self.study.space,
-            self.coverage,
-            lambda mutant: backgrounds(self.study.matrix, [mutant])[mutant],
-            campaign=self.campaign,
-            finds=self.study.finds,
-            noise=self.noise,
-            accepted=self.accepted,
-            whole=whole,
-        )
+    @property
+    def screen(self) -> Screen:
+        """What the flights say, on the first screen or whole."""
+        return Screen(self.study, self.score, self.coverage, self.campaign, self.noise, self.accepted)
 
     def text(self, how: Format, *, everything: bool = False) -> str:
         """The score as text.
@@ -216,15 +208,14 @@ class ScoredFlights:
             how: form of the tables.
             everything: whether every mutant and every table is shown, not only the first screen.
         """
-        screen = self.screen(whole=everything or how is not Format.TABLE)
         more = self.run
         if everything:
             more = (*tables_behind(self.score, self.rulings, self.coverage, self.study.space, self.by), *more)
         elif self.by:
             more = (group_table(self.score, self.by, self.study.space), *more)
         if how is not Format.TABLE:
-            return render((*screen, *more), how)
-        return joined([screen_text(screen), *([render(more, how)] if more else [])])
+            return render((*self.screen.tables, *more), how)
+        return joined([self.screen.text(whole=everything), *([render(more, how)] if more else [])])
 
 
 SCORE = Output("score", "3.1", ScoredFlights, "mutants", "which faults the requirements would have shown")
@@ -255,8 +246,8 @@ def scored_campaign(
     return ScoredFlights(study, campaign, rulings, score, noise, warning, stale, _accepted(study, score, today))
 
 
-def detected_so_far(study: Study, outcomes: Iterable[Outcome], spending: Spending) -> list[str]:
-    """Lines of what `scaloft-fi score` would count as detected now, of the mutants flown so far.
+def shown_so_far(study: Study, outcomes: Iterable[Outcome], spending: Spending) -> list[str]:
+    """Lines of what `scaloft-fi score` would say now: how many of the faults flown so far, and the signs of the cells.
 
     Args:
         study: the study.
@@ -264,15 +255,8 @@ def detected_so_far(study: Study, outcomes: Iterable[Outcome], spending: Spendin
         spending: of the campaign's alpha.
     """
     scored = score_of(rulings_of(outcomes), study.roster, study.space, spending)
-    faults = scored.counted or [mutant for mutant in scored.mutants if mutant.flown]
-    flown = Counter(mutant.subject.guideword for mutant in faults)
-    detected = Counter(mutant.subject.guideword for mutant in faults if mutant.detected)
-    if not flown:
-        return []
-    known = [word.id for word in study.matrix.guidewords if flown[word.id]]
-    words = "  ".join(f"`{word} {detected[word]}/{flown[word]}`" for word in known)
-    text = f"detected so far: {detected.total()} of {flown.total()} flown:  {words}"
-    return wrapped(text, width() - 1, "", "  ").replace("`", "").split("\n")
+    told = f"shown so far: {sum(mutant.detected for mutant in scored.faults)} of {len(scored.faults)} flown"
+    return [told, *signs_grid(study.matrix, signs_of(scored), width() - 1)] if scored.faults else []
 
 
 def scored_run(flown: FlownRun, campaign: str) -> ScoredFlights:

@@ -35,7 +35,7 @@ from scaloft_fi.judge.status import Rulings, rulings_of
 from scaloft_fi.mutants.catalogue import defaults
 from scaloft_fi.sim.grid import ALL
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.verdict import MOST_NAMED, in_campaign
+from scaloft_fi.verbs.verdict import MOST_NAMED, in_campaign, next_step
 
 
 def _again(study: Study, now: Now, name: str, stale: Sequence[FlownFlight]) -> str:
@@ -207,6 +207,16 @@ class Snapshot:
             InputError: it has no outcome that counts.
         """
         return score_of(self.rulings, self.study.roster, self.study.space, self.spending)
+
+    @property
+    def next_step(self) -> str:
+        """What to do next, as every screen of the campaign says.
+
+        Raises:
+            InputError: it has no outcome that counts.
+        """
+        study = self.study
+        return next_step(self.score, study.roster, self.name, study.finds, study.space.grid)
 
     @cached_property
     def spending(self) -> Spending:

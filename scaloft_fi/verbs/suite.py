@@ -16,7 +16,6 @@ import click
 
 from scaloft_fi.analysis.pool import LEAST, Pair, State
 from scaloft_fi.analysis.roster import Ratio
-from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.analysis.suite import Suite, minimal_suite
 from scaloft_fi.campaign import plan, progress
 from scaloft_fi.campaign.flights.fly import Flight
@@ -120,13 +119,8 @@ class TestedSuite:
         pairs = {pair.situation: pair for pair in self.score.pairs}
         return {
             one.id: tuple(k.situation for k in one.kills if k.flights >= SEVERAL or not pairs[k.situation].violated)
-            for one in self._faults
+            for one in self.score.score.faults
         }
-
-    @property
-    def _faults(self) -> Sequence[MutantScore]:
-        """The mutants that count, or all that ran where none counts, as on the first screen."""
-        return self.score.score.counted or [one for one in self.score.score.mutants if one.flown]
 
     @property
     def smallest(self) -> tuple[str, ...]:
@@ -156,7 +150,7 @@ class TestedSuite:
         """The faults that no test shows, the worst first."""
         matrix = self.study.matrix
         found = []
-        for one in worst_first([one for one in self._faults if not one.detected], lambda one: one.severity):
+        for one in worst_first([one for one in self.score.score.faults if not one.detected], lambda one: one.severity):
             cell, seam = matrix.cell(cell_of(one.id)), realise(matrix, one.id).seam
             told = (class_of(one.severity), str(one.verdict), seam, len(one.results), cell.deviation, cell.effect)
             found.append(Missed(one.id, *told))
@@ -379,7 +373,7 @@ def suite_command(
     if not quiet:
         say(render(shown_reach, Format.TABLE))
     how = RunOptions(jobs=jobs, max_invalid=max_invalid, command=typed())
-    bar = progress.Silence() if quiet else progress.Progress(tally=score.detected_so_far)
+    bar = progress.Silence() if quiet else progress.Progress(tally=score.shown_so_far)
     told = tested(suite, asked, name, how, bar)
     answer(told.answer(everything=everything), style, tables_folder)
     return score.below(told.score.score, bars)

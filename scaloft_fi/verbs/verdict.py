@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from scaloft_fi.analysis.detection import LARGER, Verdict
 from scaloft_fi.analysis.pool import LEAST, State
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.survivor import Background, CampaignFacts, Case, Disposition, Loss
+from scaloft_fi.console import Marked, Style, printable, styled, wrapped
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.hazop.matrix import class_of, worst_first
+from scaloft_fi.hazop.matrix import cell_of, class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.judge.status import Status
@@ -61,6 +63,57 @@ def command(
     if seeds > 1:
         words.append(f"--seeds {seeds}")
     return " ".join(words)
+
+
+SIGNS = {
+    "●": ("shown", Style.GOOD),
+    "○": ("shown, not firmly", Style.GOOD),
+    "–": ("not shown", Style.BAD),  # noqa: RUF001 - a dash is a sign
+    "?": ("undecided", Style.DOUBT),
+    "·": ("never put to the test", Style.STRONG),
+}
+"""What the sign of a cell says of its default mutant, and its style."""
+_SIGN = {Verdict.NOT_DETECTED: "–", Verdict.UNDECIDED: "?", Verdict.NOT_TESTED: "·"}  # noqa: RUF001
+
+
+def signs_of(scored: Score) -> dict[str, str]:
+    """The sign of each cell of which the default mutant was flown, by the cell's name."""
+    return {cell_of(mutant.id): _SIGN.get(mutant.verdict, "○●"[mutant.firm]) for mutant in scored.counted}
+
+
+def with_legend(grid: str, signs: Mapping[str, str], width: int, *, marked: bool) -> str:
+    """A grid of signs, coloured if wanted, above what those of them say that a cell has."""
+    told = "  ".join(f"{sign} {words}" for sign, (words, _) in SIGNS.items() if sign in signs.values())
+    text = printable(f"{grid}\n{wrapped(told, width)}")
+    return Marked("".join(styled(one, SIGNS[one][1]) if one in SIGNS else one for one in text)) if marked else text
+
+
+def next_step(
+    scored: Score, roster: Roster, campaign: str = CAMPAIGN, finds: KnownFinds = NO_FINDS, grid: str = ""
+) -> str:
+    """The command that is the most useful now, as every screen of a campaign says; the arguments of `answers`."""
+    faults, survivors = scored.faults, f"`scaloft-fi kills{in_campaign(campaign)} --show survivors`"
+    if scored.lacking:
+        seeds = max((result.flown for mutant in faults for result in mutant.results), default=1)
+        run = command(campaign, faults, seeds, roster.defaults.values())
+        return f"`{run}` flies the baseline pool that is missing in {counted(len(scored.lacking), 'situation')}."
+    found = [(mutant.subject.id, find) for mutant in faults if (find := next_find(mutant, finds))]
+    if found:
+        (mutant, find), *others = found
+        run = f"`{flies(find, mutant, finds, campaign, grid)}`"
+        shows = f"{run} flies the situation found for it ({effect(find.shows[mutant])})."
+        return f"{shows}  {len(others)} more: {survivors}." if others else shows
+    undecided = [mutant for mutant in faults if mutant.verdict is Verdict.UNDECIDED]
+    looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
+    if looks:
+        run = command(campaign, looks, max(mutant.safety.needed or 0 for mutant in looks), roster.defaults.values())
+        return f"`{run}` would decide {len(looks)} of the {len(undecided)} undecided."
+    if any(not mutant.detected for mutant in faults):
+        return f"{survivors} says of each fault not shown where it stopped, and what to change."
+    if faults:
+        margin = f"`scaloft-fi margin{in_campaign(campaign)} {faults[0].subject.id}`"
+        return f"{margin} finds the smallest magnitude that is still shown."
+    return "`scaloft-fi run --mutant ID` flies a mutant; `scaloft-fi mutants` lists them."
 
 
 NO_POOL = (

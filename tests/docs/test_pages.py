@@ -20,8 +20,8 @@ from scaloft_fi.judge.bounds import within_caps
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Compliance, Requirement, judge_signals, load_requirements
 from scaloft_fi.judge.stl import Formula
-from scaloft_fi.study import NO_FINDS, Study
-from scaloft_fi.verbs.first_screen import first_screen, screen_text
+from scaloft_fi.study import Study
+from scaloft_fi.verbs.first_screen import Screen
 
 PAGE = ROOT / "docs" / "api.md"
 
@@ -74,12 +74,10 @@ def _flown() -> list[Outcome]:
 def test_the_screen_is_that_of_the_published_flights():
     study, flown = Study.open(ROOT), _flown()
     scored = score(flown, study.roster, study.space)
-    screen = first_screen(
-        scored, study.roster, study.space, coverage(flown, study.space), lambda _mutant: None, finds=NO_FINDS
-    )
+    screen = Screen(study, scored, coverage(flown, study.space))
     shown = re.search(r"^```\n(Shown .*?)^```$", (Path(ROOT) / "README.md").read_text(), re.MULTILINE | re.DOTALL)
     assert shown
-    assert shown[1] == screen_text(screen)
+    assert shown[1] == screen.text(whole=False)
 
 
 HOOKS = ROOT / "docs" / "hooks"

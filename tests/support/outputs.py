@@ -30,7 +30,7 @@ OF_A_CAMPAIGN = (
     *(("kills", "LATE-human"), ("worksheet",), ("coverage",), ("status",), ("dispositions",), ("matrix",)),
 )
 OF_A_STUDY = (
-    *(("matrix",), ("mutants", "LATE-*"), ("signals",), ("seams",), ("operators",)),
+    *(("mutants", "LATE-*"), ("signals",), ("seams",), ("operators",)),
     *(("axes",), ("axes", "--grid", "wide"), ("map", "T1O1W1D1H1"), ("check",), ("seek", "--help"), ("run", "--help")),
 )
 OTHERS = (("--help",), ("score", "--format", "json", "--fail-under", "0.99"), ("score", "--fail-under-firm", "1"))

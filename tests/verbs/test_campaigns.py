@@ -47,6 +47,15 @@ def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_inval
     assert "waiting for their baseline" in call("status").stdout
 
 
+def test_first_screen_kills_and_status_say_the_same_next_step(call: Call, tmp_path: Path):
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    with snapshot(Study.open(STUDY), f"{tmp_path}/campaign") as now:
+        step = now.next_step
+    for words in (("score",), ("score", "--all"), ("kills",), ("status",)):
+        said = " ".join(call(*words).stdout.split())
+        assert f"What next {step}" in said or f"What next: {step}" in said
+
+
 def test_every_verb_that_shows_a_campaign_of_two_platforms_says_so(call: Call, tmp_path: Path):
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     with Store(tmp_path / "campaign" / STORE_NAME) as store:

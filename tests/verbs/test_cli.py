@@ -152,7 +152,7 @@ def test_the_study_inside_the_package_is_not_written_even_by_name(
     verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     copied(tmp_path / "_study")
-    monkeypatch.setattr("scaloft_fi.study.PACKAGE", tmp_path)
+    monkeypatch.setattr("scaloft_fi.hazop.load._PACKAGE", tmp_path)
     options, path = WRITING[verb]
     assert run(verb, *options, "--study", tmp_path / "_study") == 2
     assert f"{tmp_path / '_study' / path} belongs to the reference study" in capsys.readouterr().err

@@ -9,6 +9,7 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -28,21 +29,31 @@ from scaloft_fi.verbs.matrix import matrix_command
 MATRIX = load_matrix(STUDY / "hazop", REFERENCE.by_name)
 
 
-def printed(*arguments: str) -> str:
-    outcome = CliRunner().invoke(matrix_command, ["--study", str(STUDY), *arguments])
-    assert outcome.exit_code == 0, outcome.exception
-    return outcome.output
+Printed = Callable[..., str]
+
+
+@pytest.fixture(scope="module")
+def printed(tmp_path_factory: pytest.TempPathFactory) -> Printed:
+    """What `matrix` prints of a copy of the study, in which nothing was flown."""
+    bare = copied(tmp_path_factory.mktemp("bare"))
+
+    def printing(*arguments: str) -> str:
+        outcome = CliRunner().invoke(matrix_command, ["--study", str(bare), *arguments])
+        assert outcome.exit_code == 0, outcome.exception
+        return outcome.output
+
+    return printing
 
 
 @pytest.mark.parametrize("columns", [60, 80, 100, 160])
-def test_the_matrix_fits_the_terminal_in_plain_ascii(columns: int, monkeypatch: pytest.MonkeyPatch):
+def test_the_matrix_fits_the_terminal_in_plain_ascii(columns: int, printed: Printed, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("COLUMNS", str(columns))
     text = printed()
     assert max(map(len, text.splitlines())) <= columns
     assert text.isascii()
 
 
-def test_the_matrix_shows_the_grid_the_legend_and_the_counts(monkeypatch: pytest.MonkeyPatch):
+def test_the_matrix_shows_the_grid_the_legend_and_the_counts(printed: Printed, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("COLUMNS", "120")
     lines = printed("--grid").splitlines()
     assert lines[0].split() == [word.id for word in MATRIX.guidewords]
@@ -51,18 +62,18 @@ def test_the_matrix_shows_the_grid_the_legend_and_the_counts(monkeypatch: pytest
     assert lines[-1] == "13 parameters x 12 guidewords = 156 cells: 114 credible, 11 control, 31 not meaningful"
 
 
-def test_the_matrix_tells_every_cell_with_its_deviation_or_reason():
+def test_the_matrix_tells_every_cell_with_its_deviation_or_reason(printed: Printed):
     text = " ".join(printed().split())
     assert all(" ".join(cell.told.split()) in text for cell in MATRIX)
 
 
-def test_filters_keep_only_what_they_name_in_any_case():
+def test_filters_keep_only_what_they_name_in_any_case(printed: Printed):
     words = ("--guideword", "late", "--guideword", "MORE", "--parameter", "Human")
     cells = json.loads(printed(*words, "--format", "json"))["cells"]
     assert [cell["cell"] for cell in cells] == ["MORE-human", "LATE-human"]
 
 
-def test_one_cell_is_told_whole():
+def test_one_cell_is_told_whole(printed: Printed):
     text = printed("--cell", "LATE-human")
     for fragment in (
         "Detection delivered late.",
@@ -86,11 +97,11 @@ def process(*arguments: str, **extra: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, cwd=STUDY, env=environment, check=False)
 
 
-def test_the_matrix_is_printed_without_what_takes_long_to_import():
+def test_the_matrix_is_printed_without_what_takes_long_to_import(tmp_path: Path):
     source = (
         "import sys\n"
         "from scaloft_fi.cli import main\n"
-        "sys.argv[1:] = ['matrix']\n"
+        f"sys.argv[1:] = ['matrix', '--study', {str(copied(tmp_path))!r}]\n"
         "try:\n    main()\n"
         "finally:\n    assert not {'numpy', 'numba', 'pybullet', 'tabulate'} & set(sys.modules)\n"
     )
@@ -98,12 +109,25 @@ def test_the_matrix_is_printed_without_what_takes_long_to_import():
     assert ended.returncode == 0, ended.stderr
 
 
+def test_the_matrix_has_the_sign_of_each_verdict_where_a_campaign_was_flown(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setenv("COLUMNS", "200")
+    assert "no campaign was flown here" in sentence(call("matrix", "--campaign", "absent", campaign=False))
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    lines = call("matrix", "--grid").stdout.splitlines()
+    assert next(line.split() for line in lines if line.startswith("human "))[9:11] == ["?", "3s"]
+    assert lines[-1] == "? undecided"
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert "\x1b[33m?\x1b[0m 3s" in call("matrix").stdout
+
+
 @given(st.integers(0, 30), st.integers(0, 6), st.integers(1, 20))
 def test_a_study_with_many_guidewords_still_fits(words: int, parameters: int, length: int):
     guidewords = tuple(Guideword(f"{'W' * length}{i}", "", "") for i in range(words))
     rows = tuple(Parameter(f"p{i}", "", "", "", "") for i in range(parameters))
     cells = {(w.id, p.id): Cell(w.id, p.id, CellStatus.CONTROL) for w in guidewords for p in rows}
-    text = overview(Matrix(guidewords, rows, cells), PIPED)
+    text = overview(Matrix(guidewords, rows, cells), PIPED, {})
     assert max(map(len, text.splitlines())) <= PIPED
     assert all(word.id in text for word in guidewords)
 

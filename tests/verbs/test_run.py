@@ -20,14 +20,15 @@ from scaloft_fi.sim.load import Scenario, SimConfig
 from scaloft_fi.study import Study
 
 
-def test_a_run_prints_four_answers_the_mutants_by_verdict_and_two_lines(call: Call):
+def test_a_run_prints_four_answers_and_its_mutant_and_the_rest_under_all(call: Call):
     result = call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?")
     assert result.exit_code == 0, result.output
-    for name in ("Shown", "Not shown", "How sure", "What next", "Situations", "Unmutated drone"):
+    for name in ("Shown", "Not shown", "How sure", "What next", "Situations", "More"):
         assert f"\n{name}  " in f"\n{result.stdout}"
-    assert "Undecided: 1\n" in result.stdout
-    assert "LATE-human@3s" in result.stdout
-    assert "Where the faults stopped" not in result.stdout
+    assert "\nLATE-human@3s  undecided  " in result.stdout
+    assert "Unmutated drone" not in result.stdout
+    whole = call("score", "--all").stdout
+    assert [told in whole for told in ("Unmutated drone  ", "Undecided: 1\n", "Where the faults stopped")] == [True] * 3
     assert "violations: 2 (mutants 2); all of them are in " in result.stderr
     assert "warning" not in result.stderr
 
@@ -168,8 +169,8 @@ def test_another_campaigns_baselines_decide_and_are_only_read(call: Call, tmp_pa
     lone = call("run", *where, "--seeds", "3", "--baseline-seeds", "3").stdout
     lent = call("run", *where, "--seeds", "3", "--baseline-from", lender).stdout
     assert "there is no baseline pool" in lone
-    assert "1 of 1 fault would have been shown" in lent
-    assert "Detected: 1" in call("score", "--baseline-from", lender).stdout
+    assert "1 of 1 fault by safety requirements" in lent
+    assert "  detected  " in call("score", "--baseline-from", lender).stdout
     assert call("export", "--campaign", lender, campaign=False).stdout == before
 
 

@@ -24,7 +24,7 @@ from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.first_screen import MANY_ROWS, tables_behind
-from scaloft_fi.verbs.score import detected_so_far
+from scaloft_fi.verbs.score import shown_so_far
 from scaloft_fi.views.table import Format, Table, render
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
@@ -234,16 +234,11 @@ def outcomes(study: Study) -> list[Outcome]:
     return pool + [flight(study, id_, key, 0) for id_ in ("LATE-human@3s", "MORE-goal@0.6m") for key in HUMAN]
 
 
-def test_it_counts_by_guideword_what_the_score_detects_of_what_is_stored(study: Study, outcomes: list[Outcome]):
+def test_it_counts_what_the_score_detects_of_what_is_stored_and_shows_the_sign_of_each_cell(
+    study: Study, outcomes: list[Outcome]
+):
     scored = score_of(rulings_of(outcomes), study.roster, study.space, Spending())
     assert [mutant.subject.id for mutant in scored.counted if mutant.detected] == ["LATE-human@3s"]
-    lines = detected_so_far(study, outcomes, Spending())
-    assert lines == ["detected so far: 1 of 2 flown:  MORE 0/1  LATE 1/1"]
-
-
-def test_a_narrow_terminal_gets_more_lines_and_a_campaign_without_mutants_none(
-    study: Study, outcomes: list[Outcome], monkeypatch: pytest.MonkeyPatch
-):
-    monkeypatch.setenv("COLUMNS", "40")
-    assert detected_so_far(study, outcomes, Spending()) == ["detected so far: 1 of 2 flown:", "  MORE 0/1  LATE 1/1"]
-    assert detected_so_far(study, outcomes[:30], Spending()) == []
+    lines = ["shown so far: 1 of 2 flown", "      MORE LATE", "human      ●", "goal  –"]  # noqa: RUF001
+    assert shown_so_far(study, outcomes, Spending()) == lines
+    assert shown_so_far(study, outcomes[:30], Spending()) == []

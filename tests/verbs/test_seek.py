@@ -49,7 +49,7 @@ def test_a_find_is_printed_written_and_flown_beside_the_papers_situations(sought
     words = ("--grid", "paper+found", "--mutant", "LATE-human", "--seeds", "3", "--jobs", "1", "--quiet")
     done = told_by(call("run", *words, "--situation", "shows-LATE-human@3s", "--situation", "T0O0W0D0H1", study=copy))
     screen = " ".join(done.split())
-    assert "shown by your safety requirements, not firmly: hangs on a seed. Selected: 1 situation was found" in screen
+    assert "by safety requirements, not firmly: hangs on a seed. Selected: 1 situation was found" in screen
     record = json.loads(call("score", "--format", "json", study=copy).stdout)
     assert record["selected"] == [find["situation"]]
     assert record["mutants"][0]["kills"][0]["situation"] == find["situation"]
@@ -111,7 +111,7 @@ def test_verbs_that_read_tell_of_the_find_and_its_flights_take_its_place(ruled: 
     assert command in call("export", "--format", "junit", study=copy).stdout
     assert f"A search found situations that show {LATE}" in " ".join(call("dispositions", study=copy).stdout.split())
     flown = call(*command.split()[1:], "--jobs", "1", "--quiet", study=copy, campaign=False)
-    assert "1 of 1 fault would have been shown" in " ".join(flown.stdout.split())
+    assert "1 of 1 fault by safety requirements" in " ".join(flown.stdout.split())
     page = copy / "page.html"
     told = []
     for name in (campaign, ("--campaign", "paper+found")):
