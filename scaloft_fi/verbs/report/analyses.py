@@ -594,6 +594,7 @@ def _mutant(scored: MutantScore, flights: Situations, roster: Roster, space: Spa
         "by": [*scored.safety.by, *scored.operability.by],
         "shows": list(shown_by(scored, flights)) if roster.is_control(scored.subject) else [],
         "condition": scored.condition(space),
+        "same": scored.without_effect,
         "first": by_field(first, "requirement", "t_s", "situation", "seed") if first else None,
     }
 

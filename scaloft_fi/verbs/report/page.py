@@ -21,6 +21,7 @@ from scaloft_fi.campaign.runs.gates import check_gates
 from scaloft_fi.console import all_printable
 from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import GateError
+from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import rulings_of
@@ -48,11 +49,43 @@ def head(scored: Score, situations: Ratio, breaks: int) -> dict[str, Any]:
         breaks: situations beside the grid that a search found to break the unmutated drone.
 
     Returns:
-        `fails`: of the unmutated drone; `claims`: what is not claimed.
+        `answer`, `sure`, `claim`: a sentence each for the first screen; `fails`: of the unmutated drone; `claims`: all
+        that is not claimed.
     """
     they = "breaks" if breaks == 1 else "break"
     broken = [f"A search around the grid found {counted(breaks, 'situation')} more that {they} it."] if breaks else []
-    return {"fails": [*fails(scored.pool), *broken], "claims": list(_claims(scored, situations))}
+    claims = list(_claims(scored, situations))
+    return {
+        "answer": _answer(scored),
+        "sure": _sure(scored),
+        "claim": "anything of other faults, of another drone, or of a flight that is not simulated.",
+        "fails": [*fails(scored.pool), *broken],
+        "claims": claims,
+    }
+
+
+def _answer(scored: Score) -> str:
+    """How many faults are shown and how many are missed, of which class the worst are, in a sentence."""
+    faults = scored.counted or [mutant for mutant in scored.mutants if mutant.flown]
+    if not scored.pooled:
+        return NO_POOL
+    shown = sum(mutant.detected for mutant in faults)
+    missed = [one for one in faults if one.verdict is Verdict.NOT_DETECTED and not one.without_effect]
+    said = f"Your safety requirements show {shown} of {counted(len(faults), 'fault')} and miss {len(missed) or 'none'}"
+    ranked = worst_first([one for one in missed if one.severity], lambda one: one.severity)
+    if not ranked:
+        return f"{said}."
+    named = class_of(ranked[0].severity)
+    worst = sum(class_of(one.severity) == named for one in ranked)
+    return f"{said}, {f'{worst} of them ' if worst < len(missed) else ''}of the class {named}."
+
+
+def _sure(scored: Score) -> str:
+    """How sure a detection is, in a sentence."""
+    shown = [mutant for mutant in scored.counted if mutant.detected]
+    firm = sum(mutant.firm for mutant in shown)
+    kept = f"; {firm} of the {len(shown)} shown stay so whichever seed is left out" if shown else ""
+    return f"a fault without effect is called shown with a chance of {scored.alpha:g} at most{kept}."
 
 
 def fails(pool: Pool) -> list[str]:

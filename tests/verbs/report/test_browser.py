@@ -42,9 +42,9 @@ def test_both_matrices_are_drawn_whole(visit: Opened, text: str):
             bare = mutant["verdict"] == "detected" and not rate["part"]
             assert said.endswith("no\u00a0kill" if bare else killed)
     for cell, text in (
-        ("LATE-human", "\u2713\u2713\u2713\u00a08/16"),
-        ("MORE-goal", "\u25cb\u00a00/30 op"),
-        ("LESS-goal", "?\u00a00/30"),
+        ("LATE-human", "\u25cf\u25cf\u25cf 8/16"),
+        ("MORE-goal", "\u2013 op"),
+        ("LESS-goal", "? 0/30"),
     ):
         assert page.locator(f'#hazop td[data-cell="{cell}"]').inner_text().split("\n")[0] == text
     assert page.locator('#hazop td[data-cell="REVERSE-velcmd"]').inner_text() == "SR1"
@@ -65,20 +65,32 @@ def test_no_two_signs_of_the_kill_matrix_look_the_same_without_colour(visit: Ope
     assert len({look for found in by_sign.values() for look in found}) == len(by_sign) == 7
 
 
-def test_the_head_opens_with_the_answer_what_the_drone_fails_and_what_is_not_claimed(visit: Opened, text: str):
-    told, page = embedded(text, "figures"), visit().page
+def test_the_first_screen_answers_and_shows_the_matrix_whole(visit: Opened, told: dict[str, Any]):
+    page = visit(viewport={"width": 1440, "height": 900}).page
     head = page.locator(".masthead")
-    shown, not_shown, sure, next_ = (one["text"].replace("`", "").replace(".  ", ". ") for one in told["answers"])
-    assert head.locator(".answer").inner_text() == shown
-    assert shown.startswith("1 of 4 faults")
-    names = head.locator(".answers dt").all_inner_texts()
-    assert names == ["How sure", "Unmutated drone", "Not claimed", "Not shown", "What next", "Situations"]
-    said = dict(zip(names, head.locator(".answers dd").all_inner_texts(), strict=True))
-    for name, answer in (("How sure", sure), ("Not shown", not_shown), ("What next", next_)):
-        assert said[name].lower() == answer.lower()
-    assert [*filter(None, said["Unmutated drone"].split("\n"))][:3] == told["head"]["fails"]
-    assert all(claim.replace(".  ", ". ") in said["Not claimed"] for claim in told["head"]["claims"])
-    assert page.locator("main > *").nth(1).get_attribute("id") == "hazop"
+    verdicts = [one["verdict"] for one in told["mutants"] if one["counts"]]
+    answer = head.locator(".answer").inner_text()
+    assert f"show {verdicts.count('detected')} of {len(verdicts)} faults" in answer
+    assert f"miss {verdicts.count('not_detected')}" in answer
+    assert answer.endswith("damage.")
+    counts = [int(text) for text in head.locator(".fates b").all_inner_texts()]
+    assert sum(counts) == len(verdicts)
+    worst = [one["id"] for one in told["mutants"] if one["counts"] and one["verdict"] == "not_detected"]
+    assert head.locator(".worst a.id").all_inner_texts() == worst
+    for words in ("How sure: ", "Not claimed: ", "What next: "):
+        assert words in head.inner_text()
+    assert head.locator(".buttons a").all_inner_texts() == ["What is missing", "How sure", "What next"]
+    for part in ("#hazop table", ".buttons"):
+        box = page.locator(part).bounding_box()
+        assert box["y"] + box["height"] <= 900
+
+
+def test_how_sure_and_what_is_not_claimed_are_behind_a_button(visit: Opened, told: dict[str, Any]):
+    page = visit().page
+    page.get_by_role("link", name="How sure").click()
+    said = page.locator("#sure").inner_text().replace("\n", " ")
+    for sentence in (*told["head"]["fails"], *told["head"]["claims"]):
+        assert sentence.replace(".  ", ". ") in said
 
 
 def test_the_ratios_are_printed_as_they_are_in_the_figures(visit: Opened, told: dict[str, Any]):

@@ -72,15 +72,16 @@ def test_the_matrix_is_shaded_by_certainty_and_hatched_where_nothing_is_decided(
 
     def look(cell: str) -> list[str]:
         found = page.locator(f'#hazop td[data-cell="{cell}"]')
-        text = found.inner_text().split("\n")[0].split("\u00a0")[0]
+        text = found.locator(".plate").inner_text()
         style = "node => [getComputedStyle(node).backgroundImage.split('(')[0], getComputedStyle(node).borderTopStyle]"
         return [text, found.get_attribute("data-sure") or "", *found.evaluate(style)]
 
-    assert look("LATE-human") == ["\u2713\u2713\u2713", "3", "none", "solid"]
-    assert look("MORE-goal") == ["\u25cb", "", "none", "solid"]
-    assert look("LESS-goal") == ["?", "", "repeating-linear-gradient", "dashed"]
+    assert look("LATE-human") == ["\u25cf\u25cf\u25cf 8/16", "3", "none", "solid"]
+    assert look("MORE-goal") == ["\u2013 op", "", "none", "solid"]
+    assert look("LESS-goal") == ["? 0/30", "", "repeating-linear-gradient", "dashed"]
     assert look("NO-depth") == ["not infected", "", "repeating-linear-gradient", "solid"]
-    legend = page.locator("#hazop .legend").inner_text()
+    assert page.locator('#hazop td[data-cell="MORE-goal"]').get_attribute("data-rank") == "2"
+    legend = page.locator("#hazop .legend").text_content()
     for words in ("p at most 0.01", "p at most 0.001", "p at most 0.00001", "hatched: something seen"):
         assert words in legend
     # killed by requirements: operability shows one that safety does not

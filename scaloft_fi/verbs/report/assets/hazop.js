@@ -1,4 +1,4 @@
-/* The HAZOP matrix: guidewords across, parameters down; shaded by how sure a detection is, hatched where nothing is decided. */
+/* The HAZOP matrix: guidewords across, parameters down; warm where a fault is missed, the worse the darker; shaded by how sure a detection is, hatched where nothing is decided. */
 function cellState(cell) {
   if (cell.status === "not_meaningful") return { state: "not_meaningful", text: "", said: `not meaningful: ${cell.reason}` };
   if (cell.status === "to_do") return { state: "not_flown", text: "to do", said: `to do: ${cell.deviation}` };
@@ -7,11 +7,17 @@ function cellState(cell) {
   if (mutant.control) return { state: mutant.shows.length ? "shows" : "silent", text: mutant.shows.join(" ") || "silent", said: `${mutant.id}: ${showsText(mutant)}` };
   const told = { sure: mutant.certainty, operable: mutant.by.some((name) => !SAFETY.includes(name)), said: `${mutant.id}: ${verdictText(mutant)}; ${killsText(mutant)}` };
   if (mutant.verdict === "not_tested") return { ...told, state: "not_tested", text: SIGNS[stopped(mutant)][0] };
-  return { ...told, state: mutant.verdict, text: `${markOf(mutant)}\u00a0${rateText(mutant)}` };
+  if (mutant.same) return { ...told, state: "same", text: "same" };
+  const rate = mutant.verdict === "not_detected" ? "" : rateText(mutant);
+  return { ...told, state: mutant.verdict, text: [markOf(mutant), rate].filter(Boolean).join(" ") };
 }
 
-/** The mark of a verdict; of a detection one for each step of certainty, and a tilde where it is not firm. */
-const markOf = (mutant) => VERDICTS[mutant.verdict][0].repeat(Math.max(1, mutant.certainty)) + (mutant.firm && !isFirm(mutant) ? "~" : "");
+/** The mark of a verdict; of a detection one for each step of certainty, hollow where it is not firm. */
+const markOf = (mutant) => (mutant.firm && !isFirm(mutant) ? "\u25cb" : VERDICTS[mutant.verdict][0]).repeat(Math.max(1, mutant.certainty));
+/** What became of a fault: its verdict, or that all its flights are the unmutated drone's to the bit. */
+const fateOf = (mutant) => (mutant.same ? "same" : mutant.verdict);
+/** The place of a class of severity, 1 for the worst; 0 without one. */
+const rankOf = ({ severity }) => DATA.severities.findIndex(({ id }) => id === severity) + 1;
 /** Where a mutant that is never put to the test stopped: a sign of the kill matrix. */
 const stopped = ({ status }) => (Object.hasOwn(SIGNS, status) ? status : status === "invalid" ? "not_flown" : "no_test");
 /** In how many of the situations that test it a mutant is killed; in words where it is detected without a kill. */
@@ -26,6 +32,7 @@ const verdictText = (mutant) => {
 /** How sure a detection is, in words. */
 const sureText = ({ certainty }) => (certainty ? `p at most ${DATA.certainty[certainty - 1].toLocaleString("en", { maximumFractionDigits: 12 })}` : "");
 
+/** The matrix whole, with what its signs mean. */
 function hazop() {
   const board = h("table", { class: "hazop", role: "grid", "aria-label": "HAZOP matrix: parameters down, guidewords across" },
     h("thead", { role: "rowgroup" }, h("tr", { role: "row" }, h("th", { class: "corner", scope: "col", role: "columnheader" }, h("span", { class: "faint" }, "parameter")), DATA.guidewords.map((word) => h("th", { scope: "col", role: "columnheader", title: word.meaning }, wordOf(word))))),
@@ -35,23 +42,27 @@ function hazop() {
   roving(board, "td", () => [...board.tBodies[0].rows], (cell) => go(cellHash(cell.dataset.cell))).reset();
   tip.on(board, "td", (cell) => cell.getAttribute("aria-label"));
   const extensions = DATA.guidewords.filter((word) => word.extension);
-  return part("hazop", "The HAZOP matrix", "Every guideword asked of every parameter.  A cell shows the verdict on its default mutant, and in how many of the situations that put the mutant to the test a requirement kills it.  A click opens the cell, with a flight that shows it.",
-    h("ul", { class: "legend" },
-      DATA.certainty.map((_, step) => h("li", {}, swatch("detected", VERDICTS.detected[0].repeat(step + 1), step + 1), step ? sureText({ certainty: step + 1 }) : [h("b", {}, term("detected")), sureText({ certainty: 1 }), ": the chance that a fault which does nothing looks so"])),
-      h("li", {}, h("b", {}, `${VERDICTS.detected[0]}~`), "detected, not ", term("firm"), ": without some seed it is not, or too few seeds remain"),
-      h("li", {}, swatch("not_detected", VERDICTS.not_detected[0]), h("b", {}, term("not detected")), "tested, nothing seen"),
-      h("li", {}, swatch("undecided", VERDICTS.undecided[0]), h("b", {}, term("undecided")), "hatched: something seen, or too few flights"),
-      h("li", {}, swatch("not_tested"), h("b", {}, term("not tested")), "hatched wide, with the reason in words"),
-      h("li", {}, swatch("not_meaningful"), term("not meaningful")),
-      h("li", {}, h("b", {}, "8/10"), "killed in 8 of 10 situations that put it to the test"),
-      h("li", {}, h("b", {}, "no kill"), "detected by violations here and there; in no situation do most flights violate"),
-      Object.keys(DATA.margins).length > 0 && h("li", {}, h("b", {}, term("margin")), "the least magnitude with a kill: 1-3 s between the two, \u2264 3 s nothing milder flown, > 3 s none flown has one"),
-      h("li", {}, h("b", {}, "op"), h("span", {}, "not detected by safety; ", term("operability"), " shows it")),
-      h("li", {}, h("b", {}, "C"), h("span", {}, "crude ", term("control"), ", in no ratio, with the requirements that show it"))),
+  const classes = DATA.severities.map(({ id, title }, place) => [place ? ", " : "missed: ", h("b", { title }, `${place + 1} ${id}`)]);
+  return h("section", { id: "hazop", "aria-label": "The HAZOP matrix", tabindex: "-1" },
     h("div", { class: "scroll" }, board),
-    extensions.length > 0 && h("p", { class: "small faint" }, extensions.map((word) => `* ${word.title}: no guideword of IEC 61882.  ${word.reason}`).join("  ")));
+    h("details", { class: "fold" }, h("summary", {}, classes.length > 0 && [classes, ", the darker the worse; "], "how to read the matrix"),
+      h("ul", { class: "legend" },
+        DATA.certainty.map((_, step) => h("li", {}, swatch("detected", VERDICTS.detected[0].repeat(step + 1), step + 1), step ? sureText({ certainty: step + 1 }) : [h("b", {}, term("detected")), sureText({ certainty: 1 }), ": the chance that a fault which does nothing looks so"])),
+        h("li", {}, h("b", {}, "\u25cb"), "detected, not ", term("firm"), ": without some seed it is not, or too few seeds remain"),
+        h("li", {}, swatch("not_detected", VERDICTS.not_detected[0]), h("b", {}, term("not detected")), "tested, nothing seen; the number is the class of severity"),
+        h("li", {}, swatch("undecided", VERDICTS.undecided[0]), h("b", {}, term("undecided")), "hatched: something seen, or too few flights"),
+        h("li", {}, h("b", {}, "same"), "every flight is the unmutated drone's to the bit"),
+        h("li", {}, swatch("not_tested"), h("b", {}, term("not tested")), "hatched wide, with the reason in words"),
+        h("li", {}, swatch("not_meaningful"), term("not meaningful")),
+        h("li", {}, h("b", {}, "8/10"), "killed in 8 of 10 situations that put it to the test"),
+        h("li", {}, h("b", {}, "no kill"), "detected by violations here and there; in no situation do most flights violate"),
+        h("li", {}, h("b", {}, "op"), h("span", {}, "not detected by safety; ", term("operability"), " shows it")),
+        h("li", {}, h("b", {}, "C"), h("span", {}, "crude ", term("control"), ", in no ratio, with the requirements that show it"))),
+      extensions.length > 0 && h("p", { class: "small faint" }, extensions.map((word) => `* ${word.title}: no guideword of IEC 61882.  ${word.reason}`).join("  "))));
 }
 
+/** Classes of severity with a colour of their own; all milder ones have the last. */
+const RANKS = 4;
 const wordOf = (word) => word.title + (word.extension ? "*" : "");
 
 function hazopCell(cell, word) {
@@ -59,6 +70,7 @@ function hazopCell(cell, word) {
   const control = cell.status === "control";
   const margin = sure === undefined ? "" : marginText(cell.name);
   const says = `${cell.guideword} ${cell.parameter}. ${cell.deviation || ""}\n${said}${sure ? `\n${sureText({ certainty: sure })}` : ""}${margin ? `\nmargin ${margin}` : ""}${control ? "\ncrude control, in no ratio" : ""}`;
-  return h("td", { class: "state", role: "gridcell", tabindex: "-1", "data-cell": cell.name, "data-word": wordOf(word), "data-state": state, "data-sure": sure || null, "data-tag": control ? "C" : null, "aria-label": says },
-    h("span", { class: "plate" }, text, operable && state !== "detected" && h("span", { class: "op" }, " op")), margin && h("span", { class: "margin" }, h("span", { class: "plate" }, margin)));
+  const rank = state === "not_detected" ? rankOf(cell) : 0;
+  return h("td", { class: "state", role: "gridcell", tabindex: "-1", "data-cell": cell.name, "data-word": wordOf(word), "data-state": state, "data-sure": sure || null, "data-rank": rank ? Math.min(rank, RANKS) : null, "data-tag": control ? "C" : rank || null, "aria-label": says },
+    h("span", { class: "plate" }, text, operable && state !== "detected" && h("span", { class: "op" }, " op")));
 }

@@ -1,38 +1,70 @@
-/* The top of the page: the answer, how sure it is, what the unmutated drone fails, what is not claimed; then the ratios. */
+/* The first screen: the answer in a sentence, the bar, the worst that is missed, the matrix; how sure, behind a click. */
 function masthead() {
-  const cells = DATA.ratios.find((entry) => entry.name === "exercised");
-  const [answer, ...others] = DATA.answers;
-  const [notShown, sure, next] = others.map(({ name, text }) => line(name, withCode(sentence(text))));
+  const [, notShown, sure, next] = DATA.answers;
   return h("header", { class: "masthead" },
-    h("p", { class: "kicker" }, "Fault-injection mutation testing of an autonomous drone: if one of these faults were in it, would the tests have shown it?"),
-    h("h1", {}, `${DATA.study}: campaign ${DATA.campaign}`),
-    DATA.gates.failed && h("p", { class: "notice", role: "alert" }, h("b", {}, "These figures may not be believed. "), DATA.gates.failed),
-    DATA.owed > 0 && h("p", { class: "notice" }, `${plural(DATA.owed, "planned flight")} of this campaign ${DATA.owed === 1 ? "is" : "are"} missing: the run was not finished.`),
-    DATA.stale.map((text) => h("p", { class: "notice" }, withCode(`${text}.`))),
-    h("p", { class: "answer" }, withCode(sentence(answer.text))),
-    DATA.pooled && fateBar(),
-    h("dl", { class: "answers" },
-      sure,
-      line("unmutated drone", [DATA.head.fails.map((text) => h("p", {}, text)), h("p", { class: "small" }, h("a", { href: "#baseline" }, "Which situations"), DATA.breaks.length > 0 && [" \u00b7 ", h("a", { href: "#breaks" }, "What breaks it")])]),
-      line("not claimed", [h("ul", {}, DATA.head.claims.map((text) => h("li", {}, text))), h("p", { class: "small" }, h("a", { href: "#claims" }, "All that is not claimed"))]),
-      notShown, next, DATA.besides.map(({ name, text }) => line(name, sentence(text)))),
-    h("ul", { class: "facts" },
-      [[cells.part, `of ${cells.whole} credible cells flown`], [DATA.seeds.length, `${DATA.seeds.length === 1 ? "seed" : "seeds"} of mutants (${seedText()})`],
-        [DATA.flights, "flights"], ["scaloft-fi", DATA.version]].map(([figure, what]) => h("li", {}, h("b", {}, String(figure)), ` ${what}`))));
+    h("div", { class: "first" },
+      h("div", {},
+        h("h1", {}, `${DATA.study}: campaign ${DATA.campaign}`),
+        DATA.gates.failed && h("p", { class: "notice", role: "alert" }, h("b", {}, "These figures may not be believed. "), DATA.gates.failed),
+        DATA.owed > 0 && h("p", { class: "notice" }, `${plural(DATA.owed, "planned flight")} of this campaign ${DATA.owed === 1 ? "is" : "are"} missing: the run was not finished.`),
+        DATA.stale.map((text) => h("p", { class: "notice" }, withCode(`${text}.`))),
+        h("p", { class: "answer" }, withCode(DATA.head.answer)),
+        DATA.pooled && fateBar(),
+        worst(),
+        h("p", {}, h("b", {}, "How sure: "), DATA.head.sure),
+        h("p", {}, h("b", {}, "Not claimed: "), DATA.head.claim),
+        h("p", { class: "small" }, h("b", {}, "What next: "), withCode(sentence(next.text))),
+        h("p", { class: "buttons" }, [["#survivors", "What is missing"], ["#sure", "How sure"], ["#next", "What next"]].map(([to, says]) => h("a", { class: "button", href: to }, says)))),
+      hazop()),
+    h("details", { class: "fold", id: "sure" }, h("summary", {}, "How sure, and what is not claimed"),
+      h("dl", { class: "answers" },
+        line(sure.name, withCode(sentence(sure.text))),
+        line("unmutated drone", [DATA.head.fails.map((text) => h("p", {}, text)), h("p", { class: "small" }, h("a", { href: "#baseline" }, "Which situations"), DATA.breaks.length > 0 && [" \u00b7 ", h("a", { href: "#breaks" }, "What breaks it")])]),
+        line("not claimed", [h("ul", {}, DATA.head.claims.map((text) => h("li", {}, text))), h("p", { class: "small" }, h("a", { href: "#claims" }, "All that is not claimed"))]),
+        DATA.besides.map(({ name, text }) => line(name, sentence(text))))),
+    h("details", { class: "fold", id: "next" }, h("summary", {}, "What next"),
+      h("dl", { class: "answers" }, line(notShown.name, withCode(sentence(notShown.text))), line(next.name, h("ul", {}, [["#survivors", "each fault that is not shown: where it stopped, and what to change"], DATA.found.finds.length > 0 && ["#found", "situations that would have shown some"], ["#hazop", "the matrix: a cell opens with its flight"]].filter(Boolean).map(([to, says]) => h("li", {}, h("a", { href: to }, says))))))));
 }
 
+/** The faults that are missed of the worst class among them, the first few by name. */
+function worst() {
+  const missed = countedFaults().filter((mutant) => fateOf(mutant) === "not_detected" && rankOf(mutant));
+  if (!missed.length) return null;
+  const rank = Math.min(...missed.map(rankOf));
+  const found = missed.filter((mutant) => rankOf(mutant) === rank);
+  const [first, rest] = [found.slice(0, FEW), found.length - FEW];
+  return h("div", {}, h("p", {}, h("b", {}, "Worst missed"), `, ${found[0].severity}: ${titleOf("severities", found[0].severity)}`),
+    h("ul", { class: "worst" }, first.map((mutant) => h("li", {}, h("a", { class: "id", href: mutantHash(mutant.id) }, mutant.id), ` ${CELLS.get(mutant.cell)?.deviation ?? ""}`)),
+      rest > 0 && h("li", {}, h("a", { href: "#survivors" }, `and ${plural(rest, "other")}`))));
+}
+
+const FEW = 4;
 const line = (name, told) => [h("dt", {}, term(capital(name))), h("dd", {}, told)];
 
-/** The mutants that the answer counts by verdict, as one bar in the looks of the matrix. */
-function fateBar() {
+/** The faults that the answer counts. */
+function countedFaults() {
   const faults = DATA.mutants.filter((mutant) => !mutant.control);
-  const counted = faults.some((mutant) => mutant.counts) ? faults.filter((mutant) => mutant.counts) : faults;
-  const fates = DATA.verdicts.map((verdict) => [verdict, counted.filter((mutant) => mutant.verdict === verdict).length]).filter(([, count]) => count);
+  return faults.some((mutant) => mutant.counts) ? faults.filter((mutant) => mutant.counts) : faults;
+}
+
+/** What became of the faults that count, as one bar in the looks of the matrix. */
+function fateBar() {
+  const counted = countedFaults();
+  const bySize = (state, says, mark, sure, members) => ({ state, says, mark, sure, count: members.length });
+  const of = (fate) => counted.filter((mutant) => fateOf(mutant) === fate);
+  const fates = [
+    bySize("detected", "firm", VERDICTS.detected[0], 3, of("detected").filter(isFirm)),
+    bySize("detected", "shown, not firm", "\u25cb", 1, of("detected").filter((mutant) => !isFirm(mutant))),
+    bySize("undecided", "undecided", VERDICTS.undecided[0], null, of("undecided")),
+    bySize("not_detected", "missed", VERDICTS.not_detected[0], null, of("not_detected")),
+    bySize("same", "no effect", "=", null, of("same")),
+    bySize("not_tested", "not tested", VERDICTS.not_tested[0], null, of("not_tested")),
+  ].filter(({ count }) => count);
   if (!fates.length) return null;
   return h("div", { class: "fates" },
-    h("div", { class: "fate-bar", role: "img", "aria-label": `Mutants by verdict: ${fates.map(([verdict, count]) => `${count} ${spaced(verdict)}`).join(", ")}` },
-      fates.map(([verdict, count]) => h("span", { class: "state", "data-state": verdict, "data-sure": verdict === "detected" ? 3 : null, "--count": count }))),
-    h("ul", { class: "legend" }, fates.map(([verdict, count]) => h("li", {}, swatch(verdict, VERDICTS[verdict][0], verdict === "detected" && 3), h("b", {}, String(count)), term(spaced(verdict)), verdict === "detected" && [", ", h("b", {}, String(counted.filter(isFirm).length)), " ", term("firm")]))));
+    h("div", { class: "fate-bar", role: "img", "aria-label": `Faults: ${fates.map(({ count, says }) => `${count} ${says}`).join(", ")}` },
+      fates.map(({ state, sure, count }) => h("span", { class: "state", "data-state": state, "data-sure": sure, "--count": count }))),
+    h("ul", { class: "legend" }, fates.map(({ state, says, mark, sure, count }) => h("li", {}, swatch(state, mark, sure), h("b", {}, String(count)), says === "shown, not firm" ? says : term(says)))));
 }
 
 const sentence = (text) => (text.startsWith("`") ? text : capital(text));

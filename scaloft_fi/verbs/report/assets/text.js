@@ -11,12 +11,12 @@ const SIGNS = {
   not_flown: ["not flown", "no flight that counts"],
   not_meaningful: ["not meaningful", "the study says why the pair of words has no meaning"],
 };
-/** The verdict on a mutant: a mark, and what it says. */
+/** The verdict on a mutant: a mark, which terminal and pictures have too, and what it says. */
 const VERDICTS = {
-  detected: ["\u2713", "It violates requirements more often than chance explains: the tests would have shown it."],
+  detected: ["\u25cf", "It violates requirements more often than chance explains: the tests would have shown it."],
   undecided: ["?", "Violations were seen, or so few flights were flown that none of their results could decide."],
-  not_detected: ["\u25cb", "It was put to the test, and nothing was seen."],
-  not_tested: ["\u2013", "It changes no sample where the unmutated drone holds a safety requirement steadily."],
+  not_detected: ["\u2013", "It was put to the test, and nothing was seen."],
+  not_tested: ["\u00b7", "It changes no sample where the unmutated drone holds a safety requirement steadily."],
 };
 /** What remains of a detection when one seed is left out. */
 const FIRMNESS = { firm: "firm", firm_by_pool: "firm by the pool alone", hangs_on_a_seed: "hangs on a seed", too_few_seeds: "too few seeds to say" };
