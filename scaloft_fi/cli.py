@@ -292,8 +292,8 @@ def _unforeseen(error: Exception) -> int:
 def main(context: click.Context) -> None:
     """Fault-injection mutation testing of an autonomous drone.
 
-    A HAZOP deviation matrix becomes mutants, every mutant is flown in a grid of situations, and the score
-    says which faults the safety requirements would have shown.
+    A HAZOP deviation matrix becomes mutants, and every mutant is flown in a grid of situations.
+    The score says which faults the safety requirements would have shown.
     """
     gc.set_threshold(*COLLECT_AFTER)
     if context.invoked_subcommand is None:

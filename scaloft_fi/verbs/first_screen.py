@@ -104,7 +104,7 @@ def _not_shown(faults: Sequence[MutantScore]) -> str:
     counts = [f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict]]
     if idle:
         counts.append(f"{idle} without effect here: every flight equals the baseline's to the bit")
-    return f"{'; '.join(counts) or 'none'}."
+    return f"{'.  '.join(counts) or 'none'}."
 
 
 def _how_sure(scored: Score, faults: Sequence[MutantScore]) -> str:

@@ -14,6 +14,7 @@ from shown_commands import GUIDES, Shown, named_commands, shown_commands, stray_
 from studies import copied
 
 from scaloft_fi.cli import VERBS, command_of
+from scaloft_fi.reference import command_reference
 
 RUN_BY_GUIDES = {f"{name}.md" for name in GUIDES}
 """The pages whose commands `tests/test_guides.py` runs, with the packages that the pages show."""
@@ -69,10 +70,8 @@ def test_every_command_is_run_or_listed():
     assert steps == set(NOT_RUN)
 
 
-def test_readme_names_every_verb():
-    rows = re.findall(r"^\| (`scaloft-fi .*?) \|", (ROOT / "README.md").read_text(), re.MULTILINE)
-    named = {word for row in rows for word in re.findall(r"[a-z]+", row)}
-    assert [verb for verb in VERBS if verb not in named] == []
+def test_the_reference_has_a_section_for_every_verb():
+    assert set(re.findall(r"^### `scaloft-fi (\w+)`$", command_reference(), re.MULTILINE)) == set(VERBS)
 
 
 def test_no_page_is_listed_in_vain():

@@ -15,6 +15,7 @@ from published_flights import ROOT, outcomes
 import scaloft_fi
 from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.score import score
+from scaloft_fi.cli import main
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.bounds import within_caps
 from scaloft_fi.judge.outcome import BASELINE, Outcome
@@ -78,6 +79,33 @@ def test_the_screen_is_that_of_the_published_flights():
     shown = re.search(r"^```\n(Shown .*?)^```$", (Path(ROOT) / "README.md").read_text(), re.MULTILINE | re.DOTALL)
     assert shown
     assert shown[1] == screen.text(whole=False)
+
+
+def test_readme_has_at_most_120_lines():
+    assert len((ROOT / "README.md").read_text().splitlines()) <= 120
+
+
+MOST_WORDS = 25
+"""Of a sentence that a newcomer reads first."""
+
+
+SCORE = ROOT / "results" / "published" / "reference" / "score.md"
+FIRST = {
+    "README": (ROOT / "README.md").read_text().partition("<!-- run -->")[0],
+    "index.md": (ROOT / "docs" / "index.md").read_text(),
+    "--help": str(main.help),
+    "first screen": "\n\n".join(
+        re.findall(r"^\| (?:Shown|Not shown|How sure|What next) +\| (.*?) +\|$", SCORE.read_text(), re.MULTILINE)
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_no_sentence_that_a_newcomer_reads_first_is_long(name: str):
+    text = re.sub(r"^```.*?^```$|^[|#!].*?$", "\n", FIRST[name], flags=re.M | re.S)
+    assert text.strip()
+    sentences = [one for part in text.split("\n\n") for one in re.split(r"(?<=[.?!])[*)]*\s+", part)]
+    assert [one for one in sentences if len(re.findall(r"\w\S*", one)) > MOST_WORDS] == []
 
 
 HOOKS = ROOT / "docs" / "hooks"
