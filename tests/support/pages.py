@@ -25,7 +25,7 @@ OPEN = {"flight": "#sheet .map", "mutant": "#sheet .sheet-body", "cell": "#sheet
 class Visit:
     """One page opened from disk; remembers what the console said and what was asked of a network."""
 
-    def __init__(self, browser: Any, path: Path, fragment: str = "", **context: Any) -> None:
+    def __init__(self, browser: Any, path: Path, fragment: str = "", *, whole: bool = True, **context: Any) -> None:
         self.context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **context})
         self.page = self.context.new_page()
         self.said: list[str] = []
@@ -34,7 +34,11 @@ class Visit:
         self.page.on("pageerror", lambda error: self.said.append(str(error)))
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.goto(path.as_uri() + fragment)
-        self.page.wait_for_selector("#kills td.state")
+        self.page.wait_for_selector("#kills td.state", state="attached")
+        if whole:
+            self.page.evaluate(
+                "() => document.querySelectorAll('details.whole').forEach((one) => { one.open = true; })"
+            )
         if fragment:
             self.page.wait_for_selector(OPEN[fragment[1:].partition("=")[0]])
 

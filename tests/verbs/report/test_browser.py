@@ -10,6 +10,8 @@ from typing import Any
 import pytest
 from pages import Opened, embedded, unpacked
 from papers import BAR, HOSTILE, SHAKY
+from printed import run
+from studies import ROOT
 
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.console import printable
@@ -19,6 +21,7 @@ from scaloft_fi.verbs.report.analyses import Evidence, folding
 from scaloft_fi.verbs.report.page import html
 from scaloft_fi.verbs.report.page import page as page_of
 
+MOST_WORDS = 4000
 FLIGHT = "#flight=LATE-human%403s/T0O0W0D0H1/1"
 
 
@@ -91,6 +94,23 @@ def test_how_sure_and_what_is_not_claimed_are_behind_a_button(visit: Opened, tol
     said = page.locator("#sure").inner_text().replace("\n", " ")
     for sentence in (*told["head"]["fails"], *told["head"]["claims"]):
         assert sentence.replace(".  ", ". ") in said
+
+
+def test_a_link_to_a_section_opens_what_it_has_behind_a_click(visit: Opened):
+    page = visit(whole=False).page
+    assert page.locator("table.kills").is_hidden()
+    page.get_by_role("link", name="Kill matrix").click()
+    assert page.locator("table.kills").is_visible()
+
+
+@pytest.mark.release
+def test_the_published_report_has_at_most_four_thousand_words_before_a_click(visit: Opened, tmp_path: Path):
+    written = tmp_path / "reference.html"
+    assert run("report", "--campaign", ROOT / "results" / "published" / "reference", "--output", written) == 0
+    page = visit(file=written, whole=False).page
+    parts = page.locator("main > *:not(#glossary):not(.paper)").all_inner_texts()
+    shown = sum(len(text.split()) for text in parts)
+    assert 2000 < shown <= MOST_WORDS
 
 
 def test_the_ratios_are_printed_as_they_are_in_the_figures(visit: Opened, told: dict[str, Any]):

@@ -36,6 +36,9 @@ function part(id, title, lead, ...children) {
     children);
 }
 
+/** What a section has behind a click; a link to the section opens it. */
+const folded = (says, ...children) => h("details", { class: "fold whole" }, h("summary", {}, says), children);
+
 /** One tab stop for a grid of cells; arrows, Home and End move in it, Enter and Space open. */
 function roving(grid, selector, rowsOf, open) {
   const cells = () => rowsOf().map((row) => [...row.querySelectorAll(selector)]);

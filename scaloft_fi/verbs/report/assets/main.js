@@ -16,8 +16,9 @@ async function follow() {
   const sheet = document.getElementById("sheet");
   const hash = location.hash;
   if (!SHEETS.test(hash)) {
-    const fold = document.getElementById(hash.slice(1));
-    if (fold?.tagName === "DETAILS") fold.open = true;
+    const named = document.getElementById(hash.slice(1));
+    const fold = named?.tagName === "DETAILS" ? named : named?.querySelector("details.whole");
+    if (fold) fold.open = true;
     if (sheet.open) {
       left = true;
       sheet.close();
