@@ -363,9 +363,7 @@ MOST_ROWS = 8
 WIDEST = 24
 """Longest condition that a row shows."""
 TITLE = "Would your tests have shown it?"
-SEVERITY = "severity"
-"""Column of a study with classes of severity."""
-COLUMNS = ("verdict", SEVERITY, "killed in", "firm", "by", "where", "first", "effect", "next")
+COLUMNS = ("verdict", "severity", "killed in", "firm", "by", "where", "first", "effect", "next")
 """The columns of a table of mutants, of which those are left out that have no value."""
 ONLY_WHOLE = ("first", "next")
 """Those that the first screen leaves to `--all`."""
@@ -374,14 +372,12 @@ SPARE = ("where", "by", "first")
 CONTROL_COLUMNS = ("shows itself by", "effect")
 NO_KILL = "no kill"
 """Of a detected mutant without a situation where most of its flights violate."""
-MIXED = "mixed"
-"""Of a condition that is longer than `WIDEST`."""
 LEGEND = {
     "killed in": "situations where most flights violate a requirement, of those that test the fault.",
     NO_KILL: "it violates here and there, more often than chance explains.",
     "pool": "by the baseline's seeds alone, as the mutant flew one.",
     "by": "situations per requirement.",
-    MIXED: "`scaloft-fi kills ID` says where.",
+    "mixed": "`scaloft-fi kills ID` says where.",
     "first": "earliest such violation [s from take-off].",
     "--seeds": "so many decide, by `run --mutant ID`; anew: in a campaign of its own.",
     SHORT[Next.FIND]: "`scaloft-fi kills ID --show survivors` has the command.",
@@ -422,8 +418,7 @@ class Screen:
     @property
     def answers(self) -> Table:
         """The four answers."""
-        study = self.study
-        replies = answers(self.scored, study.roster, self.campaign, study.finds, study.space.grid)
+        replies = answers(self.scored, self.study.roster, self.campaign, self.study.finds, self.study.space.grid)
         return Table(TITLE, ("question", "answer"), replies)
 
     @property
@@ -466,13 +461,16 @@ class Screen:
         """The faults on the first screen: their signs, or a table of them with its legend; nothing without any."""
         if len(self.scored.counted) > MOST_ROWS:
             signs = signs_of(self.scored)
-            grid = "\n".join(signs_grid(self.study.matrix, signs, columns))
-            return [with_legend(grid, signs, columns, marked=marked) + "\n"]
+            grid = signs_grid(self.study.matrix, signs, columns)
+            return [with_legend("\n".join(grid), signs, columns, marked=marked) + "\n"]
         flown = worst_first([each for each in self.scored.mutants if each.flown], lambda mutant: mutant.severity)
         shown = self._table("", sorted(flown, key=lambda mutant: mutant.detected)[:MOST_ROWS], ONLY_WHOLE)
-        rows = [[str(cell) for cell in row] for row in shown.rows]
-        body = body_text(shown.headers, rows, columns, shown.spare, marked=marked) if rows else ""
-        return ["\n".join(filter(None, [body, note(legend([shown]), columns, marked=marked)])) + "\n"] if rows else []
+        if not (rows := [[*map(str, row)] for row in shown.rows]):
+            return []
+        body = body_text(shown.headers, rows, columns, shown.spare, marked=marked)
+        more = [f"... and {len(flown) - MOST_ROWS} more."] if len(flown) > MOST_ROWS else []
+        notes = [note(each, columns, marked=marked) for each in (*more, legend([shown])) if each]
+        return ["\n".join([body, *notes]) + "\n"]
 
     @property
     def _below(self) -> Iterator[Line]:
@@ -562,11 +560,11 @@ def _facts(mutant: MutantScore, scored: Score, study: Study) -> dict[str, str]:
     steps = () if mutant.detected else advice(mutant, scored, background, study.finds).steps
     return {
         "verdict": mutant.verdict.words,
-        SEVERITY: class_of(mutant.severity),
+        "severity": class_of(mutant.severity),
         "killed in": NO_KILL if mutant.detected and not mutant.kills else rate.short * mutant.tested,
         "firm": FIRM[mutant.firmness] if mutant.firmness else "",
         "by": ", ".join(killed or mutant.safety.by or (f"{name} seen in {k}/{rate.whole}" for name, k in seen.items())),
-        "where": where if len(where) <= WIDEST else MIXED,
+        "where": where if len(where) <= WIDEST else "mixed",
         "first": f"{mutant.first.t_s:.1f}" if mutant.first else "",
         "effect": _effect(mutant),
         "next": short_step(mutant, steps, background),

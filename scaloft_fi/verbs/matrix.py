@@ -102,9 +102,8 @@ def _signs(study_folder: Path | None, campaign: str) -> Mapping[str, str]:
     Raises:
         InputError: another campaign than the default one does not exist, or holds no flight that counts.
     """
-    study = find_study(study_folder)
-    results = (Path() if is_packaged(study) else study) / "results"
-    if campaign == CAMPAIGN and not is_folder(results / "campaigns" / campaign):
+    root = Path() if is_packaged(study := find_study(study_folder)) else study
+    if campaign == CAMPAIGN and not is_folder(root / "results" / "campaigns" / campaign):
         return {}
     from scaloft_fi.verbs.snapshot import snapshot
     from scaloft_fi.verbs.verdict import signs_of

@@ -215,8 +215,7 @@ class Snapshot:
         Raises:
             InputError: it has no outcome that counts.
         """
-        study = self.study
-        return next_step(self.score, study.roster, self.name, study.finds, study.space.grid)
+        return next_step(self.score, self.study.roster, self.name, self.study.finds, self.study.space.grid)
 
     @cached_property
     def spending(self) -> Spending:

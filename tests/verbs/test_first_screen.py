@@ -116,6 +116,7 @@ def test_a_command_names_every_mutant_that_it_flies_unless_they_are_all_that_a_r
 def test_of_many_mutants_the_first_are_shown_and_the_rest_stands_under_all():
     text = screen(many(MOST_ROWS + 2)).text(whole=False)
     assert text.count("\nLATE-") == MOST_ROWS
+    assert "... and 2 more." in text
     assert screen(many(MOST_ROWS + 2)).text(whole=True).count("\nLATE-") == MOST_ROWS + 2
     assert "`scaloft-fi score --all`" in text
 
