@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
-from pages import Opened
+from pages import Opened, embedded
+
+from scaloft_fi.verbs.report.page import html
 
 FLIGHT = "#flight=LATE-human%403s/T0O0W0D0H1/1"
 SHEETS = ("#cell=LATE-human", "#mutant=LATE-human%403s", "#situation=T0O0W0D0H1", FLIGHT)
@@ -49,6 +52,30 @@ def test_a_cell_names_each_kill_by_situation_requirement_and_flight(visit: Opene
         for words in (", ".join(situation["words"]), kill["situation"], "SR2", "3/3", "0/10", "9.50 s"):
             assert words in said
         assert all(f"alias {alias}" in said for alias in situation["aliases"])
+
+
+def test_a_survivor_has_a_page_that_can_be_sent(visit: Opened, text: str, tmp_path: Path):
+    figures = embedded(text, "figures")
+    survivor = next(one for one in figures["survivors"] if one["mutant"] == "MORE-goal@0.6m")
+    survivor["loss"] |= {"situation": "T0O0W0D0H1", "seed": 1, "flown": 0.2, "share": 0.6}
+    cell = next(one for one in figures["cells"] if one["name"] == "MORE-goal")
+    file = tmp_path / "sent.html"
+    file.write_text(html(figures, embedded(text, "flights")), encoding="utf-8")
+    page = visit("#mutant=MORE-goal%400.6m", file=file).page
+    page.wait_for_selector("#sheet .map path.flown")
+    body = page.locator("#sheet .sheet-body").inner_text()
+    # the hazard; the flight in motion beside the unmutated drone's, with its command
+    assert page.locator(".sheet-head p").inner_text() == f"{cell['deviation']} {cell['effect']}"
+    assert "Of all its flights SR1 lost the most of its margin here." in body
+    assert page.locator("#sheet .map path.clean").count() == page.locator("#sheet .player .play").count() == 1
+    # why nothing saw it, what would, and its row of the worksheet
+    assert survivor["why"].replace("`", "") in body
+    commands = page.locator("#sheet .command code").all_inner_texts()
+    assert commands == [
+        "scaloft-fi replay --campaign paper MORE-goal@0.6m/T0O0W0D0H1/1",
+        "scaloft-fi propose --campaign paper MORE-goal@0.6m",
+    ]
+    assert all(cause in body for cause in cell["causes"])
 
 
 def test_a_column_of_the_kill_matrix_is_a_situation_by_name(visit: Opened, told: dict[str, Any]):
@@ -232,8 +259,9 @@ def test_on_a_narrow_screen_a_value_says_what_it_is(visit: Opened):
         ("", {"color_scheme": "dark"}),
         ("", {"viewport": {"width": 390, "height": 844}}),
         (FLIGHT, {}),
+        ("#mutant=LATE-human%403s", {}),
     ],
-    ids=["light", "dark", "390 px", "an open flight"],
+    ids=["light", "dark", "390 px", "an open flight", "the page of a mutant"],
 )
 def test_axe_finds_nothing_serious(visit: Opened, fragment: str, context: dict[str, Any]):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()

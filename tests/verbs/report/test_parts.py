@@ -138,7 +138,9 @@ def test_the_page_draws_each_find_and_survivors_lead_to_theirs(
     assert not second.locator(".command").is_visible()
     second.locator("summary").click()
     assert second.locator(".command code").inner_text() == flies(MORE)
-    visit(f"#mutant={MORE.replace('@', '%40')}", file=file).page.locator('#sheet a[href="#find-1"]').click()
+    sheet = visit(f"#mutant={MORE.replace('@', '%40')}", file=file).page.locator("#sheet")
+    sheet.locator(".missed svg.map path.route").wait_for()
+    sheet.locator('a[href="#find-1"]').click()
     page = seen.page
     first.locator("summary").click()
     assert first.locator("svg.map path").evaluate_all(

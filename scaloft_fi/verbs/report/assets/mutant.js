@@ -1,21 +1,44 @@
-/* A mutant: its verdict and what it rests on, where it is killed, its results; in the sheet of its cell, and with its Karnaugh map in a sheet of its own. */
-function mutantSheet(id) {
+/* A mutant: hazard, flight beside the unmutated drone's, why nothing saw it and what would have, worksheet row, results; a page with a link of its own. */
+async function mutantSheet(id) {
   const mutant = MUTANTS.get(id);
   if (!mutant) return { title: id, lead: "", body: [h("p", { class: "notice" }, `The campaign holds no mutant ${id}.`)] };
   const cell = CELLS.get(mutant.cell);
+  const told = DATA.survivors.find((one) => one.mutant === id);
+  const others = siblings(mutant);
   return {
-    title: id, lead: cell?.deviation || "",
+    title: id, lead: [cell?.deviation, cell?.effect].filter(Boolean).join(" "),
     body: [
-      h("div", { class: "row" }, h("a", { href: cellHash(mutant.cell) }, "its cell of the HAZOP matrix"),
-        siblings(mutant).map((other) => h("a", { class: "id", href: mutantHash(other.id) }, other.id))),
-      mutantFacts(mutant),
-      h("dl", { class: "pairs" }, [
-        ["margin", DATA.margins[mutant.cell] && [marginText(mutant.cell), limitLines(againstOf(mutant.cell))]],
-      ].filter(([, told]) => told && told.length).map(([what, told]) => [h("dt", {}, term(what)), h("dd", {}, told)])),
+      verdictLine(mutant, told ? "" : needed(mutant)),
+      ...await tellingFlight(mutant, told),
+      told && missed(told),
+      cell && [h("h3", { class: "sub" }, "Its row of the worksheet"), cellFacts(cell)],
+      h("h3", { class: "sub" }, "Its figures"), ...figuresOf(mutant),
       h("h3", { class: "sub" }, "Where a safety requirement kills it"), karnaughMap(mutant),
       DATA.karnaugh.reason && flownList(mutant),
+      h("div", { class: "row" }, h("a", { href: cellHash(mutant.cell) }, "its cell of the HAZOP matrix"), others.map((other) => h("a", { class: "id", href: mutantHash(other.id) }, other.id))),
     ],
   };
+}
+
+/** The flight that says most of a mutant, in motion beside the unmutated drone's: its first violation, else where a requirement lost the most. */
+async function tellingFlight(mutant, told) {
+  const places = DATA.situations.map(({ key }, place) => ({ situation: key, ...shown(mutant.results[place], key) }));
+  const { situation, seed } = mutant.first ?? told?.loss ?? places.find(({ state }) => ["seen", "tested", "masked", "no_test"].includes(state)) ?? {};
+  const flights = situation && CAN_INFLATE ? await flightsIn(situation) : null;
+  const [flight, clean] = [mutant.id, "baseline"].map((id) => flights?.find((one) => one.mutant === id && one.seed === seed));
+  if (!flight) return [];
+  const chosen = mutant.first ? "its earliest violation" : told?.loss?.share > 0 ? `of all its flights ${told.loss.requirement} lost the most of its margin here` : "one of its flights";
+  return [h("h3", { class: "sub" }, `The flight: ${wordsOf(situation)}, seed ${seed}`), h("p", { class: "small faint" }, `${capital(chosen)}.  `, h("a", { href: flightHash(mutant.id, situation, seed) }, "More of this flight")),
+    ...pictures(situation, flight, clean ?? null), command(mutant.id, situation, seed)];
+}
+
+/** Why no requirement saw a survivor, and the situation that would have, where a search found one. */
+function missed({ mutant, why, next, find: name, stage }) {
+  const find = DATA.found.finds.find((one) => one.name === name);
+  const says = h("div", {}, h("p", {}, "It stopped at: ", h("b", {}, stage), ".  ", withCode(why)),
+    find ? h("p", {}, h("a", { href: findHash(name) }, "The situation found")) : h("p", {}, "To change: ", h("b", {}, NEXT[next] ?? next), "."),
+    next === "oracle" && commandBox("Look for a requirement that shows it", `scaloft-fi propose${inCampaign()} ${literal(mutant)}`));
+  return [h("h3", { class: "sub" }, "Why no requirement saw it, and what would"), find ? h("div", { class: "flight missed" }, h("figure", {}, foundPicture(find)), says) : says];
 }
 
 const siblings = (mutant) => DATA.mutants.filter((other) => other.cell === mutant.cell && other.id !== mutant.id);
@@ -29,13 +52,21 @@ function mutantBlock(mutant) {
 
 const TESTED = "Kills: of the situations where the requirement tests the fault.  Flights: those there that violate it, of the mutant and of the unmutated drone.  p, over all situations that can be judged: the chance of so many violations or more if the fault did nothing, adjusted for the number of requirements.";
 
-function mutantFacts(mutant) {
-  const { first, decided_at: decided } = mutant;
-  const word = mutant.control ? showsText(mutant) : verdictText(mutant);
+/** In the sheet of its cell. */
+const mutantFacts = (mutant) => [verdictLine(mutant, findOf(mutant) ?? needed(mutant)), ...figuresOf(mutant)];
+
+function verdictLine(mutant, next) {
+  const { first, control, severity } = mutant;
   const sure = mutant.certainty > 0 && `, ${sureText(mutant)}`;
   return [
-    h("p", {}, h("b", {}, capital(word)), sure, `.  ${mutant.control ? "" : VERDICTS[mutant.verdict][1]}  `, findOf(mutant) ?? needed(mutant, decided)),
-    first && h("p", {}, h("a", { class: "go", href: flightHash(mutant.id, first.situation, first.seed) }, `See the flight: ${first.requirement} violated at ${seconds(first.t_s)}`), " ", h("span", { class: "faint small" }, `${wordsOf(first.situation)}, seed ${first.seed}`)),
+    h("p", {}, h("b", {}, capital(control ? showsText(mutant) : verdictText(mutant))), sure, `.  ${control ? "" : VERDICTS[mutant.verdict][1]}  `, severity && !control && `Severity: ${severity}.  `, next),
+    first && h("p", {}, h("a", { class: "go", href: flightHash(mutant.id, first.situation, first.seed) }, `See the flight: ${first.requirement} violated at ${seconds(first.t_s)}`), " ", h("span", { class: "faint small" }, `${wordsOf(first.situation)}, seed ${first.seed}`))];
+}
+
+/** Where it is killed, and the test behind its verdict. */
+function figuresOf(mutant) {
+  const { decided_at: decided } = mutant;
+  return [
     mutant.condition && h("p", { class: "small" }, `${mutant.kill_rate.part ? "Killed" : "Violations seen, no kill,"} where: ${mutant.condition}.`),
     killTable(mutant),
     mutant.tests.length > 0 && table(["tested by", { text: "p", number: true }, { text: "kills", number: true }, { text: "flights", number: true }, { text: "unmutated drone", number: true }],
@@ -64,7 +95,8 @@ function findOf(mutant) {
 }
 
 /** The command whose flights would decide on an undecided mutant. */
-function needed(mutant, { needed: seeds, anew }) {
+function needed(mutant) {
+  const { needed: seeds, anew } = mutant.decided_at;
   if (mutant.verdict !== "undecided" || mutant.control) return "";
   if (!seeds) return mutant.tests.length ? "No more than 50 seeds would not decide." : "A baseline pool is missing where it infects; the same run flies it.";
   const where = anew ? ` --campaign NEW${DATA.grid ? ` --grid ${literal(DATA.grid)}` : ""}` : inCampaign();
