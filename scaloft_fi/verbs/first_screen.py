@@ -46,7 +46,12 @@ class Line(NamedTuple):
 
 
 def answers(
-    scored: Score, roster: Roster, campaign: str = CAMPAIGN, finds: KnownFinds = NO_FINDS, grid: str = ""
+    scored: Score,
+    roster: Roster,
+    campaign: str = CAMPAIGN,
+    finds: KnownFinds = NO_FINDS,
+    grid: str = "",
+    tests: str = "",
 ) -> tuple[Line, ...]:
     """The four answers.
 
@@ -56,21 +61,24 @@ def answers(
         campaign: its name, for the commands.
         finds: of the study.
         grid: name of the campaign's grid, where that is a further grid of the study.
+        tests: the file of one's own tests, where these were run instead of flights.
     """
     faults = scored.faults
     told = (
-        (_shown(scored, faults), _not_shown(faults), _how_sure(scored, faults)) if scored.pooled else _no_pool(faults)
+        (_shown(scored, faults, tests), _not_shown(faults), _how_sure(scored, faults, tests))
+        if scored.pooled
+        else _no_pool(faults)
     )
-    return tuple(map(Line, NAMES, (*told, next_step(scored, roster, campaign, finds, grid))))
+    return tuple(map(Line, NAMES, (*told, next_step(scored, roster, campaign, finds, grid, tests))))
 
 
-def _shown(scored: Score, faults: Sequence[MutantScore]) -> str:
+def _shown(scored: Score, faults: Sequence[MutantScore], tests: str) -> str:
     if not faults:
         return "nothing: no mutant was flown."
     safety = Ratio(sum(mutant.detected for mutant in faults), len(faults))
     operability = sum(mutant.operability.detected for mutant in faults)
     either = sum(mutant.detected or mutant.operability.detected for mutant in faults)
-    shown = f"{_of(safety)} by safety requirements{_firmly(faults)}"
+    shown = f"{_of(safety)} by {'your tests' if tests else 'safety requirements'}{_firmly(faults)}"
     if operability:
         shown += f"; operability {operability}, either {either}"
     if found := len(scored.selected):
@@ -107,28 +115,39 @@ def _not_shown(faults: Sequence[MutantScore]) -> str:
     return f"{'.  '.join(counts) or 'none'}."
 
 
-def _how_sure(scored: Score, faults: Sequence[MutantScore]) -> str:
+def _how_sure(scored: Score, faults: Sequence[MutantScore], tests: str) -> str:
     tested = sum(mutant.tested for mutant in faults)
     drawn = scored.redraw
-    sure = false_detections(scored.alpha, tested)
+    sure = false_detections(scored.alpha, tested, "runs without a fault" if tests else "seeds")
     if drawn.seeds:
         sure += f"  Of {drawn.safety.whole} redraws of the unmutated drone {drawn.safety.part} were called shown."
     flown = {pair.flights for pair in scored.pool.pairs.values() if pair.flights >= LEAST}
     seeds = max((result.flown for mutant in faults for result in mutant.results), default=0)
     beside = f"{min(flown)}" + (f" to {max(flown)}" if len(flown) > 1 else "") if flown else "0"
-    sure += f"  {counted(seeds, 'seed')} beside {beside} baseline flights a situation."
-    return sure + "  Firm: whichever one seed is left out." * any(mutant.detected for mutant in faults)
+    sure += (
+        f"  Up to {counted(seeds, 'run')} of a fault beside {beside} without one, a test."
+        if tests
+        else f"  {counted(seeds, 'seed')} beside {beside} baseline flights a situation."
+    )
+    firm = f"  Firm: whichever one {'run' if tests else 'seed'} is left out."
+    return sure + firm * any(mutant.detected for mutant in faults)
 
 
-def false_detections(alpha: float, tested: int) -> str:
-    """What the test would do to faults without effect: no probability of being wrong about one that is shown."""
+def false_detections(alpha: float, tested: int, shared: str = "seeds") -> str:
+    """What the test would do to faults without effect: no probability of being wrong about one that is shown.
+
+    Args:
+        alpha: the level of the test.
+        tested: number of faults put to the test.
+        shared: what they have in common.
+    """
     if not tested:
         return "No fault was put to the test, so there is nothing to be sure of."
     if tested == 1:
         return f"A fault without effect would be called shown with a probability of {alpha:g} at most."
     return (
         f"If none of the {tested} faults put to the test had any effect, {alpha * tested:.2g} at most would be called "
-        f"shown, on average ({alpha:g} x {tested}).  As mutants share seeds, then several at once."
+        f"shown, on average ({alpha:g} x {tested}).  As mutants share {shared}, then several at once."
     )
 
 
@@ -367,6 +386,8 @@ COLUMNS = ("verdict", "severity", "killed in", "firm", "by", "where", "first", "
 """The columns of a table of mutants, of which those are left out that have no value."""
 ONLY_WHOLE = ("first", "next")
 """Those that the first screen leaves to `--all`."""
+OF_FLIGHTS = ("by", "where", "first", "effect", "next")
+"""Those that say nothing of runs of tests."""
 SPARE = ("where", "by", "first")
 """The columns that a narrow terminal does without, in the order in which they are left out."""
 CONTROL_COLUMNS = ("shows itself by", "effect")
@@ -383,6 +404,10 @@ LEGEND = {
     SHORT[Next.FIND]: "`scaloft-fi kills ID --show survivors` has the command.",
 }
 """What the words of a table say that its reader may not know; the legend has those that are shown."""
+TESTS_LEGEND = {
+    "killed in": "tests that most runs of the fault turn red, of those that it reaches and that are else green.",
+}
+"""The same where one's own tests were run."""
 FIRM = {Firmness.FIRM: "yes", Firmness.FIRM_BY_POOL: "pool", Firmness.HANGS: "no", Firmness.TOO_FEW: "too few seeds"}
 _STOPPED = {
     Status.INVALID: "the harness failed",
@@ -418,7 +443,8 @@ class Screen:
     @property
     def answers(self) -> Table:
         """The four answers."""
-        replies = answers(self.scored, self.study.roster, self.campaign, self.study.finds, self.study.space.grid)
+        study = self.study
+        replies = answers(self.scored, study.roster, self.campaign, study.finds, study.space.grid, study.tests_of)
         return Table(TITLE, ("question", "answer"), replies)
 
     @property
@@ -436,9 +462,11 @@ class Screen:
         groups.append(Table(f"Controls, in no ratio: {self._controls}", ("mutant", *CONTROL_COLUMNS), controls))
         groups = [group for group in groups if group.rows]
         if groups:
-            groups[-1] = replace(groups[-1], notes=("", legend(groups)))
-        lines = [Line("Situations", coverage_line(self.covered)), Line("Unmutated drone", baseline_line(scored.pool))]
-        lines += [Line("Noise", noise_line(self.noise))] if self.noise else []
+            groups[-1] = replace(groups[-1], notes=("", legend(groups, self.study.tests_of)))
+        lines = [self._flown]
+        if not self.study.tests_of:  # what its tests are without a fault, a suite tells test by test
+            lines += [Line("Unmutated drone", baseline_line(scored.pool))]
+            lines += [Line("Noise", noise_line(self.noise))] if self.noise else []
         return (self.answers, *groups, Table("Besides", ("what", "finding"), (*lines, *self._accepted)))
 
     def text(self, *, whole: bool, width: int | None = None, marked: bool | None = None) -> str:
@@ -469,20 +497,27 @@ class Screen:
             return []
         body = body_text(shown.headers, rows, columns, shown.spare, marked=marked)
         more = [f"... and {len(flown) - MOST_ROWS} more."] if len(flown) > MOST_ROWS else []
-        notes = [note(each, columns, marked=marked) for each in (*more, legend([shown])) if each]
+        notes = [note(each, columns, marked=marked) for each in (*more, legend([shown], self.study.tests_of)) if each]
         return ["\n".join([body, *notes]) + "\n"]
 
     @property
     def _below(self) -> Iterator[Line]:
         """What stands below the faults on the first screen."""
         if self.covered.situations.part < self.covered.situations.whole:
-            yield Line("Situations", coverage_line(self.covered))
+            yield self._flown
         if self.scored.controls:
             yield Line("Controls", f"{self._controls}.")
-        yield from (Line("Unmutated drone", told) for told in mostly_red(self.scored.pool))
+        if not self.study.tests_of:
+            yield from (Line("Unmutated drone", told) for told in mostly_red(self.scored.pool))
         yield from self._accepted
         everything = f"`scaloft-fi score{in_campaign(self.campaign)} --all`"
         yield Line("More", f"{everything}: what next for each fault, controls, coverage, baseline.")
+
+    @property
+    def _flown(self) -> Line:
+        if self.study.tests_of:
+            return Line("Tests", f"{self.covered.situations.short} run.")
+        return Line("Situations", coverage_line(self.covered))
 
     @property
     def _accepted(self) -> list[Line]:
@@ -490,21 +525,23 @@ class Screen:
 
     @property
     def _controls(self) -> str:
-        controls = self.scored.controls
-        return f"{sum(map(_shows, controls))} of {len(controls)} show that faults reach the drone"
+        controls, what = self.scored.controls, "a test" if self.study.tests_of else "the drone"
+        return f"{sum(map(_shows, controls))} of {len(controls)} show that faults reach {what}"
 
     def _table(self, title: str, members: Sequence[MutantScore], without: Sequence[str]) -> Table:
         facts = [_facts(mutant, self.scored, self.study) for mutant in members]
+        without = (*without, *(OF_FLIGHTS if self.study.tests_of else ()))
         columns = [each for each in COLUMNS if each not in without and any(one[each] for one in facts)]
         rows = tuple((mutant.id, *map(one.get, columns)) for mutant, one in zip(members, facts, strict=True))
         return Table(title, ("mutant", *columns), rows, spare=tuple(each for each in SPARE if each in columns))
 
 
-def legend(tables: Sequence[Table]) -> str:
-    """What the words of these tables say, of those that they show."""
+def legend(tables: Sequence[Table], tests: str = "") -> str:
+    """What the words of these tables say, of those that they show; `tests` as for `answers`."""
     shown = {str(cell) for table in tables for row in (table.headers, *table.rows) for cell in row}
     words = shown | {cell.partition(" ")[0] for cell in shown}
-    return "  ".join(f"{word}: {meaning}" for word, meaning in LEGEND.items() if word in words)
+    meanings = LEGEND | (TESTS_LEGEND if tests else {})
+    return "  ".join(f"{word}: {meaning}" for word, meaning in meanings.items() if word in words)
 
 
 def _lines(table: Table, width: int, *, marked: bool) -> str:
@@ -520,7 +557,8 @@ def _lines(table: Table, width: int, *, marked: bool) -> str:
 def coverage_line(covered: Coverage) -> str:
     """The situations in a sentence."""
     ways = ", ".join(f"{t}-way {100 * (r.value or 0):.0f} %" for t, r in covered.t_way if 2 <= t <= 3 and r.whole)
-    return f"{covered.situations.short} flown, {ways} covered; in {covered.realised.short} every value came true."
+    said = f", {ways} covered" if ways else ""
+    return f"{covered.situations.short} flown{said}; in {covered.realised.short} every value came true."
 
 
 def baseline_line(pool: Pool) -> str:

@@ -167,7 +167,7 @@ class Snapshot:
         Raises:
             InputError: there are none.
         """
-        return self.store.standing(self.now.stands) or nothing_to_show(self.store, self.folder)
+        return self.store.standing(self.now.stands) or nothing_to_show(self.store, self.folder, self.study.tests_of)
 
     @cached_property
     def now(self) -> Now:
@@ -215,7 +215,8 @@ class Snapshot:
         Raises:
             InputError: it has no outcome that counts.
         """
-        return next_step(self.score, self.study.roster, self.name, self.study.finds, self.study.space.grid)
+        study = self.study
+        return next_step(self.score, study.roster, self.name, study.finds, study.space.grid, study.tests_of)
 
     @cached_property
     def spending(self) -> Spending:

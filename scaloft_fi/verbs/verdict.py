@@ -89,10 +89,19 @@ def with_legend(grid: str, signs: Mapping[str, str], width: int, *, marked: bool
 
 
 def next_step(
-    scored: Score, roster: Roster, campaign: str = CAMPAIGN, finds: KnownFinds = NO_FINDS, grid: str = ""
+    scored: Score,
+    roster: Roster,
+    campaign: str = CAMPAIGN,
+    finds: KnownFinds = NO_FINDS,
+    grid: str = "",
+    tests: str = "",
 ) -> str:
     """The command that is the most useful now, as every screen of a campaign says; the arguments of `answers`."""
     faults, survivors = scored.faults, f"`scaloft-fi kills{in_campaign(campaign)} --show survivors`"
+    if tests:
+        missed = any(not mutant.detected for mutant in faults)
+        suite = f"`scaloft-fi suite {shlex.quote(tests)}`"
+        return f"{suite} says which test to write next." if missed or not faults else "nothing: every fault is shown."
     if scored.lacking:
         seeds = max((result.flown for mutant in faults for result in mutant.results), default=1)
         run = command(campaign, faults, seeds, roster.defaults.values())

@@ -186,6 +186,17 @@ def test_a_verb_that_reads_a_campaign_reads_one_of_tests(
     assert capsys.readouterr().out
 
 
+def test_the_first_screen_speaks_of_tests_and_of_no_flight(
+    told: dict[str, Any], planted: Planted, capsys: pytest.CaptureFixture[str]
+):
+    assert run("score", "--study", ROOT, "--campaign", planted.folder / "flown") == 0
+    screen = capsys.readouterr().out
+    assert "by your tests" in screen
+    assert f"`scaloft-fi suite {planted.folder / 'suite.yaml'}`" in " ".join(screen.split())
+    for word in ("situation", "seed", "drone", "flown"):
+        assert word not in screen.replace("/flown", ""), word
+
+
 def test_an_archive_of_the_campaign_is_read_without_the_tests(
     told: dict[str, Any],
     planted: Planted,

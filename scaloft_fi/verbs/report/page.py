@@ -40,13 +40,14 @@ MODEL = (
 )
 
 
-def head(scored: Score, situations: Ratio, breaks: int) -> dict[str, Any]:
+def head(scored: Score, situations: Ratio, breaks: int, tests: str = "") -> dict[str, Any]:
     """The sentences of the top of the page.
 
     Args:
         scored: the campaign's score.
         situations: flown, of those of the grid.
         breaks: situations beside the grid that a search found to break the unmutated drone.
+        tests: the file of one's own tests, where these were run instead of flights.
 
     Returns:
         `answer`, `sure`, `claim`: a sentence each for the first screen; `fails`: of the unmutated drone; `claims`: all
@@ -56,7 +57,7 @@ def head(scored: Score, situations: Ratio, breaks: int) -> dict[str, Any]:
     broken = [f"A search around the grid found {counted(breaks, 'situation')} more that {they} it."] if breaks else []
     claims = list(_claims(scored, situations))
     return {
-        "answer": _answer(scored),
+        "answer": _answer(scored, "tests" if tests else "safety requirements"),
         "sure": _sure(scored),
         "claim": "anything of other faults, of another drone, or of a flight that is not simulated.",
         "fails": [*fails(scored.pool), *broken],
@@ -64,14 +65,14 @@ def head(scored: Score, situations: Ratio, breaks: int) -> dict[str, Any]:
     }
 
 
-def _answer(scored: Score) -> str:
+def _answer(scored: Score, shows: str) -> str:
     """How many faults are shown and how many are missed, of which class the worst are, in a sentence."""
     faults = scored.counted or [mutant for mutant in scored.mutants if mutant.flown]
     if not scored.pooled:
         return NO_POOL
     shown = sum(mutant.detected for mutant in faults)
     missed = [one for one in faults if one.verdict is Verdict.NOT_DETECTED and not one.without_effect]
-    said = f"Your safety requirements show {shown} of {counted(len(faults), 'fault')} and miss {len(missed) or 'none'}"
+    said = f"Your {shows} show {shown} of {counted(len(faults), 'fault')} and miss {len(missed) or 'none'}"
     ranked = worst_first([one for one in missed if one.severity], lambda one: one.severity)
     if not ranked:
         return f"{said}."
@@ -154,8 +155,8 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "stale": list(evidence.stale.sentences),
         "owed": evidence.owed,
         "fingerprint": dict(evidence.fingerprint or {}),
-        "answers": plain(answers(scored, roster, evidence.campaign, study.finds, space.grid)),
-        "head": head(scored, covered.situations, len(breaks)),
+        "answers": plain(answers(scored, roster, evidence.campaign, study.finds, space.grid, study.tests_of)),
+        "head": head(scored, covered.situations, len(breaks), study.tests_of),
         "besides": [{"name": "Situations", "text": coverage_line(covered)}],
         "pooled": scored.pooled,
         "ratios": [
