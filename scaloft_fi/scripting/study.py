@@ -467,7 +467,7 @@ class OpenCampaign:
         mutants: proposing.MissingMutants = (),
         *,
         seeds: proposing.SeedCount = 3,
-        situations: proposing.SituationCount = 8,
+        most: proposing.SituationCount = 8,
         jobs: Jobs = None,
         progress: Told = False,
     ) -> Answer:
@@ -482,7 +482,7 @@ class OpenCampaign:
         with in_python():
             size = proposing.Size(
                 int(number(seeds, "seeds", 1, proposing.KEPT)),
-                int(number(situations, "situations", 1, proposing.MOST_SITUATIONS)),
+                int(number(most, "most", 1, proposing.MOST_SITUATIONS)),
             )
             asked, how = several(mutants, "mutants"), progress_of(progress)
             return proposing.proposed(self._study, self.name, asked, size, _jobs(jobs), how, started_clean).answer

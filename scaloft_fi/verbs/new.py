@@ -256,7 +256,6 @@ NEW = Output("new", "1.0", Written, rows="files")
     examples=(
         ("Write a study to edit", "scaloft-fi new my_mine"),
         ("Write a package with an operator, a stack, a sensor and a signal", "scaloft-fi new my_faults --plugin"),
-        ("Give the package another name than the folder", "scaloft-fi new work/faults --plugin --name my_faults"),
         ("Put a planner of your own into the reference drone", "scaloft-fi new my_planner --planner"),
         ("Put a real autopilot below the companion", "scaloft-fi new my_px4 --firmware px4 --program /opt/px4/bin/px4"),
     ),

@@ -229,7 +229,7 @@ SituationCount = Annotated[
     int,
     Option(
         "Most situations in which a mutant flies, drawn from those where it changes samples.",
-        "--situations",
+        "--most",
         metavar="N",
         type=click.IntRange(min=1, max=MOST_SITUATIONS),
         default=8,
@@ -250,7 +250,7 @@ Entries = Annotated[
     ),
     sections={
         "Where": "--study --campaign",
-        "How": "--seeds --situations --jobs --untrusted",
+        "How": "--seeds --most --jobs --untrusted",
         "What is printed": "--output --format --tables --quiet --help",
     },
 )
@@ -260,7 +260,7 @@ def propose_command(
     study_folder: options.StudyFolder,
     campaign: options.Campaign,
     seeds: SeedCount,
-    situations: SituationCount,
+    most: SituationCount,
     jobs: options.Jobs,
     untrusted: options.Untrusted,
     output: Entries,
@@ -277,7 +277,7 @@ def propose_command(
     options.check_writable(output)
     study = study_of(study_folder, campaign)
     options.allow(study, untrusted=untrusted)
-    asked, size = several(mutants, "mutants"), Size(seeds, situations)
+    asked, size = several(mutants, "mutants"), Size(seeds, most)
     told = proposed(study, campaign, asked, size, jobs or cores(), Silence() if quiet else Progress())
     if output is not None:
         write_own(output, "".join(one.yaml + "\n" for one in told.proposals if one.confirmed).encode())

@@ -85,7 +85,7 @@ def test_no_seed_of_the_choice_is_in_the_test_though_the_campaign_flew_few():
         (("LATE-humen",), "did you mean"),
         (("--campaign", "none"), "none"),
         (("--seeds", "0"), "--seeds"),
-        (("--situations", "0"), "--situations"),
+        (("--most", "0"), "--most"),
     ],
 )
 def test_what_it_cannot_propose_for_is_refused_in_a_sentence(
