@@ -4,7 +4,6 @@ async function mutantSheet(id) {
   if (!mutant) return { title: id, lead: "", body: [h("p", { class: "notice" }, `The campaign holds no mutant ${id}.`)] };
   const cell = CELLS.get(mutant.cell);
   const told = DATA.survivors.find((one) => one.mutant === id);
-  const others = siblings(mutant);
   return {
     title: id, lead: [cell?.deviation, cell?.effect].filter(Boolean).join(" "),
     body: [
@@ -15,7 +14,7 @@ async function mutantSheet(id) {
       h("h3", { class: "sub" }, "Its figures"), ...figuresOf(mutant),
       h("h3", { class: "sub" }, "Where a safety requirement kills it"), karnaughMap(mutant),
       DATA.karnaugh.reason && flownList(mutant),
-      h("div", { class: "row" }, h("a", { href: cellHash(mutant.cell) }, "its cell of the HAZOP matrix"), others.map((other) => h("a", { class: "id", href: mutantHash(other.id) }, other.id))),
+      h("div", { class: "row" }, h("a", { href: cellHash(mutant.cell) }, "its cell of the HAZOP matrix"), siblings(mutant).map((other) => h("a", { class: "id", href: mutantHash(other.id) }, other.id))),
     ],
   };
 }
@@ -52,7 +51,6 @@ function mutantBlock(mutant) {
 
 const TESTED = "Kills: of the situations where the requirement tests the fault.  Flights: those there that violate it, of the mutant and of the unmutated drone.  p, over all situations that can be judged: the chance of so many violations or more if the fault did nothing, adjusted for the number of requirements.";
 
-/** In the sheet of its cell. */
 const mutantFacts = (mutant) => [verdictLine(mutant, findOf(mutant) ?? needed(mutant)), ...figuresOf(mutant)];
 
 function verdictLine(mutant, next) {
