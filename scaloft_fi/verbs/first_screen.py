@@ -65,7 +65,7 @@ def answers(
     """
     faults = scored.faults
     told = (
-        (_shown(scored, faults, tests), _not_shown(faults), _how_sure(scored, faults, tests))
+        (_shown(scored, faults, tests), _not_shown(faults, tests), _how_sure(scored, faults, tests))
         if scored.pooled
         else _no_pool(faults)
     )
@@ -101,12 +101,12 @@ def _firmly(faults: Sequence[MutantScore]) -> str:
     return f", {firm} firmly{by_pool}"
 
 
-def _not_shown(faults: Sequence[MutantScore]) -> str:
+def _not_shown(faults: Sequence[MutantScore], tests: str) -> str:
     idle = sum(mutant.without_effect for mutant in faults)
     fates = Counter(mutant.verdict for mutant in faults if not mutant.without_effect)
     parts = {
         Verdict.NOT_DETECTED: "put to the test, nothing seen",
-        Verdict.UNDECIDED: "undecided: seen or flown too seldom",
+        Verdict.UNDECIDED: f"undecided: seen or {'run' if tests else 'flown'} too seldom",
         Verdict.NOT_TESTED: "never put to the test",
     }
     counts = [f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict]]
