@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import random
 import subprocess
+import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -251,6 +253,35 @@ def test_shards_join_to_what_an_undivided_run_tells(
     assert run("score", "--study", ROOT, "--campaign", tmp_path / "all", "--format", "json") == 0
     verdicts = {one["id"]: one["verdict"] for one in json.loads(capsys.readouterr().out)["mutants"]}
     assert verdicts == {one["id"]: one["verdict"] for one in told["score"]["mutants"] if one["id"] in asked}
+
+
+@pytest.mark.release
+def test_ten_kills_leave_a_campaign_that_ends_as_one_that_nobody_killed(planted: Planted, tmp_path: Path):
+    folder, effects = planted
+    asked = {id_: () for id_, red in effects.items() if not set(red) & {"hang", "crash", "odd"}}
+    moments = random.Random(0)
+
+    def command(campaign: str) -> list[str]:
+        where = ("--study", ROOT, "--campaign", tmp_path / campaign, "--quiet", "--jobs", "2", "--format", "json")
+        return [
+            *map(str, (sys.executable, "-m", "scaloft_fi", "suite", folder / "suite.yaml", *where)),
+            *options(asked),
+        ]
+
+    killed = 0
+    for _ in range(10):
+        with subprocess.Popen(command("killed"), cwd=ROOT, stdout=subprocess.DEVNULL) as process:
+            time.sleep(moments.uniform(1.0, 4.0))
+            killed += process.poll() is None
+            process.kill()
+    assert killed == 10
+    whole, again = (
+        json.loads(subprocess.run(command(name), cwd=ROOT, capture_output=True, check=True).stdout)
+        for name in ("whole", "killed")
+    )
+    for part in ("tests", "missed", "smallest", "unreached"):
+        assert again[part] == whole[part], part
+    assert again["score"]["ratios"] == whole["score"]["ratios"]
 
 
 def test_python_gives_the_answer_of_the_verb(told: dict[str, Any], planted: Planted, tmp_path: Path):
