@@ -62,7 +62,7 @@ MARGINS = ("LATE-human",)
 EVERY, COARSE = 2, 2
 """What is kept of the published trajectories: every second sample, in steps of 2 cm and 2 cm/s."""
 PICTURE, PART = PUBLISHED / "report.png", "#hazop"
-WIDTH_PX, SCALE = 1280, 1.25
+WIDTH_PX, SCALE = 1440, 1.25
 
 
 def call(*words: str) -> bytes:
