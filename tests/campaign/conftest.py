@@ -90,6 +90,7 @@ class FakeStudy:
     alpha: float = 0.01
     grid_name: str | None = None
     command: None = None
+    tests_of: str = ""
     most_wall_s: float = 0.0
 
     def runner(self, situation: FakeSituation) -> str:
