@@ -1,4 +1,4 @@
-"""The study is whole, and the stack keeps its contract in it."""
+"""The study is whole, it flies this planner, and the stack keeps its contract in it."""
 
 from pathlib import Path
 
@@ -8,8 +8,10 @@ from scaloft_fi.campaign.flights.check_stack import check_stack
 STUDY = Path(__file__).resolve().parents[1] / "study"
 
 
-def test_the_study_is_whole():
-    Study.open(STUDY).check()
+def test_the_study_is_whole_and_flies_this_planner():
+    study = Study.open(STUDY)
+    study.check()
+    assert study.stack.name == "your_plugin"
 
 
 def test_the_stack_keeps_its_contract():
