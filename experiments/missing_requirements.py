@@ -13,12 +13,12 @@ import experiments.published_kernels  # noqa: F401 - it must be imported before 
 # isort: split
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from experiments import PUBLISHED
-from experiments.pages import blocks, table, write
+from experiments.pages import Row, blocks, table, write
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.propose import Sought, propose
 from scaloft_fi.campaign.store.archive import study_of
@@ -80,11 +80,11 @@ def results(_study: Study, jobs: int, folder: Path) -> str:
 HEAD = ("mutant", "requirement", "shown in", "alarms", "p", "", "margin", "others")
 
 
-def _row(one: Mapping[str, Any]) -> Iterator[object]:
+def _row(one: Mapping[str, Any]) -> Row:
     state = "not confirmed" if not one["confirmed"] else "firm" if one["firm"] else "not firm"
     shown, alarms = (f"{one[name]['part']}/{one[name]['whole']}" for name in ("shown", "alarms"))
     title = one["title"].replace("|", "\\|")
-    yield from (
+    return (
         one["mutant"],
         title,
         shown,

@@ -82,9 +82,7 @@ def test_it_keeps_its_contract(site: Path, study: Path):
 @pytest.mark.release
 @pytest.mark.flight
 def test_a_run_scores_it_and_its_control_shows_itself(campaign: str):
-    assert "Controls, in no ratio: 1 of 1 show" in campaign
-    assert re.search(r"REVERSE-drive .*SR2", campaign), campaign
-    assert "1 situations with a pool it holds steadily SR1 in 1, SR2 in 1" in campaign
+    assert re.search(r"Controls +1 of 1 show that faults reach the drone", campaign), campaign
 
 
 VERBS = [
