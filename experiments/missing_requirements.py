@@ -14,11 +14,13 @@ import experiments.published_kernels  # noqa: F401 - it must be imported before 
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from experiments import PUBLISHED
 from experiments.pages import Row, blocks, table, write
+from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.propose import Sought, propose
 from scaloft_fi.campaign.store.archive import study_of
@@ -34,15 +36,27 @@ SEEDS, SITUATIONS, REDRAWS, APART = 3, 8, 20, 100
 PARTS = ("survivors", "redraws")
 
 
+@dataclass(frozen=True)
+class Redraw(Sought):
+    """The unmutated drone with seeds that are `shift` further: nothing but chance tells it from itself."""
+
+    shift: int
+
+    def flights(self, study: Study, seeds: Sequence[int]) -> list[Flight]:
+        """Its flights with these seeds."""
+        return super().flights(study, [seed + self.shift for seed in seeds])
+
+
 def found(jobs: int) -> dict[str, Any]:
     """What is proposed for the survivors of the campaign, and for the redraws."""
     with snapshot(study_of(PUBLISHED.parents[1], CAMPAIGN, None), CAMPAIGN) as now:
         survivors, seeds, study = sought_in(now, (), SITUATIONS), fresh_seeds(now, SEEDS), now.study
     keys = tuple(situation.key for situation in study.grid.situations)
-    names = {number: f"redraw {number}" for number in range(1, REDRAWS + 1)}
-    redraws = [Sought(name, None, drawn(name, keys, SITUATIONS), APART * at) for at, name in names.items()]
+    names = {f"redraw {number}": APART * number for number in range(1, REDRAWS + 1)}
+    redraws = [Redraw(name, None, drawn(name, keys, SITUATIONS), shift) for name, shift in names.items()]
     told = {}
-    for part, sought in zip(PARTS, (survivors, redraws), strict=True):
+    arms: tuple[Sequence[Sought], ...] = (survivors, redraws)
+    for part, sought in zip(PARTS, arms, strict=True):
         progress = Progress()
         told[part] = PROPOSE.record(Proposals.of(propose(study, sought, seeds, jobs, progress)))
         progress.close()

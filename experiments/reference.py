@@ -62,7 +62,7 @@ MARGINS = ("LATE-human",)
 EVERY, COARSE = 2, 2
 """What is kept of the published trajectories: every second sample, in steps of 2 cm and 2 cm/s."""
 PICTURE, PART = PUBLISHED / "report.png", "#hazop"
-WIDTH_PX, SCALE = 1440, 1.25
+SCALE = 1.25
 
 
 def call(*words: str) -> bytes:
@@ -107,18 +107,18 @@ def picture(output: Path) -> None:
     with tempfile.TemporaryDirectory() as made:
         page = Path(made) / "report.html"
         call("report", "--campaign", str(REFERENCE), "--output", str(page))
-        pictured(page, PART, output)
+        pictured(page, PART, output, 1440)
 
 
-def pictured(page: Path, part: str, output: Path) -> None:
-    """Take a picture of the part of a page that a selector of CSS names."""
+def pictured(page: Path, part: str, output: Path, width_px: int = 1280) -> None:
+    """Take a picture of the part of a page that a selector of CSS names, in a window of this width."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
         opened = playwright.chromium.launch(
             executable_path=shutil.which("chromium"), args=["--no-sandbox", "--disable-gpu"]
         )
-        tab = opened.new_page(viewport={"width": WIDTH_PX, "height": WIDTH_PX}, device_scale_factor=SCALE)
+        tab = opened.new_page(viewport={"width": width_px, "height": width_px}, device_scale_factor=SCALE)
         tab.goto(page.as_uri())
         tab.locator(part).screenshot(path=output)
         opened.close()

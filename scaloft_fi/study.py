@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import shlex
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -318,6 +319,11 @@ class Study(Setup):
     def tests_of(self) -> str:
         """The file of the suite whose tests run in place of flights; "" for a study that flies."""
         return ""
+
+    @property
+    def again(self) -> str:
+        """The command that flies, or runs the tests, as people type it."""
+        return f"scaloft-fi suite {shlex.quote(self.tests_of)}" if self.tests_of else "scaloft-fi run"
 
     def noted(self) -> dict[str, Any]:
         """What a campaign keeps of a suite, in plain JSON values; {} of a study that flies."""

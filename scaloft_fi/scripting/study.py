@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, update_wrapper
@@ -737,11 +738,11 @@ class OpenStudy:
             InputError: the file or an argument is not allowed, or a command says nothing.
             Interrupted: the user stopped the run; every run that ended is saved.
         """
-        with in_python(file="file"):
-            study, place = self.definition, Path(file)
+        with in_python():
+            study, place, how = self.definition, Path(file), _options(jobs, same_platform=False)
             asked, name = testing.asked_mutants(study, several(mutants, "mutants"), shard), campaign or place.stem
-            suite, how = testing.looked_at(study, place, name), _options(jobs, same_platform=False)
-            assert suite is not None, "no revision leaves anything out"
+            opened = testing.opened(study, place, name)
+            suite = opened.look(opened.suite.tests, time.monotonic)
             return testing.tested(suite, asked, name, how, progress_of(progress)).answer()
 
     @described

@@ -212,7 +212,7 @@ def _flown(name: str, now: Snapshot, warnings: list[str]) -> Flown:
     if now.held.current:
         warnings += [f"{name}: {text}" for text in (now.platform_warning, *now.stale.sentences) if text]
         return Flown(name, now.rulings, now.score)
-    rulings = rulings_of(now.latest or nothing_to_show(now.store, now.folder, now.study.tests_of))
+    rulings = rulings_of(now.latest or nothing_to_show(now.study, now.store, now.folder))
     warnings.append(f"{name}: no flight is of the study as it is now, so all are compared as they were flown")
     return Flown(name, rulings, score_of(rulings, now.study.roster, now.study.space, now.spending))
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from scaloft_fi.analysis.coverage import Coverage
 from scaloft_fi.analysis.detection import Firmness, Noise, Verdict
 from scaloft_fi.analysis.pool import LEAST, Pool, SituationBaseline, State, Tally, findings, tallies
-from scaloft_fi.analysis.roster import Ratio, Roster
+from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import EARLY_S, By, MutantScore, Score, groups
 from scaloft_fi.analysis.survivor import Background, Disposition, backgrounds, score_without
 from scaloft_fi.console import PROSE, Marked, Style, coloured, line, styled, wrapped
@@ -25,7 +25,7 @@ from scaloft_fi.judge.outcome import PLACEBO_ID
 from scaloft_fi.judge.requirement import Compliance, Kind, rho_text
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Rulings, Status
-from scaloft_fi.study import NO_FINDS, KnownFinds, Study
+from scaloft_fi.study import Study
 from scaloft_fi.verbs.situations import coverage_tables
 from scaloft_fi.verbs.verdict import Next, advice, in_campaign, next_step, signs_of, with_legend
 from scaloft_fi.views.output import printed_of
@@ -45,34 +45,24 @@ class Line(NamedTuple):
     text: str
 
 
-def answers(
-    scored: Score,
-    roster: Roster,
-    campaign: str = CAMPAIGN,
-    finds: KnownFinds = NO_FINDS,
-    grid: str = "",
-    tests: str = "",
-) -> tuple[Line, ...]:
+def answers(scored: Score, study: Study, campaign: str) -> tuple[Line, ...]:
     """The four answers.
 
     Args:
         scored: the campaign's score.
-        roster: which mutants count: the default of each credible cell; where none was flown, all do.
+        study: what was flown, or whose tests were run, with the grid of the campaign.
         campaign: its name, for the commands.
-        finds: of the study.
-        grid: name of the campaign's grid, where that is a further grid of the study.
-        tests: the file of one's own tests, where these were run instead of flights.
     """
-    faults = scored.faults
+    faults, tests = scored.faults, bool(study.tests_of)
     told = (
         (_shown(scored, faults, tests), _not_shown(faults, tests), _how_sure(scored, faults, tests))
         if scored.pooled
         else _no_pool(faults)
     )
-    return tuple(map(Line, NAMES, (*told, next_step(scored, roster, campaign, finds, grid, tests))))
+    return tuple(map(Line, NAMES, (*told, next_step(scored, study, campaign))))
 
 
-def _shown(scored: Score, faults: Sequence[MutantScore], tests: str) -> str:
+def _shown(scored: Score, faults: Sequence[MutantScore], tests: bool) -> str:
     if not faults:
         return "nothing: no mutant was flown."
     safety = Ratio(sum(mutant.detected for mutant in faults), len(faults))
@@ -101,7 +91,7 @@ def _firmly(faults: Sequence[MutantScore]) -> str:
     return f", {firm} firmly{by_pool}"
 
 
-def _not_shown(faults: Sequence[MutantScore], tests: str) -> str:
+def _not_shown(faults: Sequence[MutantScore], tests: bool) -> str:
     idle = sum(mutant.without_effect for mutant in faults)
     fates = Counter(mutant.verdict for mutant in faults if not mutant.without_effect)
     parts = {
@@ -115,7 +105,7 @@ def _not_shown(faults: Sequence[MutantScore], tests: str) -> str:
     return f"{'.  '.join(counts) or 'none'}."
 
 
-def _how_sure(scored: Score, faults: Sequence[MutantScore], tests: str) -> str:
+def _how_sure(scored: Score, faults: Sequence[MutantScore], tests: bool) -> str:
     tested = sum(mutant.tested for mutant in faults)
     drawn = scored.redraw
     sure = false_detections(scored.alpha, tested, "runs without a fault" if tests else "seeds")
@@ -443,9 +433,7 @@ class Screen:
     @property
     def answers(self) -> Table:
         """The four answers."""
-        study = self.study
-        replies = answers(self.scored, study.roster, self.campaign, study.finds, study.space.grid, study.tests_of)
-        return Table(TITLE, ("question", "answer"), replies)
+        return Table(TITLE, ("question", "answer"), answers(self.scored, self.study, self.campaign))
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -462,7 +450,7 @@ class Screen:
         groups.append(Table(f"Controls, in no ratio: {self._controls}", ("mutant", *CONTROL_COLUMNS), controls))
         groups = [group for group in groups if group.rows]
         if groups:
-            groups[-1] = replace(groups[-1], notes=("", legend(groups, self.study.tests_of)))
+            groups[-1] = replace(groups[-1], notes=("", legend(groups, self.study)))
         lines = [self._flown]
         if not self.study.tests_of:  # what its tests are without a fault, a suite tells test by test
             lines += [Line("Unmutated drone", baseline_line(scored.pool))]
@@ -497,7 +485,7 @@ class Screen:
             return []
         body = body_text(shown.headers, rows, columns, shown.spare, marked=marked)
         more = [f"... and {len(flown) - MOST_ROWS} more."] if len(flown) > MOST_ROWS else []
-        notes = [note(each, columns, marked=marked) for each in (*more, legend([shown], self.study.tests_of)) if each]
+        notes = [note(each, columns, marked=marked) for each in (*more, legend([shown], self.study)) if each]
         return ["\n".join([body, *notes]) + "\n"]
 
     @property
@@ -536,11 +524,11 @@ class Screen:
         return Table(title, ("mutant", *columns), rows, spare=tuple(each for each in SPARE if each in columns))
 
 
-def legend(tables: Sequence[Table], tests: str = "") -> str:
-    """What the words of these tables say, of those that they show; `tests` as for `answers`."""
+def legend(tables: Sequence[Table], study: Study) -> str:
+    """What the words of these tables of a study's mutants say, of those that they show."""
     shown = {str(cell) for table in tables for row in (table.headers, *table.rows) for cell in row}
     words = shown | {cell.partition(" ")[0] for cell in shown}
-    meanings = LEGEND | (TESTS_LEGEND if tests else {})
+    meanings = LEGEND | (TESTS_LEGEND if study.tests_of else {})
     return "  ".join(f"{word}: {meaning}" for word, meaning in meanings.items() if word in words)
 
 

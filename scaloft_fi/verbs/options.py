@@ -442,9 +442,7 @@ def allow(study: Study, *, untrusted: bool) -> None:
         InputError: there are programs, and `untrusted` or the user refuses them.
     """
     if study.tests_of:
-        raise InputError(
-            f"the campaign has runs of tests and no flights; `scaloft-fi suite {study.tests_of}` runs them"
-        )
+        raise InputError(f"the campaign has runs of tests and no flights; `{study.again}` runs them")
     programs, folder = programs_of(study), study.folder.resolve()
     if not programs:
         return

@@ -167,7 +167,7 @@ class Snapshot:
         Raises:
             InputError: there are none.
         """
-        return self.store.standing(self.now.stands) or nothing_to_show(self.store, self.folder, self.study.tests_of)
+        return self.store.standing(self.now.stands) or nothing_to_show(self.study, self.store, self.folder)
 
     @cached_property
     def now(self) -> Now:
@@ -215,8 +215,7 @@ class Snapshot:
         Raises:
             InputError: it has no outcome that counts.
         """
-        study = self.study
-        return next_step(self.score, study.roster, self.name, study.finds, study.space.grid, study.tests_of)
+        return next_step(self.score, self.study, self.name)
 
     @cached_property
     def spending(self) -> Spending:

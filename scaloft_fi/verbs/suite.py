@@ -362,10 +362,12 @@ def suite_command(
         raise InputError(f"--untrusted refuses that {file} starts programs of its own")
     asked, bars = asked_mutants(study, several(mutants, "mutants"), shard), score.bars_of(fail_under, fail_under_firm)
     name = campaign or file.stem
-    suite = looked_at(study, file, name, since)
-    if suite is None:
+    suite = opened(study, file, name)
+    chosen = None if since is None else commands_since(suite, since)
+    if chosen == []:
         say(f"no input of a test has changed since {since}: nothing is run")
         return 0
+    suite = suite.look(chosen or suite.suite.tests, time.monotonic)
     shown_reach = reach_tables(suite, asked, jobs)
     if reach:
         tell(render(shown_reach, Format(style)))
@@ -379,18 +381,17 @@ def suite_command(
     return score.below(told.score.score, bars)
 
 
-def looked_at(study: Study, file: Path, campaign: str, since: str | None = None) -> SuiteStudy | None:
-    """The suite of a file, whose commands ran once with PLACEBO; None where none has changed since a revision.
+def opened(study: Study, file: Path, campaign: str) -> SuiteStudy:
+    """The study with the suite of a file, for a campaign that has no flights.
 
     Raises:
-        InputError: the file, the campaign or the revision is not allowed, or a command says nothing.
+        InputError: the file or the campaign is not allowed.
     """
     suite = SuiteStudy(study.folder, None, study.archived_name, file.absolute(), read_text(file))
     suite.check()
-    chosen = list(suite.suite.tests) if since is None else commands_since(suite, since)
     if is_file(campaign_folder(suite, campaign) / STORE_NAME) and not study_of(study.folder, campaign).tests_of:
         raise InputError(f"--campaign={campaign}: the campaign holds flights; name another one for the runs of tests")
-    return suite.look(chosen, time.monotonic) if chosen else None
+    return suite
 
 
 def tested(

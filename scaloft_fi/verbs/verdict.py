@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from scaloft_fi.analysis.detection import LARGER, Verdict
 from scaloft_fi.analysis.pool import LEAST, State
-from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.survivor import Background, CampaignFacts, Case, Disposition, Loss
 from scaloft_fi.console import Marked, Style, printable, styled, wrapped
@@ -22,7 +21,7 @@ from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.judge.status import Status
 from scaloft_fi.sim.grid import Break, Evidence, Find
 from scaloft_fi.sim.situation import Situation
-from scaloft_fi.study import NO_FINDS, KnownFinds
+from scaloft_fi.study import NO_FINDS, KnownFinds, Study
 from scaloft_fi.views.table import counted
 
 if TYPE_CHECKING:
@@ -88,34 +87,28 @@ def with_legend(grid: str, signs: Mapping[str, str], width: int, *, marked: bool
     return Marked("".join(styled(one, SIGNS[one][1]) if one in SIGNS else one for one in text)) if marked else text
 
 
-def next_step(
-    scored: Score,
-    roster: Roster,
-    campaign: str = CAMPAIGN,
-    finds: KnownFinds = NO_FINDS,
-    grid: str = "",
-    tests: str = "",
-) -> str:
+def next_step(scored: Score, study: Study, campaign: str) -> str:
     """The command that is the most useful now, as every screen of a campaign says; the arguments of `answers`."""
     faults, survivors = scored.faults, f"`scaloft-fi kills{in_campaign(campaign)} --show survivors`"
-    if tests:
-        missed = any(not mutant.detected for mutant in faults)
-        suite = f"`scaloft-fi suite {shlex.quote(tests)}`"
-        return f"{suite} says which test to write next." if missed or not faults else "nothing: every fault is shown."
+    finds, defaults = study.finds, study.roster.defaults.values()
+    if study.tests_of:
+        if faults and all(mutant.detected for mutant in faults):
+            return "nothing: every fault is shown."
+        return f"`{study.again}` says which test to write next."
     if scored.lacking:
         seeds = max((result.flown for mutant in faults for result in mutant.results), default=1)
-        run = command(campaign, faults, seeds, roster.defaults.values())
+        run = command(campaign, faults, seeds, defaults)
         return f"`{run}` flies the baseline pool that is missing in {counted(len(scored.lacking), 'situation')}."
     found = [(mutant.subject.id, find) for mutant in faults if (find := next_find(mutant, finds))]
     if found:
         (mutant, find), *others = found
-        run = f"`{flies(find, mutant, finds, campaign, grid)}`"
+        run = f"`{flies(find, mutant, finds, campaign, study.space.grid)}`"
         shows = f"{run} flies the situation found for it ({effect(find.shows[mutant])})."
         return f"{shows}  {len(others)} more: {survivors}." if others else shows
     undecided = [mutant for mutant in faults if mutant.verdict is Verdict.UNDECIDED]
     looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
     if looks:
-        run = command(campaign, looks, max(mutant.safety.needed or 0 for mutant in looks), roster.defaults.values())
+        run = command(campaign, looks, max(mutant.safety.needed or 0 for mutant in looks), defaults)
         return f"`{run}` would decide {len(looks)} of the {len(undecided)} undecided."
     if any(not mutant.detected for mutant in faults):
         return f"{survivors} says of each fault not shown where it stopped, and what to change."

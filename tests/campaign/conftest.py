@@ -91,6 +91,7 @@ class FakeStudy:
     grid_name: str | None = None
     command: None = None
     tests_of: str = ""
+    again: str = "scaloft-fi run"
     most_wall_s: float = 0.0
 
     def runner(self, situation: FakeSituation) -> str:

@@ -7,9 +7,18 @@ from pathlib import Path
 
 import pytest
 from printed import run
-from processes import install_project, printed
+from processes import call, install_project, printed
 
 MOST_LINES = 40
+WATCH = """
+from scaloft_fi.api import Study
+from scaloft_fi.sim.flight import fly
+from scaloft_fi.stack.declaration import PlainWire
+
+study = Study.open(".")
+log = fly(study.sim, study.grid.situation("T0O1W0D0H0"), 0, PlainWire(), study.stack)
+print("flown", log.ending.value, round(max(log.signals["y_m"]), 1), repr(log.stack_error))
+"""
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +41,16 @@ def test_the_planner_and_its_stack_are_at_most_forty_lines(package: Path):
 
 def test_the_catalogue_of_the_reference_study_serves_it(site: Path, package: Path):
     printed("-m", "scaloft_fi", "mutants", "--check", "--study", "study", site=site, cwd=package)
+
+
+@pytest.mark.release
+@pytest.mark.flight
+def test_it_stops_before_the_obstacle_on_the_straight_line(site: Path, package: Path):
+    done = call(site, "-c", WATCH, cwd=package / "study")
+    flown = re.search(r"flown (\w+) ([\d.]+) ''", done.stdout)
+    assert flown, done.stdout + done.stderr
+    assert flown[1] == "timed_out"
+    assert 3.0 < float(flown[2]) < 4.5
 
 
 @pytest.mark.release

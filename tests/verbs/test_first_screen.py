@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import pytest
 from builders import CLASSED, GRID, ROSTER, campaigns, outcome, pool, seeded
@@ -21,7 +22,7 @@ from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
-from scaloft_fi.verbs.first_screen import LEGEND, MOST_ROWS, Screen, answers
+from scaloft_fi.verbs.first_screen import LEGEND, MOST_ROWS, Screen
 from scaloft_fi.verbs.verdict import MOST_NAMED, command
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
@@ -94,8 +95,8 @@ def test_a_screen_is_as_recorded():
 
 
 def test_a_campaign_of_another_name_is_named_in_the_command():
-    told = answers(score(CAMPAIGN, ROSTER, GRID), ROSTER, "mine")
-    assert "scaloft-fi run --campaign mine " in told[-1].text
+    told = replace(screen(CAMPAIGN), campaign="mine").answers
+    assert "scaloft-fi run --campaign mine " in told.rows[-1][1]
 
 
 def many(count: int) -> list[Outcome]:

@@ -11,8 +11,12 @@ from hypothesis import strategies as st
 from printed import of_form, run
 
 import scaloft_fi
+from scaloft_fi.analysis.proposal import Candidate, Choice, Condition
+from scaloft_fi.campaign.flights.fly import Flight
+from scaloft_fi.campaign.runs.propose import Told, _tested
 from scaloft_fi.document import load
 from scaloft_fi.judge.requirement import load_requirements
+from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.propose import drawn, fresh_seeds
 
@@ -68,6 +72,27 @@ def test_at_most_so_many_situations_are_drawn_in_their_order_and_always_the_same
     assert found == drawn(subject, keys, most)
     assert list(found) == [key for key in keys if key in found]
     assert len(found) == min(most, len(keys))
+
+
+def test_many_subjects_draw_all_situations_of_a_grid():
+    keys = [str(number) for number in range(32)]
+    assert {key for subject in range(20) for key in drawn(str(subject), keys, 8)} == set(keys)
+
+
+CHOICE = Choice(Candidate("z_m", True, 0.0, False, Condition("", ""), "m"), 2.5, 1.0)
+
+
+@pytest.mark.parametrize(("seeds", "firm"), [({50, 51, 52}, True), ({50}, False)])
+def test_a_requirement_that_hangs_on_one_seed_is_confirmed_and_not_firm(seeds: set[int], firm: bool):
+    def flown(violating: set[int], numbers: range) -> list[Told]:
+        situations = (Situation(str(key), (("T", key),)) for key in range(8))
+        return [Told(Flight(None, one, s), violated=(s in violating,)) for one in situations for s in numbers]
+
+    told = {"A": flown(seeds, range(50, 53)), "B": flown(set(), range(50, 53))}
+    requirement = CHOICE.requirement("P-A", ())
+    (tested,) = _tested({"A": CHOICE}, {"A": requirement}, told, flown(set(), range(50, 60)), 0.01)
+    assert (tested.confirmed, tested.firm, tested.others) == (True, firm, ())
+    assert (tested.shown.part, tested.shown.whole, tested.alarms.whole) == (8 * len(seeds), 24, 80)
 
 
 def test_no_seed_of_the_choice_is_in_the_test_though_the_campaign_flew_few():

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import io
 import json
+import pickle
 import random
+import shlex
 import subprocess
 import sys
 import time
@@ -15,6 +18,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from printed import of_form, run
 
 import scaloft_fi
@@ -37,6 +42,7 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.suite import asked_mutants
 
 ROOT = Path(__file__).parents[2]
+WHOLE = Study.open(ROOT)
 PLANTED = """
 import json, os, random, signal, sys, time
 which, seed, fault, junit = sys.argv[1:]
@@ -238,6 +244,21 @@ def test_the_same_command_again_runs_only_the_first_look_at_the_commands(
     assert suite(folder, "--format", "json", *options(dict.fromkeys(sound, ()))) == 0
     assert (folder / "flown" / "outcomes.sqlite").stat().st_size == before
     assert json.loads(capsys.readouterr().out)["score"]["ratios"] == told["score"]["ratios"]
+
+
+@given(st.integers(1, 9))
+def test_the_shards_of_the_faults_are_all_of_them_each_once(shards: int):
+    parts = [asked_mutants(WHOLE, (), f"{number}/{shards}") for number in range(1, shards + 1)]
+    assert sorted(one.id for part in parts for one in part) == sorted(one.id for one in asked_mutants(WHOLE, ()))
+
+
+def test_a_suite_travels_without_what_was_read_of_it_and_is_run_again_by_a_command_for_a_shell(tmp_path: Path):
+    study = SuiteStudy(ROOT, None, "", tmp_path / "my suite.yaml", "tests: {a: {run: [sh]}}")
+    assert study.suite.tests.keys() == {"a"}
+    travelled = pickle.loads(pickle.dumps(study))
+    assert vars(travelled).keys() == {one.name for one in dataclasses.fields(study)}
+    assert (travelled, travelled.suite.tests) == (study, study.suite.tests)
+    assert shlex.split(study.again) == ["scaloft-fi", "suite", str(study.file)]
 
 
 def test_shards_join_to_what_an_undivided_run_tells(

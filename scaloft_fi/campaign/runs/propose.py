@@ -57,23 +57,17 @@ class Sought:
 
     Attributes:
         id: its name.
-        mutant: the mutant; None for the unmutated drone with other noise, which nothing may tell from itself.
+        mutant: the mutant; None for the unmutated drone.
         situations: keys of the situations.
-        shift: added to each of its seeds.
     """
 
     id: str
     mutant: Mutant | None
     situations: tuple[str, ...]
-    shift: int = 0
 
-    def flights(self, study: Study, seeds: Iterable[int]) -> list[Flight]:
+    def flights(self, study: Study, seeds: Sequence[int]) -> list[Flight]:
         """Its flights with these seeds."""
-        return [
-            Flight(self.mutant, study.grid.situation(key), seed + self.shift)
-            for key in self.situations
-            for seed in seeds
-        ]
+        return [Flight(self.mutant, study.grid.situation(key), seed) for key in self.situations for seed in seeds]
 
 
 @dataclass(frozen=True)

@@ -159,14 +159,15 @@ def counting_flights(study: Study, store: Store) -> list[FlownFlight]:
         return [standing[key] for key in sorted(store.known(standing))]
 
 
-def nothing_to_show(store: Store, folder: Path, tests: str) -> NoReturn:
-    """Raise the error for a campaign without a current outcome; `tests` is the file of the suite that it runs."""
+def nothing_to_show(study: Study, store: Store, folder: Path) -> NoReturn:
+    """Raise the error for a campaign without a current outcome."""
     flights = store.flights()
     if not flights:
         raise InputError(f"{folder}: nothing to show: the campaign has no flight; start with `scaloft-fi run`")
     stale = f"all {len(flights)} flights are stale (`scaloft-fi status`)"
-    again = f"`scaloft-fi {f'suite {tests}' if tests else 'run'}`"
-    raise InputError(f"{folder}: nothing to show: {stale}; {again} flies again")
+    raise InputError(
+        f"{folder}: nothing to show: {stale}; `{study.again}` {'runs' if study.tests_of else 'flies'} again"
+    )
 
 
 def latest_in(study: Study, store: Store) -> tuple[Outcome, ...]:

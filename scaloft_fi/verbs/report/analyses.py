@@ -78,7 +78,7 @@ def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
         InputError: there is none, or it holds no flight that counts.
     """
     with snapshot(study, campaign) as now:
-        known = now.held.current or nothing_to_show(now.store, now.folder, now.study.tests_of)
+        known = now.held.current or nothing_to_show(now.study, now.store, now.folder)
         pairs = listed(known)
         return Evidence(
             study=now.study,

@@ -12,7 +12,7 @@ from importlib.resources import files
 from typing import Any
 
 from scaloft_fi.analysis.coverage import coverage_of
-from scaloft_fi.analysis.detection import Spending, Verdict
+from scaloft_fi.analysis.detection import Firmness, Spending, Verdict
 from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.pool import Pool, State, findings, tallies
 from scaloft_fi.analysis.roster import Ratio
@@ -40,14 +40,14 @@ MODEL = (
 )
 
 
-def head(scored: Score, situations: Ratio, breaks: int, tests: str = "") -> dict[str, Any]:
+def head(scored: Score, situations: Ratio, breaks: int, *, tests: bool) -> dict[str, Any]:
     """The sentences of the top of the page.
 
     Args:
         scored: the campaign's score.
         situations: flown, of those of the grid.
         breaks: situations beside the grid that a search found to break the unmutated drone.
-        tests: the file of one's own tests, where these were run instead of flights.
+        tests: whether one's own tests were run instead of flights.
 
     Returns:
         `answer`, `sure`, `claim`: a sentence each for the first screen; `fails`: of the unmutated drone; `claims`: all
@@ -55,24 +55,25 @@ def head(scored: Score, situations: Ratio, breaks: int, tests: str = "") -> dict
     """
     they = "breaks" if breaks == 1 else "break"
     broken = [f"A search around the grid found {counted(breaks, 'situation')} more that {they} it."] if breaks else []
-    claims = list(_claims(scored, situations))
+    beyond = " or other tests" if tests else ", another drone, or a flight that is not simulated"
     return {
         "answer": _answer(scored, "tests" if tests else "safety requirements"),
-        "sure": _sure(scored),
-        "claim": "anything of other faults, of another drone, or of a flight that is not simulated.",
+        "sure": _sure(scored, "run" if tests else "seed"),
+        "claim": f"anything of other faults{beyond}.",
         "fails": [*fails(scored.pool), *broken],
-        "claims": claims,
+        "claims": [*_claims(scored, situations), *([] if tests else [MODEL])],
     }
 
 
 def _answer(scored: Score, shows: str) -> str:
     """How many faults are shown and how many are missed, of which class the worst are, in a sentence."""
-    faults = scored.counted or [mutant for mutant in scored.mutants if mutant.flown]
+    faults = scored.faults
     if not scored.pooled:
         return NO_POOL
     shown = sum(mutant.detected for mutant in faults)
     missed = [one for one in faults if one.verdict is Verdict.NOT_DETECTED and not one.without_effect]
-    said = f"Your {shows} show {shown} of {counted(len(faults), 'fault')} and miss {len(missed) or 'none'}"
+    missing = len(missed) or "none of those put to the test"
+    said = f"Your {shows} show {shown} of {counted(len(faults), 'fault')} and miss {missing}"
     ranked = worst_first([one for one in missed if one.severity], lambda one: one.severity)
     if not ranked:
         return f"{said}."
@@ -81,11 +82,15 @@ def _answer(scored: Score, shows: str) -> str:
     return f"{said}, {f'{worst} of them ' if worst < len(missed) else ''}of the class {named}."
 
 
-def _sure(scored: Score) -> str:
-    """How sure a detection is, in a sentence."""
-    shown = [mutant for mutant in scored.counted if mutant.detected]
+def _sure(scored: Score, one: str) -> str:
+    """How sure a detection is, in a sentence; `one`: what firmness leaves out, a seed or a run."""
+    if not scored.pooled:
+        return "not at all, so nothing is called shown."
+    shown = [mutant for mutant in scored.faults if mutant.detected]
     firm = sum(mutant.firm for mutant in shown)
-    kept = f"; {firm} of the {len(shown)} shown stay so whichever seed is left out" if shown else ""
+    alone = sum(mutant.firmness is Firmness.FIRM_BY_POOL for mutant in shown)
+    kept = f"; still shown without any one {one}: {firm} of {len(shown)}" if shown else ""
+    kept += f" ({alone} by the baseline's alone, as they have one {one})" if alone else ""
     return f"a fault without effect is called shown with a chance of {scored.alpha:g} at most{kept}."
 
 
@@ -119,7 +124,6 @@ def _claims(scored: Score, situations: Ratio) -> Iterable[str]:
         yield f"{counted(len(scored.selected), 'situation')} {were} chosen because of verdicts."
     if situations.part < situations.whole:
         yield f"Only {situations.part} of {counted(situations.whole, 'situation')} of the grid were flown."
-    yield MODEL
 
 
 SCHEMA = 6
@@ -155,8 +159,8 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "stale": list(evidence.stale.sentences),
         "owed": evidence.owed,
         "fingerprint": dict(evidence.fingerprint or {}),
-        "answers": plain(answers(scored, roster, evidence.campaign, study.finds, space.grid, study.tests_of)),
-        "head": head(scored, covered.situations, len(breaks), study.tests_of),
+        "answers": plain(answers(scored, study, evidence.campaign)),
+        "head": head(scored, covered.situations, len(breaks), tests=bool(study.tests_of)),
         "besides": [{"name": "Situations", "text": coverage_line(covered)}],
         "pooled": scored.pooled,
         "ratios": [

@@ -92,8 +92,12 @@ def test_how_sure_and_what_is_not_claimed_are_behind_a_button(visit: Opened, tol
     page = visit().page
     page.get_by_role("link", name="How sure").click()
     said = page.locator("#sure").inner_text().replace("\n", " ")
-    for sentence in (*told["head"]["fails"], *told["head"]["claims"]):
+    _, not_shown, sure, following = (one["text"].replace("`", "").replace(".  ", ". ") for one in told["answers"])
+    for sentence in (*told["head"]["fails"], *told["head"]["claims"], sure):
         assert sentence.replace(".  ", ". ") in said
+    page.get_by_role("link", name="What next").click()
+    assert not_shown.lower() in page.locator("#next").inner_text().lower()
+    assert following.lower() in page.locator(".first").inner_text().lower()
 
 
 def test_a_link_to_a_section_opens_what_it_has_behind_a_click(visit: Opened):

@@ -62,7 +62,7 @@ def sign(count: Count, verdict: str) -> tuple[str, list[str]]:
 
 def test_the_head_answers_four_questions_as_the_score_does(told: dict[str, Any], evidence: Evidence):
     study = evidence.study
-    expected = answers(score(evidence.outcomes, study.roster, study.space), study.roster, "paper")
+    expected = answers(score(evidence.outcomes, study.roster, study.space), study, "paper")
     assert told["answers"] == [answer._asdict() for answer in expected]
     assert [answer["name"] for answer in told["answers"]] == ["Shown", "Not shown", "How sure", "What next"]
     assert told["answers"][0]["text"].startswith("1 of 4 faults")
@@ -326,12 +326,19 @@ def test_what_the_head_says_the_drone_fails_and_nobody_claims_is_as_recorded(evi
     # SR1 is red at the bar, unsteady where three of ten strike a wall; SR2 is red in the dark with a person
     assert {paper.pool.states[key, "SR1"].value for key in (BAR, SHAKY)} == {"red", "unsteady"}
     heads = {
-        "a campaign of 32 situations": head(paper, every, 0),
-        "a break around the grid": head(paper, every, 1),
+        "a campaign of 32 situations": head(paper, every, 0, tests=False),
+        "a break around the grid": head(paper, every, 1, tests=False),
         "situations were chosen, and few of the grid flown": head(
-            replace(paper, selected=("T0O0W0D0H1",)), Ratio(3, 32), 0
+            replace(paper, selected=("T0O0W0D0H1",)), Ratio(3, 32), 0, tests=False
         ),
-        "nothing fails": head(scored(clean), every, 0),
-        "without a pool": head(scored(campaign(study, ("LATE-human@3s",), range(1), range(1))), every, 0),
+        "nothing fails": head(scored(clean), every, 0, tests=False),
+        "without a pool": head(scored(campaign(study, ("LATE-human@3s",), range(1), range(1))), every, 0, tests=False),
+        "tests of one's own": head(paper, every, 0, tests=True),
     }
-    as_recorded(__file__, {name: "\n".join([*told["fails"], "", *told["claims"]]) for name, told in heads.items()})
+    as_recorded(
+        __file__,
+        {
+            name: "\n".join([*map(told.get, ("answer", "sure", "claim")), "", *told["fails"], "", *told["claims"]])
+            for name, told in heads.items()
+        },
+    )

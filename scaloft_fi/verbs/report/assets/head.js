@@ -50,21 +50,21 @@ function countedFaults() {
 /** What became of the faults that count, as one bar in the looks of the matrix. */
 function fateBar() {
   const counted = countedFaults();
-  const bySize = (state, says, mark, sure, members) => ({ state, says, mark, sure, count: members.length });
-  const of = (fate) => counted.filter((mutant) => fateOf(mutant) === fate);
+  const fate = (state, says, mark, sure, members) => ({ state, says, mark, sure, count: members.length });
+  const of = (state) => counted.filter((mutant) => fateOf(mutant) === state);
   const fates = [
-    bySize("detected", "firm", VERDICTS.detected[0], 3, of("detected").filter(isFirm)),
-    bySize("detected", "shown, not firm", "\u25cb", 1, of("detected").filter((mutant) => !isFirm(mutant))),
-    bySize("undecided", "undecided", VERDICTS.undecided[0], null, of("undecided")),
-    bySize("not_detected", "missed", VERDICTS.not_detected[0], null, of("not_detected")),
-    bySize("same", "no effect", "=", null, of("same")),
-    bySize("not_tested", "not tested", VERDICTS.not_tested[0], null, of("not_tested")),
+    fate("detected", "firm", VERDICTS.detected[0], 3, of("detected").filter(isFirm)),
+    fate("detected", "shown, not firm", "\u25cb", 1, of("detected").filter((mutant) => !isFirm(mutant))),
+    fate("undecided", "undecided", VERDICTS.undecided[0], null, of("undecided")),
+    fate("not_detected", "missed", VERDICTS.not_detected[0], null, of("not_detected")),
+    fate("same", "no effect", "=", null, of("same")),
+    fate("not_tested", "not tested", VERDICTS.not_tested[0], null, of("not_tested")),
   ].filter(({ count }) => count);
   if (!fates.length) return null;
   return h("div", { class: "fates" },
     h("div", { class: "fate-bar", role: "img", "aria-label": `Faults: ${fates.map(({ count, says }) => `${count} ${says}`).join(", ")}` },
       fates.map(({ state, sure, count }) => h("span", { class: "state", "data-state": state, "data-sure": sure, "--count": count }))),
-    h("ul", { class: "legend" }, fates.map(({ state, says, mark, sure, count }) => h("li", {}, swatch(state, mark, sure), h("b", {}, String(count)), says === "shown, not firm" ? says : term(says)))));
+    h("ul", { class: "legend" }, fates.map(({ state, says, mark, sure, count }) => h("li", {}, swatch(state, mark, sure), h("b", {}, String(count)), term(says)))));
 }
 
 const sentence = (text) => (text.startsWith("`") ? text : capital(text));
