@@ -9,6 +9,8 @@ import pytest
 from printed import run
 from processes import call, install_project, printed
 
+from scaloft_fi.sim.grid import FOUND_FILE
+
 MOST_LINES = 40
 WATCH = """
 from scaloft_fi.api import Study
@@ -37,6 +39,11 @@ def site(package: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_planner_and_its_stack_are_at_most_forty_lines(package: Path):
     assert len((package / "straight" / "stack.py").read_text().splitlines()) <= MOST_LINES
+
+
+def test_its_study_names_its_stack_and_has_no_find_of_the_reference_drone(package: Path):
+    assert "name: straight " in (package / "study" / "sim" / "stack.yaml").read_text()
+    assert not (package / "study" / "sim" / FOUND_FILE).exists()
 
 
 def test_the_catalogue_of_the_reference_study_serves_it(site: Path, package: Path):

@@ -203,6 +203,9 @@ def test_the_first_screen_speaks_of_tests_and_of_no_flight(
     assert f"`scaloft-fi suite {planted.folder / 'suite.yaml'}`" in " ".join(screen.split())
     for word in ("situation", "seed", "drone", "flown"):
         assert word not in screen.replace("/flown", ""), word
+    assert run("score", "--study", ROOT, "--campaign", planted.folder / "flown", "--all") == 0
+    legend = " ".join(capsys.readouterr().out.split()).partition(" killed in: ")[2]
+    assert legend.startswith("tests that most runs of the fault turn red")
 
 
 def test_an_archive_of_the_campaign_is_read_without_the_tests(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from datetime import date, timedelta
 from pathlib import Path
@@ -115,6 +116,13 @@ def test_the_published_report_has_at_most_four_thousand_words_before_a_click(vis
     parts = page.locator("main > *:not(#glossary):not(.paper)").all_inner_texts()
     shown = sum(len(text.split()) for text in parts)
     assert 2000 < shown <= MOST_WORDS
+    record = json.loads((ROOT / "results" / "published" / "reference" / "score.json").read_text())
+    acting = {*Study.open(ROOT).roster.defaults.values()} - {m["id"] for m in record["composition"]["without_effect"]}
+    missed = [m for m in record["mutants"] if m["verdict"] == "not_detected" and m["id"] in acting]
+    worst = [m for m in missed if m["severity"] == "injury"]
+    part, whole = (record["ratios"]["mutation_score"][name] for name in ("part", "whole"))
+    answer = f"show {part} of {whole} faults and miss {len(missed)}, {len(worst)} of them of the class injury."
+    assert page.locator(".answer").inner_text().endswith(answer)
 
 
 def test_the_ratios_are_printed_as_they_are_in_the_figures(visit: Opened, told: dict[str, Any]):
