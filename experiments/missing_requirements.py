@@ -81,6 +81,7 @@ def results(_study: Study, jobs: int, folder: Path) -> str:
         f"the unmutated drone to the bit, for {len(survivors['none'])} no candidate separates the flights, and "
         f"{len(survivors['proposals']) - len(confirmed)} were chosen and not confirmed.  Of {_subjects(redraws)} "
         f"redraws {len(redraws['proposals'])} get a choice, and **{wrong} are confirmed**.",
+        "None of these candidates is a mean in a window, which `propose` tries too.",
         "### Survivors with a requirement",
         table(HEAD, map(_row, survivors["proposals"])),
         "### Survivors without one",

@@ -1,10 +1,10 @@
 """Requirements that could show a fault which violates none: candidates over the log's signals, and the choice of one.
 
-A candidate is a limit on a signal, on how long it stays beyond a level, or on how far it goes within a second; for the
-whole flight, near a surface, or while or after a definition of the study holds.  Of each candidate a flight has one
-number, its *reach*: the least limit that the flight would hold.  The choice is the candidate, and the limit, that lies
-farthest beyond all that the unmutated drone reaches and that enough flights of the mutant pass.  It is made on some
-seeds; whether it holds is for fresh ones to say (`campaign/runs/propose.py`).
+A candidate is a limit on a signal, on its mean in a window, on how long it stays beyond a level, or on how far it goes
+within a second; for the whole flight, near a surface, or while or after a definition of the study holds.  Of each
+candidate a flight has one number, its *reach*: the least limit that the flight would hold.  The choice is the
+candidate, and the limit, that lies farthest beyond all that the unmutated drone reaches and that enough flights of the
+mutant pass.  It is made on some seeds; whether it holds is for fresh ones to say (`campaign/runs/propose.py`).
 """
 
 from __future__ import annotations
@@ -12,13 +12,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from scaloft_fi.judge.requirement import Kind, Requirement
-from scaloft_fi.judge.stl import Formula
+from scaloft_fi.judge.stl import Formula, mean
 from scaloft_fi.sim.log import SAMPLE_HZ, Signal
 
 Array = NDArray[np.float64]
@@ -27,12 +28,18 @@ NOT_LIMITED = frozenset(("elapsed_s", "remaining_s"))
 """Signals with a unit on which a limit says nothing about the drone."""
 NEAR_M = 0.5
 """Clearance within which the drone is near a surface [m]."""
-LASTING_S, CHANGE_S = (1.0, 3.0), 1.0
-"""For how long a signal stays beyond a level, and in what time it changes [s]."""
+WINDOWS_S, CHANGE_S = (1.0, 3.0), 1.0
+"""Over what time a signal has its mean, for how long it stays beyond a level, and in what time it changes [s]."""
 LEAST_SCALE = 0.05
 """Least spread that a margin is counted in, as a share of the limit, and in the signal's unit: no limit is finer."""
 ESTIMATE = "est_"
 """How the name begins of a belief that estimates a signal of the ground truth."""
+
+
+class Shape(Enum):
+    """What of a term is limited: each sample, or in a window its mean, how long it stays beyond, or its change."""
+
+    SAMPLE, MEAN, LASTING, CHANGE = range(4)
 
 
 @dataclass(frozen=True)
@@ -50,59 +57,65 @@ class Candidate:
     Attributes:
         term: what is limited, a term over signals.
         above: whether too large is bad; else too small.
-        window_s: of `lasting` and of a change [s]; 0 for a limit on each sample.
-        lasting: whether the term must not stay beyond the limit for the window; else it is its change in the window.
+        shape: what of the term.
+        window_s: of the shape [s]; 0 for a limit on each sample.
         condition: when it applies.
         unit: of the limit.
     """
 
     term: str
     above: bool
+    shape: Shape
     window_s: float
-    lasting: bool
     condition: Condition
     unit: str
 
     @property
     def sign(self) -> float:
         """Of the limit in its reach: -1 where it limits from below."""
-        return 1.0 if self.above or (self.window_s and not self.lasting) else -1.0
+        return 1.0 if self.above or self.shape is Shape.CHANGE else -1.0
 
     def formula(self, limit: float) -> tuple[str, str]:
         """Trigger, "" for none, and formula with this limit.
 
         >>> always = Condition("", "")
-        >>> Candidate("z_m", True, 0.0, False, always, "m").formula(2.5)
+        >>> Candidate("z_m", True, Shape.SAMPLE, 0.0, always, "m").formula(2.5)
         ('', 'always(z_m <= 2.5)')
-        >>> Candidate("z_m", False, 1.0, True, always, "m").formula(0.5)
+        >>> Candidate("z_m", False, Shape.LASTING, 1.0, always, "m").formula(0.5)
         ('elapsed_s / 1 >= 1', 'always(trigger implies not historically[0:1](z_m <= 0.5))')
+        >>> Candidate("z_m", True, Shape.MEAN, 3.0, always, "m").formula(0.5)
+        ('elapsed_s / 3 >= 1', 'always(trigger implies (mean[0:3](z_m) <= 0.5))')
         """
         beyond, within, window = (
             (">=", "<=", f"[0:{self.window_s:g}]") if self.above else ("<=", ">=", f"[0:{self.window_s:g}]")
         )
         trigger, holds = self.condition.formula, f"{self.term} {within} {limit:g}"
-        if self.lasting:
+        if self.shape in _WHOLE:
             since = f"elapsed_s / {self.window_s:g} >= 1"
             trigger = f"{since} and ({trigger})" if trigger else since
+        if self.shape is Shape.MEAN:
+            holds = f"mean{window}({self.term}) {within} {limit:g}"
+        elif self.shape is Shape.LASTING:
             holds = f"not historically{window}({self.term} {beyond} {limit:g})"
-        elif self.window_s and self.above:
+        elif self.shape is Shape.CHANGE and self.above:
             holds = f"{self.term} - (historically{window}({self.term})) <= {limit:g}"
-        elif self.window_s:
+        elif self.shape is Shape.CHANGE:
             holds = f"(once{window}({self.term})) - {self.term} <= {limit:g}"
-        inside = f"trigger implies {holds}" if self.lasting else f"trigger implies ({holds})"
+        inside = f"trigger implies {holds}" if self.shape is Shape.LASTING else f"trigger implies ({holds})"
         return trigger, f"always({inside})" if trigger else f"always({holds})"
 
     def sentence(self, limit: float) -> str:
         """The requirement in words."""
         words, unit = self.condition.words, f" {self.unit}".rstrip()
         way = "above" if self.above else "below"
-        if self.lasting:
-            said = f"`{self.term}` does not stay {way} {limit:g}{unit} for {self.window_s:g} s"
-        elif self.window_s:
-            turned = "rise" if self.above else "fall"
-            said = f"`{self.term}` does not {turned} by more than {limit:g}{unit} within {self.window_s:g} s"
-        else:
-            said = f"`{self.term}` is never {way} {limit:g}{unit}"
+        turned = "rise" if self.above else "fall"
+        said = {
+            Shape.SAMPLE: f"`{self.term}` is never {way} {limit:g}{unit}",
+            Shape.MEAN: f"the mean of `{self.term}` over {self.window_s:g} s is never {way} {limit:g}{unit}",
+            Shape.LASTING: f"`{self.term}` does not stay {way} {limit:g}{unit} for {self.window_s:g} s",
+            Shape.CHANGE: f"`{self.term}` does not {turned} by more than {limit:g}{unit} within {self.window_s:g} s",
+        }[self.shape]
+        said = said if words else said[0].upper() + said[1:]
         return f"{words}, {said}." if words else f"{said}."
 
 
@@ -149,9 +162,9 @@ class Candidates:
     def _each(self) -> Iterator[Candidate]:
         for term, unit in self.terms.items():
             for above in (True, False):
-                for window_s, lasting in _SHAPES:
+                for shape, window_s in _SHAPES:
                     for condition in self.conditions:
-                        yield Candidate(term, above, window_s, lasting, condition, unit)
+                        yield Candidate(term, above, shape, window_s, condition, unit)
 
     def reaches(self, signals: Mapping[str, Array]) -> Array:
         """The reach of a flight in each candidate (C,); -inf where the candidate never applies.
@@ -178,18 +191,30 @@ class Candidates:
                 else np.abs(np.subtract(*(known[name] for name in term[4:-1].split(" - "))))
             )
             for sign in (1.0, -1.0):
-                for window_s, lasting in _SHAPES:
-                    shaped = sign * values
-                    if window_s:
-                        least = _least(shaped, round(window_s * SAMPLE_HZ) + 1)
-                        shaped = least if lasting else shaped - least
-                    late = elapsed_s > window_s if lasting else always
+                for shape, window_s in _SHAPES:
+                    shaped = _shaped(sign * values, shape, round(window_s * SAMPLE_HZ))
+                    late = elapsed_s > window_s if shape in _WHOLE else always
                     found += [shaped[mask & late].max(initial=-np.inf) for mask in applies]
         return np.array(found)
 
 
-_SHAPES = ((0.0, False), *((window_s, True) for window_s in LASTING_S), (CHANGE_S, False))
-"""Window, and whether the term has to stay beyond its limit for that long."""
+_WHOLE = (Shape.MEAN, Shape.LASTING)
+"""The shapes that are limited only where the flight is as old as their window."""
+_SHAPES = (
+    (Shape.SAMPLE, 0.0),
+    *((shape, window_s) for shape in _WHOLE for window_s in WINDOWS_S),
+    (Shape.CHANGE, CHANGE_S),
+)
+
+
+def _shaped(values: Array, shape: Shape, last: int) -> Array:
+    """What of the values at each sample and the `last` before it is limited (T,)."""
+    if shape is Shape.SAMPLE:
+        return values
+    if shape is Shape.MEAN:
+        return mean(values, last)
+    least = _least(values, last + 1)
+    return least if shape is Shape.LASTING else values - least
 
 
 def _least(values: Array, count: int) -> Array:

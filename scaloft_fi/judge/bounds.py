@@ -19,6 +19,7 @@ from scaloft_fi.judge.stl import (
     CHANGES,
     COMPARATORS,
     EXTREMES,
+    MEAN,
     Formula,
     FormulaError,
     Infix,
@@ -274,6 +275,8 @@ def _bounds(node: Node, ranges: Ranges) -> Spans:
         if node.word in EXTREMES:
             first = node.interval.first if node.interval is not None else 0
             return _window(node.word, of, first, ranges.get("elapsed_s", ANY)[-1][1])
+        if node.word == MEAN:
+            return ((min(low for low, _ in of), max(high for _, high in of)),)
         return _few([_FUNCTION[node.word](span) for span in of])
     if node.operator in COMPARATORS:
         sides = (node.right, node.left) if node.operator in ("<", "<=") else (node.left, node.right)

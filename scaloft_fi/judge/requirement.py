@@ -88,8 +88,8 @@ class Requirement:
     Attributes:
         name: such as `SR1`.
         kind: what a violation means.
-        text: always( ... ), inside it a formula over the present and the past: historically, once, since, not, and,
-            or, implies, iff, comparisons, + - * /; `scaloft-fi signals` lists the signals.
+        text: always( ... ), inside it a formula over the present and the past: historically, once, since, mean, not,
+            and, or, implies, iff, comparisons, + - * /; `scaloft-fi signals` lists the signals.
         trigger: condition under which it applies; a flight without it is vacuous.
         definitions: name and formula of each definition that the formula or the trigger uses, in order.
         unit: unit of the robustness.

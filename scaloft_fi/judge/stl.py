@@ -29,7 +29,10 @@ LARGEST = 1e9
 PAST = frozenset({"historically", "once", "since"})
 FUTURE = frozenset({"always", "eventually", "until"})
 LOGIC = frozenset({"not", "and", "or", "implies", "iff"})
-ARITHMETIC = frozenset({"abs", "sqrt"})
+MEAN = "mean"
+"""The word of the mean of a window of the past."""
+ARITHMETIC = frozenset({"abs", "sqrt", MEAN})
+"""Words whose operand stands in brackets: `mean[0:1](a) - b` is the mean less `b`."""
 WORDS = PAST | FUTURE | LOGIC | ARITHMETIC
 """The words of a formula; every other name is a signal or a definition."""
 CHANGES = ("rise", "fall", "prev")
@@ -70,7 +73,7 @@ _APART = {
     ("->", "->"): "a implies b implies c is read as (a implies b) implies c",
 }
 _ALIKE = dict.fromkeys(COMPARATORS, "<") | {"implies": "->"}
-_WINDOWED = (*EXTREMES, "since", "until")
+_WINDOWED = (*EXTREMES, MEAN, "since", "until")
 _OF_TWO_TIMES = f"must be of two times in seconds, after {', '.join(_WINDOWED)}, as historically[0:2]( ... )"
 _TOKEN = re.compile(
     r"\s*(?:(?P<name>[A-Za-z_]\w*)|"
@@ -182,9 +185,9 @@ class Interval:
 
 @dataclass(frozen=True, slots=True)
 class Prefix:
-    """`not`, `abs`, `sqrt`, `rise` or `fall` of each sample, or the worst or the best sample of a window (`EXTREMES`).
+    """`not`, `abs`, `sqrt`, `rise` or `fall` of each sample, or the worst, best or mean sample of a window.
 
-    Without an interval a window reaches to the flight's end.
+    The worst and the best are those of `EXTREMES`; without an interval their window reaches to the flight's end.
     """
 
     word: str
@@ -332,10 +335,14 @@ class _Reader:
                 raise self._wrong("a number; the negative of a signal is 0 - signal")
             return Number(-self._number())
         if token in ARITHMETIC:
+            place = self.place
             self._take()
+            interval = self._interval(token)
+            if token == MEAN and (interval is None or interval.first or not interval.last):
+                raise FormulaError(f"has a mean {place} without a window from 0 to a later time, as mean[0:2]( ... )")
             if self.token != "(":
                 raise self._wrong("'('")
-            return Prefix(token, self._bracketed())
+            return Prefix(token, self._bracketed(), interval)
         if token == "not" or token in EXTREMES:
             self._take()
             interval = self._interval(token)
@@ -482,6 +489,8 @@ def _evaluate(node: Node, columns: Mapping[str, Column], length: int) -> Column:
         return np.full(length, node.value)
     if not isinstance(node, Infix):
         values = _evaluate(node.of, columns, length)
+        if node.word == MEAN and node.interval:
+            return mean(values, node.interval.last)
         return _window(node.word, values, node.interval) if node.word in EXTREMES else _FUNCTION[node.word](values)
     left, right = _evaluate(node.left, columns, length), _evaluate(node.right, columns, length)
     if node.operator in ("since", "until"):
@@ -549,6 +558,19 @@ def _window(word: str, values: Column, interval: Interval | None) -> Column:
     if past:
         return _extremes(np.concatenate((empty, values)), last - first + 1, worst)[:length]
     return _extremes(np.concatenate((values, empty)), last - first + 1, worst)[first : first + length]
+
+
+def mean(values: Column, last: int) -> Column:
+    """The mean of each sample and the `last` before it (T,), of fewer at the beginning; in the unit of the samples.
+
+    The samples are equally far apart in time, so each weighs the same.  Taking them in one by one keeps every mean
+    between the least and the greatest sample, to the bit, which a quotient of sums does not.  Source: Welford, "Note on
+    a method for calculating corrected sums of squares and products", Technometrics 4, 1962.
+    """
+    means = values.copy()
+    for lag in range(1, min(last, len(values) - 1) + 1):
+        means[lag:] += (values[:-lag] - means[lag:]) / (lag + 1)
+    return means
 
 
 def _so_far(values: Column, worst: bool) -> Column:

@@ -268,10 +268,11 @@ def propose_command(
 ) -> Answer:
     """Propose the requirement that is missing, for faults that are put to the test and violate none.
 
-    The flights are flown again for their logs.  Limits on every signal, on how long it stays beyond a level and on how
-    far it goes within a second, for the whole flight, near a surface, and while or after a definition of the study
-    holds, are held against the mutant and the unmutated drone on the first seeds.  The one with the widest margin is
-    tested on fresh seeds, by the score's own test, at the study's alpha over all that were chosen.
+    The flights are flown again for their logs.  Limits on every signal, on its mean over 1 s and 3 s, on how long it
+    stays beyond a level and on how far it goes within a second, for the whole flight, near a surface, and while or
+    after a definition of the study holds, are held against the mutant and the unmutated drone on the first seeds.  The
+    one with the widest margin is tested on fresh seeds, by the score's own test, at the study's alpha over all that
+    were chosen.
     """
     one_thread_each()
     options.check_writable(output)

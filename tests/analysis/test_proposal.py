@@ -27,11 +27,11 @@ def log(z: list[float], estimate: list[float], clearance: list[float]) -> dict[s
 def test_each_signal_with_a_unit_and_each_error_of_an_estimate_is_limited_in_each_way_under_each_condition():
     assert list(CANDIDATES.terms) == ["z_m", "est_z_m", "clearance_cart_m", "abs(est_z_m - z_m)"]
     assert [one.formula for one in CANDIDATES.conditions] == ["", "low", "once(low)", "clearance_cart_m / 0.5 <= 1"]
-    assert len(CANDIDATES.listed) == 4 * 2 * 4 * 4
+    assert len(CANDIDATES.listed) == 4 * 2 * 6 * 4
     assert len({(*one.formula(0.5), one.above) for one in CANDIDATES.listed}) == len(CANDIDATES.listed)
 
 
-@given(values, values, values, st.integers(0, 127), st.integers(-60, 60))
+@given(values, values, values, st.integers(0, 191), st.integers(-60, 60))
 def test_a_flight_violates_a_candidate_where_its_reach_is_beyond_the_limit(z, estimate, clearance, number, tenths):
     signals, candidate = log(z, estimate, clearance), CANDIDATES.listed[number]
     reach, limit = CANDIDATES.reaches(signals)[number], tenths / 10

@@ -115,7 +115,16 @@ FORMULAS = st.recursive(
         st.builds(
             "({}{})".format,
             st.sampled_from(
-                ["historically", "once", "historically[0:0.1]", "once[0.05:0.1]", "always", "eventually", *CHANGES]
+                [
+                    "historically",
+                    "once",
+                    "historically[0:0.1]",
+                    "once[0.05:0.1]",
+                    "mean[0:0.1]",
+                    "always",
+                    "eventually",
+                    *CHANGES,
+                ]
             ),
             inner,
         ),

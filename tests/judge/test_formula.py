@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import time
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,11 +25,12 @@ from scaloft_fi.judge.stl import (
     Prefix,
     Signal,
     inside_always,
+    mean,
     parse,
     tokenize,
     written,
 )
-from tests.support.stl_trees import EDGES, ZEROS, Column, agrees, bracketed, defined, traces, trees
+from tests.support.stl_trees import EDGES, ZEROS, Column, agrees, all_trees, bracketed, defined, traces
 
 SIGNALS = ("a", "b", "speed_mps", "person_sight_m")
 
@@ -52,6 +54,9 @@ def rho(text: str, **signals: list[float]) -> list[float]:
         ("historically[1:2](a > 0)", {"a": [1, 2, 3]}, [LARGEST] * 3),
         ("once[1:2](a > 0)", {"a": [1, 2, 3]}, [-LARGEST] * 3),
         ("always(a > 0)", {"a": [7]}, [7]),
+        # before 0.1 s have passed the mean is that of what there is
+        ("mean[0:0.1](a) <= 2", {"a": [3, 1, 2, 6, 4]}, [-1, 0, 0, -1, -2]),
+        ("mean[0:0.05](a - b) - a > 0", {"a": [3, 1], "b": [0, 2]}, [0, 0]),
         ("a/2<=1", {"a": [4, 1]}, [-1, 0.5]),
     ],
 )
@@ -118,7 +123,7 @@ def test_a_formula_is_a_tree():
 
 
 @settings(deadline=None)
-@given(trees)
+@given(all_trees)
 def test_a_text_in_brackets_has_the_tree_it_was_written_from(tree: Node):
     assert repr(parse(tokenize(bracketed(tree)))) == repr(tree)
 
@@ -163,7 +168,7 @@ def test_operators_bind_in_their_order(loose: str, brackets: str):
         ("b * prev(a) > 1", "needs brackets at '>' after '... prev ( a )': prev(a) > b is read as prev(a > b)"),
         ("0 < a <= 1", "needs brackets at '<=' after '0 < a': a < b < c compares the robustness of a < b with c; for"),
         ("a implies b -> c", "needs brackets at '->' after 'a implies b'"),
-        ("a >", "is not a formula: it ends after 'a >', where is allowed: a signal, a number, '(', abs, sqrt, not,"),
+        ("a >", "is not a formula: it ends after 'a >', where is allowed: a signal, a number, '(', abs, mean, sqrt,"),
         ("a > > 3", "is not a formula: it has '>' after 'a >', where is allowed: a signal"),
         ("a > 0 b > 1", "is not a formula: it has 'b' after 'a > 0', where is allowed: *, /, +, -, <, <="),
         ("(a > 0 b)", "is not a formula: it has 'b' after '( a > 0', where"),
@@ -182,6 +187,13 @@ def test_operators_bind_in_their_order(loose: str, brackets: str):
         ("once[0:0.0500000000000000000001] a", "must be of two times that are multiples of 0.05 s"),
         ("once[0:600.05] a", "has once[0:600.05], which must end within 600 s; without times it has no end"),
         ("a since[2:1] b", "has since[2:1], which must not end before it begins"),
+        ("mean(a) > 1", "has a mean at the beginning without a window from 0 to a later time, as mean[0:2]( ... )"),
+        ("a > 0 and mean[1:2](a) > 1", "has a mean after 'a > 0 and' without a window from 0 to a later time"),
+        ("mean[0:0](a) > 1", "without a window from 0 to a later time"),
+        ("mean[0:600.05](a) > 1", "has mean[0:600.05], which must end within 600 s"),
+        ("mean[0:0.02](a) > 1", "must be of two times that are multiples of 0.05 s"),
+        ("mean[0:2] a > 1", "it has 'a' after '... 0 : 2 ]', where is allowed: '('"),
+        ("maen[0:2](a) > 1", "names the unknown signal 'maen'; did you mean 'mean'"),
         ("a > 1e999", "has the number 1e999 after 'a >', which must be at most 1e308"),
     ],
 )
@@ -214,7 +226,7 @@ def test_what_is_nested_as_deep_as_allowed_is_evaluated(text: str):
 
 
 @settings(deadline=None)
-@given(trees)
+@given(all_trees)
 def test_the_text_of_a_tree_is_read_as_the_same_tree(tree: Node):
     assert repr(parse(tokenize(written(tree)))) == repr(tree)
 
@@ -232,6 +244,7 @@ def test_the_text_of_a_tree_is_read_as_the_same_tree(tree: Node):
         "not (a > 0) and once[0:2](b > 0) since[0.05:600] c",
         "a + (not (b > 0))",
         "abs(a) * sqrt(b) > 1",
+        "mean[0:2](a) - a * mean[0:0.05](b - c) > 1",
     ],
 )
 def test_it_has_the_brackets_that_it_needs(text: str):
@@ -239,7 +252,7 @@ def test_it_has_the_brackets_that_it_needs(text: str):
 
 
 @settings(deadline=None, max_examples=usually(25, release=300))
-@given(trees, traces(1))
+@given(all_trees, traces(1))
 def test_robustness_is_to_the_bit_that_of_the_definition(tree: Node, signals: dict[str, Column]):
     agrees(tree, signals, defined)
 
@@ -344,3 +357,33 @@ def test_a_window_is_the_same_in_seconds_milliseconds_and_with_a_comma(first: in
         f"once[{first * 50_000}us,{last * 50_000}us](a)",
     )
     assert len({Formula.parse(text, ["a"]).tree for text in texts}) == 1
+
+
+samples = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=40).map(np.array)
+windows = st.integers(0, 50)
+
+
+@given(samples, windows)
+def test_a_mean_is_that_of_a_loop_over_the_window(values: Any, last: int):
+    for place, found in enumerate(mean(values, last)):
+        window = values[max(0, place - last) : place + 1]
+        assert found == pytest.approx(math.fsum(window) / len(window), rel=1e-12, abs=1e-9)
+        assert min(window) <= found <= max(window)
+
+
+@given(st.floats(-1e9, 1e9), st.integers(1, 40), windows)
+def test_the_mean_of_a_constant_is_the_constant_and_that_of_one_sample_the_sample(value: float, count: int, last: int):
+    assert mean(np.full(count, value), last).tolist() == [value] * count
+    assert mean(np.array([value, 0.5]), 0).tolist() == [value, 0.5]
+
+
+@given(samples, windows, st.sampled_from([-1e6, -0.1, 3.0, 1e9]), st.sampled_from([-2.0, 0.5, 8.0]))
+def test_a_mean_moves_and_grows_with_its_samples(values: Any, last: int, shift: float, scale: float):
+    assert mean(values * scale, last) == pytest.approx(mean(values, last) * scale, rel=1e-14, abs=1e-300)
+    assert mean(values + shift, last) == pytest.approx(mean(values, last) + shift, rel=1e-9, abs=1e-6)
+
+
+@given(st.lists(st.floats(-100, 100), min_size=1, max_size=40), st.floats(-100, 100), st.integers(1, 30))
+def test_the_robustness_of_a_limit_on_a_mean_is_how_far_the_mean_is_from_it(a: list[float], limit: float, last: int):
+    found = rho(f"mean[0:{last / 20:g}](a) <= {limit!r}", a=a)
+    assert found == (limit - mean(np.array(a), last)).tolist()

@@ -13,6 +13,7 @@ from scaloft_fi.judge.stl import (
     COMPARATORS,
     EXTREMES,
     LARGEST,
+    MEAN,
     Infix,
     Interval,
     Node,
@@ -44,7 +45,12 @@ def _grown(inner: st.SearchStrategy[Node]) -> st.SearchStrategy[Node]:
 
 
 trees: st.SearchStrategy[Node] = st.recursive(leaves, _grown, max_leaves=8)
-"""Trees over the signals of `NAMES`."""
+"""Trees over the signals of `NAMES`, of operators that RTAMT has too."""
+_means = st.integers(1, 9).map(lambda last: Interval(0, last))
+all_trees: st.SearchStrategy[Node] = st.recursive(
+    leaves, lambda inner: st.one_of(_grown(inner), st.builds(Prefix, st.just(MEAN), inner, _means)), max_leaves=8
+)
+"""Trees over the signals of `NAMES`, of every operator."""
 
 _values = st.one_of(
     st.sampled_from([0.0, -0.0, 1.0, -1.0, 2.0]),
@@ -138,6 +144,8 @@ def defined(node: Node, signals: Mapping[str, Column]) -> Column:
                     min(-sign * then, sign * now)
                     for now, then in zip(values, [-sign * math.inf, *values], strict=False)
                 ]
+            if word == MEAN and interval:
+                return [_mean(values, place, interval.last) for place in range(length)]
             return _extremes(word, values, interval) if word in EXTREMES else [_ONE[word](value) for value in values]
     left, right = defined(node.left, signals), defined(node.right, signals)
     if node.operator in ("since", "until"):
@@ -179,6 +187,14 @@ def _extremes(word: str, column: Column, interval: Interval | None) -> Column:
         pick([_at(column, place + lag * (-1 if past else 1), empty) for lag in (reversed(lags) if past else lags)])
         for place in range(len(column))
     ]
+
+
+def _mean(column: Column, place: int, last: int) -> float:
+    """The mean of the samples of a window, taken in one by one from the present into the past."""
+    found = column[place]
+    for number, sample in enumerate(reversed(column[max(0, place - last) : place]), 2):
+        found += (sample - found) / number
+    return found
 
 
 def _since(left: Column, right: Column, interval: Interval | None) -> Column:

@@ -11,14 +11,15 @@ from hypothesis import strategies as st
 from printed import of_form, run
 
 import scaloft_fi
-from scaloft_fi.analysis.proposal import Candidate, Choice, Condition
+from scaloft_fi.analysis.proposal import Candidate, Choice, Condition, Shape
+from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.campaign.flights.fly import Flight
-from scaloft_fi.campaign.runs.propose import Told, _tested
+from scaloft_fi.campaign.runs.propose import Told, _tested, candidates_of
 from scaloft_fi.document import load
 from scaloft_fi.judge.requirement import load_requirements
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.propose import drawn, fresh_seeds
+from scaloft_fi.verbs.propose import Proposal, drawn, fresh_seeds
 
 FAULT = "LATE-velcmd@0.5s"
 
@@ -64,6 +65,25 @@ def test_python_proposes_in_new_processes_what_the_verb_proposes(study: Path, ca
     assert found.record()["proposals"] == of_form("propose", capsys.readouterr().out)["proposals"]
 
 
+def test_an_entry_of_each_template_reads_back(study: Path, tmp_path: Path):
+    here = Study.open(study)
+    candidates, none = candidates_of(here), Ratio(0, 1)
+    entries, texts = "", {}
+    for number, candidate in enumerate(
+        one for one in candidates.listed if one.term == "abs(est_z_m - z_m)" and one.above
+    ):
+        trigger, formula = candidate.formula(0.25)
+        told = (candidate.sentence(0.25), trigger, formula, "m", 1.0, none, none, 0.0, True, True, ())
+        entry, texts[f"P-{number}"] = Proposal(str(number), *told), (formula, trigger)
+        entries += entry.yaml
+    pasted = tmp_path / "requirements.yaml"
+    pasted.write_text((study / "sim" / "requirements.yaml").read_text() + entries)
+    read = {one.name: (one.text, one.trigger) for one in load_requirements(pasted, here.signals)}
+    assert {name: read[name] for name in texts} == texts
+    means = {one.sentence(0.25) for one in candidates.listed if one.shape is Shape.MEAN and not one.condition.words}
+    assert "The mean of `abs(est_z_m - z_m)` over 3 s is never above 0.25 m." in means
+
+
 @given(st.text(max_size=5), st.lists(st.text(max_size=3), unique=True, max_size=9), st.integers(1, 9))
 def test_at_most_so_many_situations_are_drawn_in_their_order_and_always_the_same(
     subject: str, keys: list[str], most: int
@@ -79,7 +99,7 @@ def test_many_subjects_draw_all_situations_of_a_grid():
     assert {key for subject in range(20) for key in drawn(str(subject), keys, 8)} == set(keys)
 
 
-CHOICE = Choice(Candidate("z_m", True, 0.0, False, Condition("", ""), "m"), 2.5, 1.0)
+CHOICE = Choice(Candidate("z_m", True, Shape.SAMPLE, 0.0, Condition("", ""), "m"), 2.5, 1.0)
 
 
 @pytest.mark.parametrize(("seeds", "firm"), [({50, 51, 52}, True), ({50}, False)])
