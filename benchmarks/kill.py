@@ -51,6 +51,8 @@ from typing import IO, Any
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.workers import MAKE
+from scaloft_fi.verbs.example import example_files
+from scaloft_fi.verbs.new import write_new
 
 MARK = "SCALOFT_BENCHMARK_KILL"
 GRACE_S = 5.0
@@ -258,8 +260,7 @@ def outside(folder: Path, words: Sequence[str], cluster: Cluster | None) -> Camp
     """A campaign of the example whose planner runs in a process of its own."""
     study = folder.parent / "study"
     if not study.exists():
-        make = ROOT / "examples" / "outside_planner" / "make_study.py"
-        subprocess.run([sys.executable, str(make), str(study)], check=True, cwd=ROOT, env={"PYTHONPATH": str(ROOT)})
+        write_new(study, example_files("outside_planner"))
     return Campaign(folder, words, cluster, study)
 
 

@@ -22,11 +22,21 @@ from typing import Any
 
 from experiments import ROOT
 from experiments.pages import Row, blocks, registered, table
+from scaloft_fi.verbs.example import example_files
+from scaloft_fi.verbs.new import write_new
 
-EXAMPLE = ROOT / "examples" / "outside_planner"
 KEPT = ROOT / "results" / "published" / "outside_planner.json"
 PAGE = KEPT.with_suffix(".md")
-BORDERS = ("inside", "ros2")
+EDITS = {
+    "inside": (("name: outside", "name: planner_inside"),),
+    "ros2": (
+        ("border: lines", "border: ros2"),
+        ("over_lines.py", "over_ros2.py"),
+        ("deterministic: true", "deterministic: false"),
+    ),
+}
+"""What of `sim/stack.yaml` flies the planner elsewhere."""
+BORDERS = tuple(EDITS)
 POOL = 20
 """Baseline seeds; redraws of the unmutated drone need that many."""
 STARTED = "import sys; sys.path.insert(0, sys.argv.pop(1)); import inside; from scaloft_fi.cli import main; main()"
@@ -38,8 +48,13 @@ RUNS = (("--situation", "T0*", "--baseline-seeds", str(POOL)), ("--baseline-seed
 def fly(border: str, study: Path, jobs: int) -> dict[str, Any]:
     """Fly the grid; returns the score, and how the flights ended."""
     if not study.exists():
-        subprocess.run([sys.executable, str(EXAMPLE / "make_study.py"), str(study), border], cwd=ROOT, check=True)
-    inside = [sys.executable, "-c", STARTED, str(EXAMPLE)]
+        write_new(study, example_files("outside_planner"))
+        settings = study / "sim" / "stack.yaml"
+        text = settings.read_text(encoding="utf-8")
+        for old, new in EDITS[border]:
+            text = text.replace(old, new)
+        settings.write_text(text, encoding="utf-8")
+    inside = [sys.executable, "-c", STARTED, str(study / "sim")]
     start = inside if border == "inside" else [sys.executable, "-m", "scaloft_fi"]
     place = ("--study", str(study))
     for words in RUNS:

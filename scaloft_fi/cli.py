@@ -99,7 +99,10 @@ def _chain(error: BaseException | None) -> Iterator[BaseException]:
 
 
 GROUPS: dict[str, dict[str, str]] = {
-    "Begin": {"new": "write a small study to edit, or a plugin package"},
+    "Begin": {
+        "new": "write a small study to edit, or a plugin package",
+        "example": "list the examples, or copy one",
+    },
     "Look at the study": {
         "matrix": "show the deviation matrix, every cell with its reason",
         "mutants": "list the catalogue of mutants, derive it, check it",

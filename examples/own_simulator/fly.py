@@ -1,10 +1,11 @@
 """A simulator of somebody else's: it flies one flight, injects the fault that it is told, and writes a table.
 
-python fly.py --world FOLDER --situation KEY --seed N --fault JSON --record FILE
+python fly.py --situation KEY --seed N --fault JSON --record FILE
 
 Behind it is the simulator of this project, so that its verdicts can be held against those of the built-in flyer; but
-nothing goes between the two except these words, the table, and the last line of output.  Its table has columns, units
-and a clock of its own, which `sim/record.yaml` maps; a record whose name does not end in .csv is a folder of rosbag2.
+nothing goes between the two except these words, the table, and the last line of output.  World and drone are those of
+the study in which it is started.  Its table has columns, units and a clock of its own, which `sim/record.yaml` maps; a
+record whose name does not end in .csv is a folder of rosbag2.
 """
 
 import argparse
@@ -13,8 +14,9 @@ import json
 import sys
 from pathlib import Path
 
-from scaloft_fi.campaign.flights.fly import Flight, fly_log
+from scaloft_fi.campaign.flights.fly import Flight, wire_of
 from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.study import Study
 
@@ -52,13 +54,14 @@ def write(path: Path, log: FlightLog) -> None:
 def main() -> None:
     """Fly once."""
     parser = argparse.ArgumentParser(description=__doc__)
-    for word in ("--world", "--situation", "--fault", "--record"):
+    for word in ("--situation", "--fault", "--record"):
         parser.add_argument(word, required=True)
     parser.add_argument("--seed", type=int, required=True)
     words = parser.parse_args()
-    study, fault = Study.open(words.world), json.loads(words.fault)
+    study, fault = Study.open(), json.loads(words.fault)
     mutant = Mutant.from_json(fault) if fault else None
-    log = fly_log(study, Flight(mutant, study.grid.situation(words.situation), words.seed))
+    flight = Flight(mutant, study.grid.situation(words.situation), words.seed)
+    log = fly(study.sim, flight.situation, flight.seed, wire_of(study, flight), study.stack)
     if words.record.endswith(".csv"):
         write(Path(words.record), log)
     else:

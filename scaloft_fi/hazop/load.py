@@ -68,6 +68,11 @@ def reference_study() -> Path:
     raise InputError(f"{_PACKAGE}: the reference study is missing; install scaloft-fi again")
 
 
+def shipped(name: str) -> Path:
+    """A folder of the checkout that the wheel carries too, with _ before its name."""
+    return next(one for one in (_PACKAGE / f"_{name}", _PACKAGE.parent / name) if is_folder(one))
+
+
 def is_packaged(folder: Path) -> bool:
     """Whether this is the study of the installed package, whose folder takes no results."""
     return folder.resolve() == _PACKAGE / "_study"

@@ -156,7 +156,9 @@ class BorderKind(Protocol):
 
 
 BORDERS = Registry[BorderKind]("border")
-BorderName = Annotated[str, Choices(BORDERS.keys, elsewhere=(("ros1", "pip install ./examples/ros1, from a clone"),))]
+BorderName = Annotated[
+    str, Choices(BORDERS.keys, elsewhere=(("ros1", "scaloft-fi example ros1 && pip install ./ros1"),))
+]
 BORDERS.promise("lines", "scaloft_fi.outside.lines:LinesBorder")
 BORDERS.promise("ros2", "scaloft_fi.outside.ros2:Ros2Border")
 

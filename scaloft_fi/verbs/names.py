@@ -18,7 +18,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from scaloft_fi.document import CATALOGUE_BYTES, Item, load, read_text
-from scaloft_fi.hazop.load import find_study
+from scaloft_fi.hazop.load import find_study, shipped
 from scaloft_fi.registry import plugins
 
 BELIEF, FORMAT, SEAM, SIGNAL = "Belief", "@export_format", "Seam", "@signal"
@@ -59,6 +59,11 @@ def _plugins() -> Iterator[Path]:
                 yield from islice(sorted(Path(folder).rglob("*.py")), MOST_FILES)
         elif spec is not None and spec.origin is not None:
             yield Path(spec.origin)
+
+
+def example_names() -> tuple[str, ...]:
+    """The names of the examples of this installation."""
+    return tuple(sorted(path.parent.name for path in shipped("examples").glob("*/README.md")))
 
 
 MOST = 256
@@ -223,4 +228,5 @@ situations = _completer(lambda study, context, typed: _situation_names(study, co
 campaigns = _completer(_campaign_names)
 grids = _completer(_grid_names)
 flights = _completer(_flight_names)
+examples = _completer(lambda *_: example_names())
 formats = _completer(lambda *_: sorted(declared(FORMAT, "verbs/export")))

@@ -10,7 +10,7 @@ import json
 import keyword
 import shlex
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
@@ -21,7 +21,7 @@ from typing import Annotated, Literal
 
 from scaloft_fi.document import is_file, is_folder, is_there, read_bytes
 from scaloft_fi.errors import InputError, did_you_mean, shown
-from scaloft_fi.hazop.load import FOLDERS, reference_study
+from scaloft_fi.hazop.load import FOLDERS, reference_study, shipped
 from scaloft_fi.output import write_whole
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.sim.grid import FOUND_FILE
@@ -60,7 +60,6 @@ CHANGES = (
     ("sim/world.yaml", b": sources.yaml.", b": sources.yaml of the reference study."),
 )
 """What differs there: file, text, which it has once, and the text in its place."""
-_PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def study_files() -> Files:
@@ -85,12 +84,17 @@ def planner_files(package: str) -> Files:
     Args:
         package: name of the package; see `check_package_name`.
     """
+    files = reference_files()
+    files["sim/stack.yaml"] = files["sim/stack.yaml"].replace(b"name: reference", b"name: " + package.encode(), 1)
+    return _filled(_template("planner"), {WORD: package}) | {f"study/{name}": text for name, text in files.items()}
+
+
+def reference_files() -> dict[str, bytes]:
+    """The files of the reference study without what a search found for its drone."""
     reference = reference_study()
     paths = (path for below in FOLDERS for path in (reference / below).rglob("*") if path.is_file())
     own = {path.relative_to(reference).as_posix(): path for path in paths if path.suffix != ".md"}
-    files = {name: read_bytes(path) for name, path in own.items() if path.name != FOUND_FILE}
-    files["sim/stack.yaml"] = files["sim/stack.yaml"].replace(b"name: reference", b"name: " + package.encode(), 1)
-    return _filled(_template("planner"), {WORD: package}) | {f"study/{name}": text for name, text in files.items()}
+    return {name: read_bytes(path) for name, path in own.items() if path.name != FOUND_FILE}
 
 
 def firmware_files(kind: str, program: Path) -> Files:
@@ -188,7 +192,7 @@ def write_new(folder: Path, files: Files) -> None:
     try:
         if is_there(folder) and (not is_folder(folder) or any(folder.iterdir())):
             what = "is not empty" if is_folder(folder) else "is no folder"
-            raise InputError(f"{str(folder)!r} {what}, and `new` writes into no other than an empty or a new folder")
+            raise InputError(f"{str(folder)!r} {what}; only an empty or a new folder is written into")
         _write(folder, files)
     except (OSError, ValueError) as error:
         reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
@@ -203,6 +207,8 @@ def _write(folder: Path, files: Files) -> None:
             made += _make_folders(path.parent)
             write_whole(path, content)
             made.append(path)
+            if content.startswith(b"#!"):
+                path.chmod(path.stat().st_mode | 0o111)
     except BaseException:
         for path in reversed(made):
             with suppress(OSError):
@@ -220,7 +226,11 @@ def _make_folders(folder: Path) -> list[Path]:
 
 def _template(name: str) -> dict[str, bytes]:
     """The files of one template."""
-    folder = next(one for one in (_PACKAGE / "_templates", _PACKAGE.parent / "templates") if is_folder(one)) / name
+    return files_in(shipped("templates") / name)
+
+
+def files_in(folder: Path) -> dict[str, bytes]:
+    """The files in a folder and below it."""
     files = (path for path in sorted(folder.rglob("*")) if path.is_file() and "__pycache__" not in path.parts)
     return {path.relative_to(folder).as_posix(): read_bytes(path) for path in files}
 
@@ -327,9 +337,8 @@ def new_command(
     write_new(folder, files)
     chosen = FIRST if firmware else " --mutant LATE-human" if planner else ""
     commands = _next(folder, package=plugin or planner, chosen=chosen)
-    told = f"{folder}: {what}.  Next:\n\n" + "".join(f"  {command}\n" for command in commands)
     written = Written(folder, "plugin" if plugin or planner else "study", tuple(sorted(files)), commands)
-    answer(Answer(NEW, lambda: written, told=lambda _: told), style)
+    answer(Answer(NEW, lambda: written, told=lambda _: said(folder, what, commands)), style)
 
 
 FIRST = " --situation 'T0O0W0D0*' --mutant LATE-gyro"
@@ -363,8 +372,8 @@ def _firmware(kind: str, program: Path | None) -> tuple[Files, str]:
 
 
 def _next(folder: Path, *, package: bool, chosen: str) -> tuple[str, ...]:
-    here = shlex.quote(str(folder))
     if package:
+        here = shlex.quote(str(folder))
         study, schemas = (shlex.quote(str(folder / below)) for below in ("study", "study/schemas"))
         return (
             f"pip install -e {shlex.quote(f'{folder}[test]')}",
@@ -372,5 +381,14 @@ def _next(folder: Path, *, package: bool, chosen: str) -> tuple[str, ...]:
             f"scaloft-fi schema --study {study} --write {schemas}",
             f"scaloft-fi run --study {study}{chosen}",
         )
-    there = () if folder.resolve() == Path.cwd() else (f"cd {here}",)
-    return *there, "scaloft-fi check", f"scaloft-fi run{chosen}"
+    return *way(folder), "scaloft-fi check", f"scaloft-fi run{chosen}"
+
+
+def way(folder: Path) -> tuple[str, ...]:
+    """The command that goes into a folder; none where one stands in it already."""
+    return () if folder.resolve() == Path.cwd() else (f"cd {shlex.quote(str(folder))}",)
+
+
+def said(folder: Path, what: str, commands: Sequence[str]) -> str:
+    """What was written into a folder, and what to do next."""
+    return f"{folder}: {what}.  Next:\n\n" + "".join(f"  {command}\n" for command in commands)

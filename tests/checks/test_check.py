@@ -10,7 +10,7 @@ import trimesh
 from click.testing import CliRunner
 from options import usually
 from processes import call, install, install_project
-from studies import ROOT, copied, edit_in, made_by
+from studies import RECORDS, ROOT, copied, edit_in, example, mission_study, own_simulator
 
 from scaloft_fi.checks.check import Check, check_study
 from scaloft_fi.checks.finding import Severity
@@ -77,11 +77,11 @@ def test_a_green_check_says_what_was_looked_at(reference: Check):
 def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path):
     script = tmp_path / "mission.py"
     script.write_text("")
-    made_by("outside_planner", "make_study", tmp_path / "planner", "lines", ROOT)
-    made_by("testbed", "make_study", tmp_path / "testbed", [script], ROOT)
-    for kind in ("study", "study_bag"):
-        made_by("own_simulator", "copy_study", tmp_path / kind, ROOT, kind)
-    for name in ("planner", "testbed", "study", "study_bag"):
+    example("outside_planner", tmp_path / "planner")
+    mission_study(tmp_path / "testbed", script)
+    for kind in RECORDS:
+        own_simulator(tmp_path / kind, kind)
+    for name in ("planner", "testbed", *RECORDS):
         assert errors(check_study(tmp_path / name)) == [], name
 
 
@@ -101,15 +101,14 @@ def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path):
     ],
 )
 def test_a_command_that_cannot_fly_is_told(tmp_path: Path, file: str, old: str, new: str, place: str, what: str):
-    made_by("own_simulator", "copy_study", tmp_path / "own", ROOT)
-    _without_grids(tmp_path / "own")
+    own_simulator(tmp_path / "own")
     edit_in(tmp_path / "own" / "sim" / file, old, new)
     told = errors(check_study(tmp_path / "own"))
     assert any(place in error and what in error for error in told), told
 
 
 def test_a_program_of_a_stage_outside_that_is_missing_is_told(tmp_path: Path):
-    made_by("outside_planner", "make_study", tmp_path / "planner", "lines", ROOT)
+    example("outside_planner", tmp_path / "planner")
     (tmp_path / "planner" / "sim" / "over_lines.py").unlink()
     (error,) = errors(check_study(tmp_path / "planner"))
     assert "stack.yaml:6: error: the study has no file 'sim/over_lines.py'; add it" in error

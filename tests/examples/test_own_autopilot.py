@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from printed import run
 from processes import ROOT
-from studies import edit_in, made_by
+from studies import edit_in, example
 
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.flights.physics import Physics
@@ -82,7 +82,7 @@ def test_a_planner_of_ones_own_flies_above_a_program(study: Study):
 
 
 def test_a_planner_in_another_process_flies_above_a_program_twice_with_the_same_bits(study: Study, tmp_path: Path):
-    made_by("outside_planner", "make_study", tmp_path / "study", "lines", ROOT)
+    example("outside_planner", tmp_path / "study")
     section = (study.folder / "sim" / "stack.yaml").read_text().partition("\nfirmware:")[2]
     stack = tmp_path / "study" / "sim" / "stack.yaml"
     text = stack.read_text().replace("name: outside", "name: outside_firmware", 1)

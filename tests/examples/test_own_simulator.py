@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from options import usually
 from processes import ROOT, call
-from studies import copied, made_by
+from studies import RECORDS, own_simulator
 
 from scaloft_fi.campaign.flights.fly import fly_log, judged
 from scaloft_fi.campaign.flights.physics import Commanded
@@ -30,17 +30,15 @@ MUTANTS = ("baseline", "PLACEBO", "LATE-human@3s", "UNINTENDED-collision@20s", "
 SITUATIONS = ("T0O0W0D0H0", "T0O0W0D0H1", "T1O0W0D1H0", "T1O1W1D0H1")
 EVERY = [f"{mutant}/{situation}/0" for mutant in MUTANTS for situation in SITUATIONS]
 """Every kind of flight: nothing violated, a person passed too fast, a contact, one not landed."""
-STUDIES = ("study", "study_bag")
-"""Each flies the 20 flights of which `docs/own_simulator.md` tells."""
 FEW_SEEDS = ["--baseline-seeds", "1"]
 """Whether a command runs shows in few flights."""
 
 
-@pytest.fixture(scope="module", params=usually(STUDIES[:1], release=STUDIES))
+@pytest.fixture(scope="module", params=usually(RECORDS[:1], release=RECORDS))
 def study(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Study:
     """The study that records a table, and the one that records a rosbag2."""
     folder = tmp_path_factory.mktemp("own") / request.param
-    made_by("own_simulator", "copy_study", folder, ROOT, request.param)
+    own_simulator(folder, request.param)
     return Study.open(folder)
 
 
@@ -87,8 +85,6 @@ def test_the_documents_of_the_guides_can_be_read(guide: str, key: str, load: Cal
 @pytest.mark.flight
 @pytest.mark.release
 def test_the_commands_of_the_guide_run(tmp_path: Path):
-    (tmp_path / "examples").symlink_to(ROOT / "examples")
-    copied(tmp_path)
     commands = re.findall(r"^\$ (.*)$", (ROOT / "docs" / "own_simulator.md").read_text(), re.MULTILINE)
     assert commands
     for command in commands:

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 from processes import ROOT, marked
 from scaloft_ros1.border import unimportable
-from studies import made_by
+from studies import mission_study
 
 from scaloft_fi.campaign.flights.fly import judged, wire_of
 from scaloft_fi.campaign.store.held import flight_named
@@ -57,7 +57,7 @@ class Tape:
 def flown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Outcome, dict[str, float]]]:
     def fly_one(subject: str, situation: str, script: Path) -> tuple[Outcome, dict[str, float]]:
         folder = tmp_path / "study"
-        made_by("testbed", "make_study", folder, [script], ROOT)
+        mission_study(folder, script)
         world, stack = folder / "sim" / "world.yaml", folder / "sim" / "stack.yaml"
         text = world.read_text()
         for old, new in SHORT:
@@ -122,11 +122,11 @@ def test_a_script_that_fails_is_the_drones_with_its_last_words(flown: Callable[.
 
 def test_a_script_that_is_not_there_is_named(tmp_path: Path):
     with pytest.raises(InputError, match=r"lost\.py: no such script"):
-        made_by("testbed", "make_study", tmp_path / "study", [tmp_path / "lost.py"], ROOT)
+        mission_study(tmp_path / "study", tmp_path / "lost.py")
     assert not (tmp_path / "study").exists()
 
 
 def test_the_catalogue_of_the_study_is_current(tmp_path: Path):
-    made_by("testbed", "make_study", tmp_path / "study", [EXAMPLE / "own_mission.py"], ROOT)
+    mission_study(tmp_path / "study", EXAMPLE / "own_mission.py")
     result = CliRunner().invoke(main, ["mutants", "--check", "--study", str(tmp_path / "study")])
     assert result.exit_code == 0, result.output

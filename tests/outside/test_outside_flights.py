@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from processes import ROOT, marked
-from studies import edit_in, made_by
+from studies import edit_in, example
 
 import scaloft_fi.outside.stack  # noqa: F401 - it declares an operator
 from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker, fly_log, judged
@@ -21,15 +20,10 @@ from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.outside.border import BORDERS, BorderError
 from scaloft_fi.study import Study
 
-EXAMPLE = ROOT / "examples" / "outside_planner"
-
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    shutil.copytree(EXAMPLE / "study", tmp_path / "study")
-    for name in ("world", "vehicle", "sensors", "situations"):
-        shutil.copy(ROOT / "sim" / f"{name}.yaml", tmp_path / "study" / "sim")
-    return tmp_path / "study"
+    return example("outside_planner", tmp_path / "study")
 
 
 def test_seams_and_beliefs_follow_from_the_settings(folder: Path):
@@ -73,7 +67,9 @@ def test_a_border_of_a_package_that_is_not_installed_is_told_with_the_command_th
     monkeypatch.delitem(BORDERS._entries, "ros1", raising=False)  # tests of the package add it
     path = folder / "sim" / "stack.yaml"
     path.write_text(path.read_text().replace("border: lines", "border: ros1"))
-    with pytest.raises(InputError, match=r"border='ros1' is of a package .*: pip install \./examples/ros1") as refused:
+    with pytest.raises(
+        InputError, match=r"border='ros1' is of a package .*: scaloft-fi example ros1 && pip install \./ros1"
+    ) as refused:
         _ = Study.open(folder).stack
     assert str(refused.value).startswith(f"{path}:")
 
@@ -125,7 +121,7 @@ for message in border:
 @pytest.fixture(scope="module")
 def planner(tmp_path_factory: pytest.TempPathFactory) -> Study:
     folder = tmp_path_factory.mktemp("outside") / "study"
-    made_by("outside_planner", "make_study", folder, "lines", ROOT)
+    example("outside_planner", folder)
     return Study.open(folder)
 
 
@@ -135,7 +131,7 @@ def faulty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], S
 
     def made(fault: str, program: str = RISES) -> Study:
         folder = tmp_path / "study"
-        made_by("outside_planner", "make_study", folder, "lines", ROOT)
+        example("outside_planner", folder)
         (folder / "sim" / "faulty.py").write_text(program.replace("FAULT", fault))
         settings = folder / "sim" / "stack.yaml"
         text = settings.read_text().replace("over_lines.py", "faulty.py")
@@ -167,10 +163,10 @@ def outside(planner: Study) -> dict[str, Outcome]:
 def test_a_planner_outside_flies_bit_for_bit_as_the_same_planner_inside(
     outside: dict[str, Outcome], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.syspath_prepend(str(EXAMPLE))
+    monkeypatch.syspath_prepend(str(ROOT / "examples" / "outside_planner" / "sim"))
     import inside  # noqa: F401 - it declares the stack
 
-    made_by("outside_planner", "make_study", tmp_path / "study", "inside", ROOT)
+    example("outside_planner", tmp_path / "study", ("name: outside", "name: planner_inside"))
     within = Study.open(tmp_path / "study")
     assert within.stack.name == "planner_inside"
     for subject in ("", "LATE-human@3s"):

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from processes import ROOT, python_with_ros2
+from studies import OVER_ROS2, example
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside.border import Motion, Topic
@@ -129,8 +130,7 @@ def test_the_example_over_ros_2_agrees_with_the_same_planner_over_lines(python: 
     facts = {}
     for border, interpreter in (("ros2", python), ("lines", sys.executable)):
         study = tmp_path / border
-        make = [sys.executable, ROOT / "examples" / "outside_planner" / "make_study.py", study, border]
-        subprocess.run(make, check=True)
+        example("outside_planner", study, *(OVER_ROS2 if border == "ros2" else ()))
         flown = subprocess.run(
             [interpreter, "-c", FLY, study, json.dumps(FLIGHTS)],
             cwd=ROOT, capture_output=True, text=True, timeout=LIMIT_S, check=False,
@@ -147,7 +147,7 @@ def test_the_example_over_ros_2_agrees_with_the_same_planner_over_lines(python: 
 @pytest.mark.flight
 def test_a_shell_script_over_the_example_shows_a_late_person(python: str, tmp_path: Path):
     study, own = tmp_path / "study", ROOT / "examples" / "own_tests"
-    subprocess.run([sys.executable, ROOT / "examples/outside_planner/make_study.py", study, "ros2"], check=True)
+    example("outside_planner", study, *OVER_ROS2)
     for name in ("shell.yaml", "person.sh"):
         shutil.copy(own / name, study / name)
     words = ("shell.yaml", "--mutant", "LATE-human", "--jobs", "2", "--quiet", "--format", "json")

@@ -38,18 +38,20 @@ def test_the_wheel_installs_one_top_level_package(wheel: Path):
     assert {top for top in tops if not top.endswith(".dist-info")} == {"scaloft_fi"}
 
 
-def test_the_wheel_carries_the_reference_study_the_schemas_and_the_templates_of_new(wheel: Path):
+def test_the_wheel_carries_the_reference_study_the_schemas_the_templates_of_new_and_the_examples(wheel: Path):
     with zipfile.ZipFile(wheel) as archive:
         names = {name.removeprefix("scaloft_fi/_") for name in archive.namelist() if name.startswith("scaloft_fi/_")}
     files = {
         "study": [path for name in ("hazop", "mutants", "sim") for path in (ROOT / name).rglob("*")],
         "schemas": list((ROOT / "docs" / "schemas" / "study").iterdir()),
-        "templates": list((ROOT / "templates").rglob("*")),
+        **{name: list((ROOT / name).rglob("*")) for name in ("templates", "examples")},
     }
-    above = {"study": ROOT, "schemas": ROOT / "docs" / "schemas" / "study", "templates": ROOT / "templates"}
+    above = {"study": ROOT, "schemas": ROOT / "docs" / "schemas" / "study"}
     for part, paths in files.items():
         ours = {
-            str(one.relative_to(above[part])) for one in paths if one.is_file() and one.parent.name != "__pycache__"
+            str(one.relative_to(above.get(part, ROOT / part)))
+            for one in paths
+            if one.is_file() and one.parent.name != "__pycache__"
         }
         assert {name.removeprefix(f"{part}/") for name in names if name.startswith(f"{part}/")} == ours
 

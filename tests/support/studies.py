@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 
 from scaloft_fi.document import Item
 from scaloft_fi.model import Schema, read
+from scaloft_fi.verbs.example import example_files
+from scaloft_fi.verbs.new import write_new
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("hazop", "mutants", "sim")
@@ -29,9 +31,35 @@ def edit_in(path: Path, old: str, new: str) -> None:
     path.write_text(before.replace(old, new, 1), encoding="utf-8")
 
 
-def made_by(example: str, script: str, *words: Any) -> None:
-    """Make the study of an example by the script of that name."""
-    run_path(str(ROOT / "examples" / example / f"{script}.py"))[script](*words)
+def example(name: str, folder: Path, *edits: tuple[str, str]) -> Path:
+    """Copy an example as `scaloft-fi example` does, with edits of `sim/stack.yaml`; returns the folder."""
+    write_new(folder, example_files(name))
+    for old, new in edits:
+        edit_in(folder / "sim" / "stack.yaml", old, new)
+    return folder
+
+
+OVER_ROS2 = (
+    ("border: lines", "border: ros2"),
+    ("over_lines.py", "over_ros2.py"),
+    ("deterministic: true", "deterministic: false"),
+)
+"""The edits by which the planner of the example `outside_planner` flies over ROS 2."""
+RECORDS = ("table", "bag")
+"""What the program of the example `own_simulator` records."""
+
+
+def own_simulator(folder: Path, record: str = RECORDS[0]) -> Path:
+    """Copy this example; returns the folder."""
+    example("own_simulator", folder)
+    if record != RECORDS[0]:
+        shutil.copytree(folder / "rosbag2" / "sim", folder / "sim", dirs_exist_ok=True)
+    return folder
+
+
+def mission_study(folder: Path, *scripts: Path) -> None:
+    """Write the study of the example `testbed` with these scripts."""
+    run_path(str(ROOT / "examples" / "testbed" / "make_study.py"))["make_study"](folder, scripts, ROOT)
 
 
 GRIDS = Path(__file__).parent / "grids"

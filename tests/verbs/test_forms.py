@@ -197,7 +197,7 @@ def test_a_screen_fits_the_terminal_and_says_the_same_without_colours(
 
 RECORD = Path(__file__).with_suffix(".txt")
 """A line with the words, and a line with what is said of them."""
-ALONE = ("new", "completion", "matrx")
+ALONE = ("new", "example", "completion", "matrx")
 """Verbs that take no study."""
 HELD = ("run", "margin", "replay", "score", "kills", "worksheet", "dispositions", "report", "export", "seek")
 """Verbs that take a campaign."""

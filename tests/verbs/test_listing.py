@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from printed import STUDY, run
 from processes import ROOT, called, install_project
-from studies import copied, made_by
+from studies import copied, example, own_simulator
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.bounds import bounds_of, check_caps, ranges_of, verdict
@@ -120,7 +120,7 @@ def test_a_study_whose_stack_sensor_and_operator_come_from_a_package(tmp_path: P
 
 def test_a_study_whose_stages_run_outside(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     folder = tmp_path / "study"
-    made_by("outside_planner", "make_study", folder, "lines", ROOT)
+    example("outside_planner", folder)
     seams = listed(capsys, "seams", "--study", folder)
     assert seams["drive"]["edge"] == "/cmd_vel -> our drone"
     assert seams["drive"]["canary"]
@@ -134,7 +134,7 @@ def test_a_study_that_a_command_flies_tells_where_the_record_has_each_signal(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     folder = tmp_path / "study"
-    made_by("own_simulator", "copy_study", folder, ROOT)
+    own_simulator(folder)
     record = folder / "sim" / "record.yaml"
     record.write_text(record.read_text() + "  pitch_deg: {column: pitch}\n")
     signals = listed(capsys, "signals", "--study", folder)

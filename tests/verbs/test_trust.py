@@ -15,7 +15,7 @@ import crafted
 import pytest
 from click.testing import CliRunner, Result
 from processes import ROOT, marked, soon
-from studies import copied, edit_in, made_by
+from studies import copied, edit_in, example
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.cli import VERBS, main
@@ -57,7 +57,7 @@ REFUSED = ("judge", "margin", "hazop")
 def outside(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A study with a stage of its own, and a campaign."""
     folder = tmp_path_factory.mktemp("trust") / "study"
-    made_by("outside_planner", "make_study", folder, "lines", ROOT)
+    example("outside_planner", folder)
     store = folder / "results" / "campaigns" / "default" / STORE_NAME
     store.parent.mkdir(parents=True)
     crafted.campaign(Study.open(folder), store)
