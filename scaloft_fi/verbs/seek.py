@@ -55,7 +55,7 @@ def breaks_table(report: finds.SeekReport, campaign: str, *, claims: bool) -> Ta
         for number, one in enumerate(report.breaks, 1)
     ]
     known = "the stage that was the most wrong in the last second before, and by how much"
-    wrong = known if claims else "not known, because the stack declares no claims (docs/stack.md)"
+    wrong = known if claims else "not known, because the stack declares no claims (`declare_claims` of scaloft_fi.api)"
     again = f"{report.again} flown again to see what the drone believed"
     notes = (
         *told,
@@ -224,7 +224,7 @@ def study_to_search(folder: Path | None, grid: str, into: str) -> Study:
     if grid == SEARCHED and grid not in (there := grid_names(find_study(folder) / "sim")):
         raise InputError(
             f"the study has no grid {grid!r}, which is searched by default: write sim/grids/{grid}.yaml, as "
-            f"docs/seek.md says, or name another grid, such as --grid {there[0]}"
+            f"the site's page Finding missing tests says, or name another grid, such as --grid {there[0]}"
         )
     return study_of(folder, into, grid)
 

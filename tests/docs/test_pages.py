@@ -108,6 +108,21 @@ def test_no_sentence_that_a_newcomer_reads_first_is_long(name: str):
     assert [one for one in sentences if len(re.findall(r"\w\S*", one)) > MOST_WORDS] == []
 
 
+SHIPPED = {"hazop", "mutants", "sim", "scaloft_fi"}
+"""The folders of the repository that an installed wheel has too, with the same names of files."""
+OWN = {path.name for path in ROOT.glob("*/") if path.name not in SHIPPED}
+PATH = re.compile(r"(?<![\w./-])([\w.-]+)(?:/[\w.*-]+)+")
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").glob("*.md")), ids=lambda path: path.stem)
+def test_no_page_names_a_file_that_a_wheel_lacks(page: Path):
+    """Only what the repository has is looked for: a study and a package of a user's own have folders `tests/` too."""
+    text = page.read_text()
+    named = [found[0].rstrip(".") for found in PATH.finditer(text) if found[1] in OWN]
+    assert [path for path in named if any(ROOT.glob(path)) and not path.startswith("results/campaigns")] == []
+    assert re.findall(r"\b(?:CONTRIBUTING|DESIGN|CHANGELOG)\.md|CITATION\.cff", text) == []
+
+
 HOOKS = ROOT / "docs" / "hooks"
 
 
