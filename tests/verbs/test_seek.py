@@ -168,7 +168,7 @@ def test_a_study_without_the_grid_that_is_searched_by_default_is_told_to_write_o
         "write sim/grids/search.yaml, as the site's page Finding missing tests says, "
         "or name another grid, such as --grid paper"
     )
-    with pytest.raises(scaloft_fi.InputError, match=r"as the site.s page Finding missing tests says, or .*, such as grid paper$"):
+    with pytest.raises(scaloft_fi.InputError, match=r"page Finding missing tests says, or .*, such as grid paper$"):
         scaloft_fi.open(copy).campaign(f"{tmp_path}/c").seek("baseline")
 
 
