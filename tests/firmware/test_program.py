@@ -24,7 +24,7 @@ STEP_NS = 4_000_000
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("programs")
-    for name in ("loop", "threads"):
+    for name in ("loop", "threads", "blocks"):
         source = str(HERE / f"{name}.c")
         subprocess.run(["cc", "-O1", "-o", str(folder / name), source, "-lpthread"], check=True, timeout=60)
     return folder
@@ -84,6 +84,30 @@ def test_twenty_threads_with_a_mutex_and_conditions_take_turns_in_one_order(buil
     assert len(taken) == 400
     assert {int(giver) for _, giver in taken} == set(range(10))
     assert len({int(taker) for taker, _ in taken}) > 3
+
+
+def test_whatever_a_program_waits_for_it_gets_there_at_the_same_time_under_load(built: Path, tmp_path: Path):
+    quiet = talk(built / "blocks", tmp_path, 30)
+    with load():
+        assert talk(built / "blocks", tmp_path, 30) == quiet
+    told = [text.decode().partition(" ")[::2] for _, _, text in quiet]
+    times_s = {what: float(time_s) for time_s, what in told}
+    said = [what for _, what in told]
+    assert [what for what in said if "joined" in what] == [f"joined {result}" for result in (700, 1050, 4, 5, 6, 7)]
+    assert [said.count(f"{who} {how}") for who in ("taker 4", "taker 5") for how in ("in time", "late")] == [2, 2, 3, 1]
+    assert [said.count(f"waiter 6 {how}") for how in ("in time", "late")] == [3, 1]
+    assert [what for what in said if "select" in what][:6] == [
+        "select 1 hello ", "select 1 0", "select 0 -", "select 1 hello ", "select 1 10", "select 0 -",
+    ]  # fmt: skip
+    assert times_s["asked please"] - times_s["joined 7"] < 1e-5  # a child takes no time, its answer does
+    assert times_s["child 7"] - times_s["asked please"] == pytest.approx(0.02, abs=1e-5)
+
+
+def test_a_program_may_be_a_script_that_replaces_itself(built: Path, tmp_path: Path):
+    script = tmp_path / "script"
+    script.write_text(f"#!/bin/sh\ndate > today\nexec {built / 'loop'}\n")
+    script.chmod(0o755)
+    assert talk(script, tmp_path) == talk(built / "loop", tmp_path)
 
 
 def test_two_programs_at_once_share_no_port(built: Path, tmp_path: Path):
