@@ -170,4 +170,4 @@ def _one(matrix: Matrix, cell: Cell, style: str, study_folder: Path | None) -> s
 
 
 def _tabulated(header: Sequence[str], lines: Sequence[Sequence[str]], style: str) -> str:
-    return tabulated(header, lines, Format(style), "latex_longtable")
+    return tabulated(header, lines, Format(style))

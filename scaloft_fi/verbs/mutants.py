@@ -152,7 +152,7 @@ def _table(mutants: Sequence[Mutant], default_ids: Collection[str], style: str) 
     if style == "table":
         short = [[row[name] for name in _IN_TERMINAL] for row in rows]
         return body_text(_IN_TERMINAL, short, width(), ("operator", "seam"), marked=False)
-    return tabulated(_COLUMNS, [list(row.values()) for row in rows], Format(style), "latex")
+    return tabulated(_COLUMNS, [list(row.values()) for row in rows], Format(style))
 
 
 def _row(mutant: Mutant, default: bool) -> dict[str, Any]:

@@ -42,7 +42,7 @@ from scaloft_fi.verbs.options import Option, answer, check_writable, tell_warnin
 from scaloft_fi.verbs.snapshot import Stale, snapshot
 from scaloft_fi.verbs.verdict import NO_POOL, acceptance, effect, flies, next_find, words, would_decide
 from scaloft_fi.views.output import Answer, Output
-from scaloft_fi.views.table import FORMULA, Format, Table, csv_text, latex, markdown, render
+from scaloft_fi.views.table import FORMULA, Format, Table, csv_text, latex, long_table, longest_word, markdown, render
 
 SheetValue = str | int | float | None
 
@@ -425,31 +425,14 @@ def to_latex(rows: Sequence[SheetRow]) -> str:
 
 
 def _longtable(title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) -> str:
-    widths = [_width(column, rows) for column in shown]
-    # without \\hspace TeX would not hyphenate a cell's first word
-    spec = "".join(
-        f">{{\\raggedright\\arraybackslash\\hspace{{0pt}}}}"
-        f"p{{\\dimexpr {width / sum(widths):.5f}\\linewidth-2\\tabcolsep\\relax}}"
-        for width in widths
-    )
-    header = _row([column.title for column in shown])
-    lines = [_row(texts(row, shown)) for row in rows]
-    caption = f"\\caption{{{latex(title)}}}\\\\"
-    head = [f"\\begin{{longtable}}{{{spec}}}", caption, "\\toprule", header, "\\midrule", "\\endhead", "\\bottomrule"]
-    return "\n".join([*head, "\\endfoot", *lines, "\\end{longtable}"])
+    headers, lines = [column.title for column in shown], [texts(row, shown) for row in rows]
+    return long_table(headers, lines, [_width(column, rows) for column in shown], title)
 
 
 def _width(column: Column, rows: Sequence[SheetRow]) -> float:
     """The share of a column: in a narrow one its longest word, capitals half as wide again, fills half of it."""
-    told = " ".join([column.title, *(text for row in rows for text in texts(row, [column]))])
-    words = told.replace("-", "- ").split()
-    longest = max(len(word) + sum(letter.isupper() for letter in word) / 2 for word in words)
+    longest = longest_word([column.title, *(text for row in rows for text in texts(row, [column]))])
     return max(column.width, 2 * min(LONG_WORD, longest))
-
-
-def _row(cells: Sequence[str]) -> str:
-    # an empty group, so that a text that begins with [ or * is no option of the line before
-    return "{}" + " & ".join(map(latex, cells)) + r" \\\addlinespace[2pt]"
 
 
 def to_csv(rows: Sequence[SheetRow]) -> str:

@@ -357,22 +357,78 @@ def csv_text(headers: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
     return text.getvalue()
 
 
-def tabulated(
-    headers: Sequence[str], rows: Iterable[Sequence[TableCell]], how: Format, latex: str = "latex_booktabs"
-) -> str:
+LATEX_NOTE = (
+    r"% needs \usepackage{array,booktabs,longtable}; letters that are not Latin need XeLaTeX or LuaLaTeX with a font"
+)
+FITS = 65
+"""A LaTeX table of at most so many characters has columns as wide as their texts, another the width of the page."""
+LONG_CELL, BETWEEN = 30, 3
+"""A longer text asks for no wider column; the room between two columns of LaTeX [characters]."""
+
+
+def long_table(headers: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequence[float], caption: str) -> str:
+    """A `longtable` of LaTeX, whose header stands on every page.
+
+    Args:
+        headers: of the columns.
+        rows: of texts.
+        widths: the parts that the columns have of a line; without any each column is as wide as its texts.
+        caption: above it; "" for none.
+    """
+    # without \\hspace TeX would not hyphenate a cell's first word
+    spec = "".join(
+        f">{{\\raggedright\\arraybackslash\\hspace{{0pt}}}}"
+        f"p{{\\dimexpr {width / sum(widths):.5f}\\linewidth-2\\tabcolsep\\relax}}"
+        for width in widths
+    )
+    above = [f"\\caption{{{latex(caption)}}}\\\\"] if caption else []
+    head = [
+        f"\\begin{{longtable}}{{{spec or 'l' * len(headers)}}}",
+        *above,
+        "\\toprule",
+        _latex_row(headers),
+        "\\midrule",
+    ]
+    lines = [_latex_row(row) + r"\addlinespace[2pt]" * bool(spec) for row in rows]
+    return "\n".join([*head, "\\endhead", "\\bottomrule", "\\endfoot", *lines, "\\end{longtable}"])
+
+
+def _latex_row(cells: Sequence[str]) -> str:
+    # an empty group, so that a text that begins with [ or * is no option of the line before
+    return "{}" + " & ".join(map(latex, cells)) + r" \\"
+
+
+def longest_word(texts: Iterable[str]) -> float:
+    """The length of the longest word, whose capitals are half as wide again; a line may end behind a hyphen."""
+    words = " ".join(texts).replace("-", "- ").split()
+    return max((len(word) + sum(letter.isupper() for letter in word) / 2 for word in words), default=1.0)
+
+
+def _latex_table(headers: Sequence[str], rows: Sequence[Sequence[str]], caption: str) -> str:
+    """A table that fits the width of a page, in small letters."""
+    columns = [[header, *(row[place] for row in rows)] for place, header in enumerate(headers)]
+    longest = [max(map(len, texts)) for texts in columns]
+    parts = [
+        BETWEEN + max(min(LONG_CELL, most), longest_word(texts)) for most, texts in zip(longest, columns, strict=True)
+    ]
+    body = long_table(headers, rows, parts if sum(longest) > FITS else (), caption)
+    return f"{LATEX_NOTE}\n{{\\footnotesize\\setlength{{\\tabcolsep}}{{3pt}}\n{body}}}"
+
+
+def tabulated(headers: Sequence[str], rows: Iterable[Sequence[TableCell]], how: Format, caption: str = "") -> str:
     """Headers and rows without a line break at the end, every cell a text of one line that the format takes literally.
 
     Args:
         headers: of the columns.
         rows: of the table; nothing stands where there is no value.
         how: CSV, Markdown or LaTeX.
-        latex: the table style of `tabulate` for LaTeX.
+        caption: of a LaTeX table.
     """
     if how is Format.CSV:
         return csv_text(headers, rows).rstrip("\n")
-    literal = markdown if how is Format.MARKDOWN else line  # tabulate escapes LaTeX itself
-    table_style = "github" if how is Format.MARKDOWN else latex
-    return _tabulate(_cells(rows, literal), list(map(literal, headers)), table_style)
+    if how is Format.LATEX:
+        return _latex_table(headers, _cells(rows, str), caption)
+    return _tabulate(_cells(rows, markdown), list(map(markdown, headers)), "github")
 
 
 def _cells(rows: Iterable[Sequence[TableCell]], literal: Callable[[str], str]) -> list[list[str]]:
@@ -391,9 +447,9 @@ def _rendered(table: Table, how: Format) -> str:
     title, notes = line(table.title), list(map(line, table.notes))
     if how is Format.CSV:
         return csv_text([f"# {title}"], ()) + csv_text(table.headers, table.rows)
-    body = tabulated(table.headers, table.rows, how)
+    body = tabulated(table.headers, table.rows, how, title)
     if how is Format.LATEX:
-        return f"% {title}\n{body}\n" + "".join(f"% {note}\n" for note in notes)
+        return f"{body}\n" + "".join(f"% {note}\n" for note in notes)
     return f"### {markdown(title)}\n\n{body}\n" + "".join(f"\n{note}\n" for note in notes)
 
 

@@ -28,6 +28,7 @@ BLOCK = re.compile(r"^```yaml (file|update)=(\S+)\n(.*?)^```$", re.MULTILINE | r
 LONG = "it flies for minutes to hours"
 ELSEWHERE = {
     "README.md": ".ci/run runs the second command word for word, and with it what the first one does",
+    "archive.md": "tests/verbs/test_archive.py tries an archive, tests/views/test_table.py the tables for LaTeX",
     "check.md": "tests/checks checks studies with planted defects",
     "CONTRIBUTING.md": "they are the tests themselves",
     "cluster.md": "it needs several machines; tests/campaign/workers flies with a scheduler and workers on one",
@@ -50,6 +51,7 @@ NOT_RUN = {
     "scaloft-fi export --format junit --output faults.xml": "tests/verbs/test_export.py writes it",
     "scaloft-fi export --format sarif --output faults.sarif": "tests/verbs/test_export.py writes it",
     'scaloft-fi export --format markdown >> "$GITHUB_STEP_SUMMARY"': "tests/verbs/test_export.py writes it",
+    "scaloft-fi report --output faults.html": "tests/verbs/report writes it",
     "scaloft-fi score --ratchet --fail-under-firm 0.25": "tests/verbs tries both",
 }
 """Commands of the other pages that are not run, and why."""

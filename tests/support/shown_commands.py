@@ -14,7 +14,7 @@ GUIDES = ("stack", "operator", "sensor_or_signal", "export_format", "choice_of_s
 PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
 _BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _INLINE = re.compile(r"(?<!`)`(scaloft-fi [^`\n]+)`(?!`)")
-_STEP = re.compile(r"^\s*- run: (.+)$", re.MULTILINE)
+_STEP = re.compile(r"^\s*- (?:run: )?((?:pip|scaloft-fi) .+)$", re.MULTILINE)
 _PROGRAM = re.compile(r"^(scaloft-fi|python\S*|pip|mkdocs|dask|\S+/bin/\S+) ")
 
 

@@ -47,7 +47,7 @@ from scaloft_fi.verbs.worksheet import (
     to_xlsx,
 )
 from scaloft_fi.views.output import plain
-from scaloft_fi.views.table import FORMULA, latex, markdown
+from scaloft_fi.views.table import FORMULA, Format, Table, latex, markdown, render
 
 WHOLE = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
 MATRIX = WHOLE.only(["LATE", "NO", "EARLY", "REVERSE"], ["human", "collision"])
@@ -310,6 +310,17 @@ def test_the_reference_studys_worksheet_compiles_and_no_column_runs_into_the_nex
 def test_hostile_texts_compile_as_texts(engine: str, tmp_path: Path):
     others = OTHERS if engine in ("xelatex", "lualatex") else ()
     compiled([latex_sheet(with_text(text)) for text in (*LATIN, *others)], engine, tmp_path)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_table_of_any_verb_compiles_and_fits_the_page(engine: str, tmp_path: Path):
+    wide = ("UNINTENDED-collision@20s", "(human & light) or " * 20, "injury", "[8/24]", "SR1 8/24, SR2 8/8", "100 %")
+    headers = ("mutant", "where", "severity", "killed in", "by", "share")
+    tables = [Table("Killed & shown", headers, (wide,) * 80, ("50 % of it",)), Table("Few", ("a_b",), (("*c",),))]
+    said = compiled([render(tables, Format.LATEX)], engine, tmp_path)
+    too_wide = [float(found) for found in re.findall(r"Overfull \\hbox \(([\d.]+)pt too wide\)", said)]
+    assert [width for width in too_wide if width > 6.0] == [], "wider than the room between two columns"
+    assert "Overfull \\vbox" not in said
 
 
 def test_a_file_has_what_would_be_printed(told: Call, tmp_path: Path):
