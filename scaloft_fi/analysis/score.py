@@ -33,6 +33,8 @@ MOST_KILLED = 0.9
 """A detected mutant that is killed in this share of the situations that put it to the test is trivial."""
 EARLY_S = 5.0
 """So is one that a kill shows within this time of take-off [s]."""
+SEVERAL = 3
+"""Runs of a fault by which a test that was red without a fault too can kill it, as one red run may be chance."""
 
 
 class FirstViolation(NamedTuple):
@@ -57,7 +59,7 @@ class FirstViolation(NamedTuple):
 
 @dataclass(frozen=True)
 class Kill:
-    """A steady pair in which most flights of a detected mutant violate.
+    """A steady pair in which most flights of a detected mutant violate; one's own tests as `SEVERAL` says.
 
     Attributes:
         situation: key of the situation.
@@ -299,7 +301,8 @@ def mutant_score(
     safety = detect(subject.id, samples, pool, spending, Kind.SAFETY)
     operability = detect(subject.id, samples, pool, spending, Kind.OPERABILITY)
     results = tuple(
-        _result(sample, flown[sample.situation], pool, safety.detected, operability.detected) for sample in samples
+        _result(sample, flown[sample.situation], pool, safety.detected, operability.detected, space.of_tests)
+        for sample in samples
     )
     kills = tuple(_kill(r, name, flown[r.situation]) for r in results for name in r.kills)
     seen = [kill.first for kill in kills] or [_first(r, n, flown[r.situation]) for r in results for n in r.seen]
@@ -328,12 +331,19 @@ def sample(situation: str, flights: Sequence[Ruled]) -> Sample:
     return Sample(situation, violated, infected, seeds)
 
 
-def _result(sample: Sample, flights: Sequence[Ruled], pool: Pool, detected: bool, operability_detected: bool) -> Result:
+def _result(
+    sample: Sample, flights: Sequence[Ruled], pool: Pool, detected: bool, operability_detected: bool, of_tests: bool
+) -> Result:
     steady, operable = (
         pool.steady(sample.situation, kind) if sample.infected else () for kind in (Kind.SAFETY, Kind.OPERABILITY)
     )
     status = furthest({ruling.status for ruling in {one.ruling for one in flights}})
-    most = {name for name, count in sample.counts.items() if 2 * count > len(flights)}
+    several = not of_tests or len(flights) >= SEVERAL
+    most = {
+        name
+        for name in (*steady, *operable)
+        if 2 * sample.count(name) > len(flights) and (several or not pool.pairs[sample.situation, name].violated)
+    }
     return Result(
         situation=sample.situation,
         status=status,

@@ -74,6 +74,7 @@ class Space:
         selected: keys of situations that a search found because of verdicts.
         only: keys of the grid's situations that `situations` lists; None = all.
         grid: name of the grid, where it is a further grid of the study; else empty.
+        of_tests: whether one's own tests stand where situations do.
     """
 
     axes: tuple[str, ...]
@@ -86,6 +87,7 @@ class Space:
     selected: frozenset[str] = frozenset()
     only: frozenset[str] | None = None
     grid: str = ""
+    of_tests: bool = False
 
     @classmethod
     def of(cls, grid: Grid) -> Space:
@@ -99,6 +101,7 @@ class Space:
             free=tuple((axis.id, axis) for axis in grid.free),
             selected=grid.selected,
             grid=grid.name if grid.further else "",
+            of_tests=grid.of_tests,
         )
 
     def holding(self, keys: Iterable[str]) -> Space:

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from scaloft_fi import marks
 from scaloft_fi.document import Item, is_file, is_there, load
@@ -265,6 +265,8 @@ class Grid:
     free: tuple[FreeAxis, ...] = ()
     listed: tuple[Situation, ...] | None = None
     selected: frozenset[str] = frozenset()
+    of_tests: ClassVar[bool] = False
+    """Whether one's own tests stand where situations do."""
 
     @cached_property
     def situations(self) -> tuple[Situation, ...]:

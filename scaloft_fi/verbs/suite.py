@@ -115,12 +115,8 @@ class TestedSuite:
 
     @cached_property
     def kills(self) -> Mapping[str, tuple[str, ...]]:
-        """The tests that kill each detected fault; a flaky test does so by several runs only, as one may be chance."""
-        pairs = {pair.situation: pair for pair in self.score.pairs}
-        return {
-            one.id: tuple(k.situation for k in one.kills if k.flights >= SEVERAL or not pairs[k.situation].violated)
-            for one in self.score.score.faults
-        }
+        """The tests that kill each fault."""
+        return {one.id: one.killing for one in self.score.score.faults}
 
     @property
     def smallest(self) -> tuple[str, ...]:
@@ -196,8 +192,8 @@ class TestedSuite:
         )
 
 
-NEXT, SEVERAL = 5, 3
-"""Most faults that the answer proposes a test for; runs of a fault by which a flaky test can kill it."""
+NEXT = 5
+"""Most faults that the answer proposes a test for."""
 SUITE = Output("suite", "1.0", TestedSuite, "tests", "what each of one's own tests shows, and the score of all of them")
 
 

@@ -154,6 +154,22 @@ def test_each_test_has_its_class_and_each_fault_its_kills(told: dict[str, Any], 
     }
 
 
+def test_the_kills_of_the_score_are_those_that_the_tests_show_a_flaky_test_s_by_three_runs_or_more(
+    told: dict[str, Any], planted: Planted, capsys: pytest.CaptureFixture[str]
+):
+    shown = {(id_, one["test"]) for one in told["tests"] for id_ in one["shows"]}
+    assert run("kills", "--study", ROOT, "--campaign", planted.folder / "flown", "--format", "json") == 0
+    kills = of_form("kills", capsys.readouterr().out)
+    assert {(id_, one["situation"]) for one in kills["situations"] for id_ in one["killed"]} == shown
+    results = {(one["mutant"], one["situation"]): one for one in kills["results"]}
+    assert {place for place, one in results.items() if one["kills"]} == shown
+    assert kills["suite"]["situations"] == told["smallest"]
+    score = told["score"]["mutants"]
+    assert {(one["id"], kill["situation"]) for one in score for kill in one["kills"]} == shown
+    lucky = results["LESS-human@0.8", "planted::flaky01"]
+    assert (lucky["flown"], lucky["seen"], lucky["kills"]) == (1, ["green"], [])
+
+
 def test_redundant_tests_are_not_needed_and_blind_ones_show_nothing(told: dict[str, Any]):
     tests = {one["test"].removeprefix("planted::"): one for one in told["tests"]}
     assert {name for name, one in tests.items() if one["needed"]} == {"steady1", "steady2", "alone"}

@@ -54,6 +54,7 @@ class Tests(Grid):
     """The tests of a suite as a grid of one axis."""
 
     __test__ = False
+    of_tests = True
 
     def miss(self, name: str) -> str:
         """The error message for a name without a test."""
