@@ -59,7 +59,7 @@ class FirstViolation(NamedTuple):
 
 @dataclass(frozen=True)
 class Kill:
-    """A steady pair in which most flights of a detected mutant violate; one's own tests as `SEVERAL` says.
+    """A steady pair in which most flights of a detected mutant violate; 3 or more of a test red without a fault too.
 
     Attributes:
         situation: key of the situation.
@@ -283,6 +283,8 @@ class MutantScore(OfSubject):
     def condition(self, space: Space) -> str:
         """The situations with a kill in words; of a mutant without one those where a violation was seen."""
         where = self.killing or self.seen_in
+        if space.of_tests:
+            return ", ".join(where)
         spared = tuple(r.situation for r in self.results if r.situation not in where and (r.tested or not r.infected))
         return _condition(space, where, spared)
 
@@ -401,6 +403,7 @@ class Score:
         selected: keys of situations flown that a search found because of verdicts; a score that uses them is selected.
         behaviours: the counted mutants that are detected; those whose flights all equal each other's to the bit
             together.
+        of_tests: whether one's own tests were run instead of flights.
     """
 
     KEYS = ("exercised", "infected", "tested", "mutation_score", "firm", "operability")
@@ -420,6 +423,7 @@ class Score:
     pooled: bool
     selected: tuple[str, ...] = ()
     behaviours: tuple[tuple[str, ...], ...] = ()
+    of_tests: bool = False
 
     @property
     def faults(self) -> Sequence[MutantScore]:
@@ -506,6 +510,7 @@ def score_of(
         pooled=pooled,
         selected=tuple(sorted(space.selected & rulings.situations, key=space.rank)),
         behaviours=_behaviours(counted, rulings),
+        of_tests=space.of_tests,
     )
 
 

@@ -19,7 +19,7 @@ from scaloft_fi.verbs.names import campaigns
 from scaloft_fi.verbs.options import Campaign, LineFormat, Option, Several, StudyFolder, answer, verb
 from scaloft_fi.verbs.snapshot import Reason, Snapshot, snapshot
 from scaloft_fi.views.output import Answer, Output
-from scaloft_fi.views.table import Table
+from scaloft_fi.views.table import Table, said
 
 _WORDS = {WAITING: "waiting for their baseline"}
 
@@ -154,8 +154,8 @@ def status(study: Study, campaign: Campaign) -> Answer:
     """
     with snapshot(study, campaign) as now:
         told = campaign_status(now)
-        then = now.next_step if told.counted else ""
-    return Answer(STATUS, lambda: told, lambda: status_tables(told, then))
+        then, of_tests = now.next_step if told.counted else "", bool(now.study.tests_of)
+    return Answer(STATUS, lambda: told, lambda: [said(one, of_tests=of_tests) for one in status_tables(told, then)])
 
 
 status_command = verb(

@@ -18,7 +18,7 @@ from scaloft_fi.verbs.options import Campaign, Option, StudyFolder, TableFormat,
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.verbs.verdict import NO_POOL, in_campaign, next_find
 from scaloft_fi.views.output import Answer, Columns, Output
-from scaloft_fi.views.table import Table, counted
+from scaloft_fi.views.table import Table, counted, said
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,8 @@ def dispositions(study: Study, campaign: str, *, today: Today = None) -> Answer:
         judged, campaign = judged_survivors(now.study, score, today), now.name
     found = {mutant.subject.id for mutant in score.mutants if next_find(mutant, finds)}
     told = Dispositions(tuple(JudgedSurvivor.of(one, has_find=one.mutant in found) for one in judged))
-    return Answer(DISPOSITIONS, lambda: told, lambda: (disposition_table(told, campaign),), warnings=finds.warnings)
+    table = said(disposition_table(told, campaign), of_tests=score.of_tests)
+    return Answer(DISPOSITIONS, lambda: told, lambda: (table,), warnings=finds.warnings)
 
 
 def judged_survivors(study: Study, scored: Score, today: date | None = None) -> tuple[Judged, ...]:

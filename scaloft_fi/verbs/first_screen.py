@@ -28,8 +28,8 @@ from scaloft_fi.judge.status import Rulings, Status
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.situations import coverage_tables
 from scaloft_fi.verbs.verdict import Next, advice, in_campaign, next_step, signs_of, with_legend
-from scaloft_fi.views.output import printed_of
-from scaloft_fi.views.table import Format, Table, body_text, commands, counted, note, render
+from scaloft_fi.views.output import Printed, printed_of
+from scaloft_fi.views.table import Format, Table, body_text, commands, counted, note, render, said
 
 NOT_COMPARED = (
     "Scores of two studies do not compare: whoever writes easier cells, or fewer hard ones, scores higher.  Compare "
@@ -53,22 +53,20 @@ def answers(scored: Score, study: Study, campaign: str) -> tuple[Line, ...]:
         study: what was flown, or whose tests were run, with the grid of the campaign.
         campaign: its name, for the commands.
     """
-    faults, tests = scored.faults, bool(study.tests_of)
+    faults = scored.faults
     told = (
-        (_shown(scored, faults, tests), _not_shown(faults, tests), _how_sure(scored, faults, tests))
-        if scored.pooled
-        else _no_pool(faults)
+        (_shown(scored, faults), _not_shown(faults), _how_sure(scored, faults)) if scored.pooled else _no_pool(faults)
     )
     return tuple(map(Line, NAMES, (*told, next_step(scored, study, campaign))))
 
 
-def _shown(scored: Score, faults: Sequence[MutantScore], tests: bool) -> str:
+def _shown(scored: Score, faults: Sequence[MutantScore]) -> str:
     if not faults:
         return "nothing: no mutant was flown."
     safety = Ratio(sum(mutant.detected for mutant in faults), len(faults))
     operability = sum(mutant.operability.detected for mutant in faults)
     either = sum(mutant.detected or mutant.operability.detected for mutant in faults)
-    shown = f"{_of(safety)} by {'your tests' if tests else 'safety requirements'}{_firmly(faults)}"
+    shown = f"{_of(safety)} by safety requirements{_firmly(faults)}"
     if operability:
         shown += f"; operability {operability}, either {either}"
     if found := len(scored.selected):
@@ -91,12 +89,12 @@ def _firmly(faults: Sequence[MutantScore]) -> str:
     return f", {firm} firmly{by_pool}"
 
 
-def _not_shown(faults: Sequence[MutantScore], tests: bool) -> str:
+def _not_shown(faults: Sequence[MutantScore]) -> str:
     idle = sum(mutant.without_effect for mutant in faults)
     fates = Counter(mutant.verdict for mutant in faults if not mutant.without_effect)
     parts = {
         Verdict.NOT_DETECTED: "put to the test, nothing seen",
-        Verdict.UNDECIDED: f"undecided: seen or {'run' if tests else 'flown'} too seldom",
+        Verdict.UNDECIDED: "undecided: seen or flown too seldom",
         Verdict.NOT_TESTED: "never put to the test",
     }
     counts = [f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict]]
@@ -105,31 +103,27 @@ def _not_shown(faults: Sequence[MutantScore], tests: bool) -> str:
     return f"{'.  '.join(counts) or 'none'}."
 
 
-def _how_sure(scored: Score, faults: Sequence[MutantScore], tests: bool) -> str:
+def _how_sure(scored: Score, faults: Sequence[MutantScore]) -> str:
     tested = sum(mutant.tested for mutant in faults)
     drawn = scored.redraw
-    sure = false_detections(scored.alpha, tested, "runs without a fault" if tests else "seeds")
+    sure = false_detections(scored.alpha, tested)
     if drawn.seeds:
         sure += f"  Of {drawn.safety.whole} redraws of the unmutated drone {drawn.safety.part} were called shown."
     flown = {pair.flights for pair in scored.pool.pairs.values() if pair.flights >= LEAST}
     seeds = max((result.flown for mutant in faults for result in mutant.results), default=0)
     beside = f"{min(flown)}" + (f" to {max(flown)}" if len(flown) > 1 else "") if flown else "0"
-    sure += (
-        f"  Up to {counted(seeds, 'run')} of a fault beside {beside} without one, a test."
-        if tests
-        else f"  {counted(seeds, 'seed')} beside {beside} baseline flights a situation."
-    )
-    firm = f"  Firm: whichever one {'run' if tests else 'seed'} is left out."
+    most = "Up to " if scored.of_tests else ""
+    sure += f"  {most}{counted(seeds, 'seed')} beside {beside} baseline flights a situation."
+    firm = "  Firm: whichever one seed is left out."
     return sure + firm * any(mutant.detected for mutant in faults)
 
 
-def false_detections(alpha: float, tested: int, shared: str = "seeds") -> str:
+def false_detections(alpha: float, tested: int) -> str:
     """What the test would do to faults without effect: no probability of being wrong about one that is shown.
 
     Args:
         alpha: the level of the test.
         tested: number of faults put to the test.
-        shared: what they have in common.
     """
     if not tested:
         return "No fault was put to the test, so there is nothing to be sure of."
@@ -137,7 +131,7 @@ def false_detections(alpha: float, tested: int, shared: str = "seeds") -> str:
         return f"A fault without effect would be called shown with a probability of {alpha:g} at most."
     return (
         f"If none of the {tested} faults put to the test had any effect, {alpha * tested:.2g} at most would be called "
-        f"shown, on average ({alpha:g} x {tested}).  As mutants share {shared}, then several at once."
+        f"shown, on average ({alpha:g} x {tested}).  As mutants share seeds, then several at once."
     )
 
 
@@ -197,6 +191,7 @@ SHORT = {
     Next.SITUATION: "another situation",
     Next.ORACLE: "an oracle",
     Next.OPERABILITY: "nothing: operability",
+    Next.TEST: "another test",
     Next.EXPECTED: "nothing: expected",
 }
 """The steps in a few words; magnitude and seeds are named by `short_step`."""
@@ -218,12 +213,17 @@ def tables_behind(
     scored: Score, rulings: Rulings, covered: Coverage, space: Space, by: By | None = None
 ) -> tuple[Table, ...]:
     """All tables behind the first screen; `by` adds the score part by part."""
-    return (
+    first = (
         ratio_table(scored),
         composition_table(scored),
         stage_table(scored),
         *([group_table(scored, by, space)] if by else []),
         pair_table(scored.pool, space),
+    )
+    if scored.of_tests:  # what else tests are without a fault, a suite tells test by test
+        return first
+    return (
+        *first,
         baseline_table(findings(rulings.baselines, space)),
         requirement_table(tallies(rulings.baselines)),
         *coverage_tables(covered, space),
@@ -232,7 +232,7 @@ def tables_behind(
 
 def ratio_table(scored: Score) -> Table:
     """The ratios of the score, each with its population."""
-    rows = tuple((one.key.replace("_", " "), str(getattr(scored, one.name)), one.about) for one in printed_of(Score))
+    rows = tuple((one.key.replace("_", " "), str(getattr(scored, one.name)), one.about) for one in ratios_of(scored))
     drawn = scored.redraw
     redraws = "No redraws: they need 20 baseline flights and more in every situation (`--baseline-seeds`)."
     if drawn.seeds:
@@ -242,6 +242,11 @@ def ratio_table(scored: Score) -> Table:
         )
     notes = false_detections(scored.alpha, scored.tested.part), redraws
     return Table("Mutation score", ("ratio", "part/whole", "population"), rows, notes)
+
+
+def ratios_of(scored: Score) -> list[Printed]:
+    """The ratios of a score; tests have no requirements of operability."""
+    return [one for one in printed_of(Score) if not (scored.of_tests and one.name == "operability")]
 
 
 def composition_table(scored: Score) -> Table:
@@ -394,10 +399,6 @@ LEGEND = {
     SHORT[Next.FIND]: "`scaloft-fi kills ID --show survivors` has the command.",
 }
 """What the words of a table say that its reader may not know; the legend has those that are shown."""
-TESTS_LEGEND = {
-    "killed in": "tests that most runs of the fault turn red, of those that it reaches and that are else green.",
-}
-"""The same where one's own tests were run."""
 FIRM = {Firmness.FIRM: "yes", Firmness.FIRM_BY_POOL: "pool", Firmness.HANGS: "no", Firmness.TOO_FEW: "too few seeds"}
 _STOPPED = {
     Status.INVALID: "the harness failed",
@@ -433,7 +434,7 @@ class Screen:
     @property
     def answers(self) -> Table:
         """The four answers."""
-        return Table(TITLE, ("question", "answer"), answers(self.scored, self.study, self.campaign))
+        return self._said(Table(TITLE, ("question", "answer"), answers(self.scored, self.study, self.campaign)))
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -450,12 +451,16 @@ class Screen:
         groups.append(Table(f"Controls, in no ratio: {self._controls}", ("mutant", *CONTROL_COLUMNS), controls))
         groups = [group for group in groups if group.rows]
         if groups:
-            groups[-1] = replace(groups[-1], notes=("", legend(groups, self.study)))
+            groups[-1] = replace(groups[-1], notes=("", legend(groups)))
         lines = [self._flown]
         if not self.study.tests_of:  # what its tests are without a fault, a suite tells test by test
             lines += [Line("Unmutated drone", baseline_line(scored.pool))]
             lines += [Line("Noise", noise_line(self.noise))] if self.noise else []
-        return (self.answers, *groups, Table("Besides", ("what", "finding"), (*lines, *self._accepted)))
+        besides = Table("Besides", ("what", "finding"), (*lines, *self._accepted))
+        return (self.answers, *map(self._said, groups), self._said(besides))
+
+    def _said(self, table: Table) -> Table:
+        return said(table, of_tests=self.scored.of_tests)
 
     def text(self, *, whole: bool, width: int | None = None, marked: bool | None = None) -> str:
         """The screen as a terminal shows it: answers and findings as lines, the mutants between them.
@@ -467,7 +472,7 @@ class Screen:
         """
         columns = terminal_width() if width is None else width
         colours = coloured() if marked is None else marked
-        first, *groups, last = self.tables if whole else (self.answers, Table("", (), tuple(self._below)))
+        first, *groups, last = self.tables if whole else (self.answers, self._said(Table("", (), tuple(self._below))))
         parts = [render([table], Format.TABLE, width=columns, marked=colours) for table in groups]
         parts = parts if whole else self._faults(columns, marked=colours)
         text = "\n".join([_lines(first, columns, marked=colours), *parts, _lines(last, columns, marked=colours)])
@@ -481,11 +486,12 @@ class Screen:
             return [with_legend("\n".join(grid), signs, columns, marked=marked) + "\n"]
         flown = worst_first([each for each in self.scored.mutants if each.flown], lambda mutant: mutant.severity)
         shown = self._table("", sorted(flown, key=lambda mutant: mutant.detected)[:MOST_ROWS], ONLY_WHOLE)
+        shown = self._said(replace(shown, notes=(legend([shown]),)))
         if not (rows := [[*map(str, row)] for row in shown.rows]):
             return []
         body = body_text(shown.headers, rows, columns, shown.spare, marked=marked)
         more = [f"... and {len(flown) - MOST_ROWS} more."] if len(flown) > MOST_ROWS else []
-        notes = [note(each, columns, marked=marked) for each in (*more, legend([shown], self.study)) if each]
+        notes = [note(each, columns, marked=marked) for each in (*more, *shown.notes) if each]
         return ["\n".join([body, *notes]) + "\n"]
 
     @property
@@ -503,8 +509,8 @@ class Screen:
 
     @property
     def _flown(self) -> Line:
-        if self.study.tests_of:
-            return Line("Tests", f"{self.covered.situations.short} run.")
+        if self.scored.of_tests:
+            return Line("Situations", f"{self.covered.situations.short} flown.")
         return Line("Situations", coverage_line(self.covered))
 
     @property
@@ -524,12 +530,11 @@ class Screen:
         return Table(title, ("mutant", *columns), rows, spare=tuple(each for each in SPARE if each in columns))
 
 
-def legend(tables: Sequence[Table], study: Study) -> str:
-    """What the words of these tables of a study's mutants say, of those that they show."""
+def legend(tables: Sequence[Table]) -> str:
+    """What the words of these tables of mutants say, of those that they show."""
     shown = {str(cell) for table in tables for row in (table.headers, *table.rows) for cell in row}
     words = shown | {cell.partition(" ")[0] for cell in shown}
-    meanings = LEGEND | (TESTS_LEGEND if study.tests_of else {})
-    return "  ".join(f"{word}: {meaning}" for word, meaning in meanings.items() if word in words)
+    return "  ".join(f"{word}: {meaning}" for word, meaning in LEGEND.items() if word in words)
 
 
 def _lines(table: Table, width: int, *, marked: bool) -> str:

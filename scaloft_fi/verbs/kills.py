@@ -28,7 +28,7 @@ from scaloft_fi.verbs.snapshot import Snapshot, Stale, snapshot
 from scaloft_fi.verbs.verdict import Next, Stage, Survivor, short_units, survivors
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.picture import FAINT, INK, png, svg, text
-from scaloft_fi.views.table import Table, TableCell, xml
+from scaloft_fi.views.table import Table, TableCell, said, xml
 
 COUNTED = (
     "Killed in a situation: the mutant is detected, and most of its flights there violate a requirement that the "
@@ -273,10 +273,10 @@ def kills(
     for part in show:
         if part not in PARTS:
             raise InputError(f"--show={part!r} must be one of {', '.join(PARTS)}{did_you_mean(part, PARTS)}")
-    wanted = show or tuple(PARTS)
     with snapshot(study, campaign) as now:
         study = now.study
         matrix, stale = _chosen(now, patterns), now.stale
+        wanted = show or tuple(part for part in PARTS if part != "conditions" or not study.tests_of)
         cases = _survivors(now, matrix) if "survivors" in wanted else None
         then = now.next_step
     found = suites.interactions(matrix) if "conditions" in wanted else None
@@ -296,7 +296,7 @@ def kills(
     return Answer(
         KILLS,
         lambda: told,
-        lambda: _tables(told, then, short=not show),
+        lambda: [said(table, of_tests=matrix.space.of_tests) for table in _tables(told, then, short=not show)],
         rows=PARTS[show[0]] if len(show) == 1 else "",
         warnings=(*stale.sentences, *(study.finds.warnings if "survivors" in wanted else ())),
     )

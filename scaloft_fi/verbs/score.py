@@ -33,7 +33,7 @@ from scaloft_fi.verbs.options import Option, answer, verb
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
 from scaloft_fi.verbs.verdict import signs_of
 from scaloft_fi.views.output import Answer, Output
-from scaloft_fi.views.table import Format, Table, counted, render
+from scaloft_fi.views.table import Format, Table, counted, render, said
 
 if TYPE_CHECKING:
     from scaloft_fi.campaign.flights.fly import Flight
@@ -213,6 +213,7 @@ class ScoredFlights:
             more = (*tables_behind(self.score, self.rulings, self.coverage, self.study.space, self.by), *more)
         elif self.by:
             more = (group_table(self.score, self.by, self.study.space), *more)
+        more = tuple(said(table, of_tests=self.score.of_tests) for table in more)
         if how is not Format.TABLE:
             return render((*self.screen.tables, *more), how)
         return joined([self.screen.text(whole=everything), *([render(more, how)] if more else [])])

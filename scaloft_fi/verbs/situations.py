@@ -19,7 +19,7 @@ from scaloft_fi.verbs.names import axes
 from scaloft_fi.verbs.options import Campaign, GridOfStudy, Option, StudyFolder, verb
 from scaloft_fi.verbs.snapshot import Stale, snapshot
 from scaloft_fi.views.output import Answer, Output
-from scaloft_fi.views.table import Table
+from scaloft_fi.views.table import Table, said
 
 VALUES, RANGE, FREE = "values", "range", "free"
 
@@ -340,7 +340,7 @@ def coverage(study: Study, campaign: Campaign) -> Answer:
     covered = coverage_of(rulings.baselines, rulings.draws, space)
     drawn = ((one, tuple(TestCase(*each) for each in one.draws)) for one in remembered)
     told = CampaignCoverage(covered, tuple(Choice(one.text, one.seed, one.pool, draws) for one, draws in drawn), stale)
-    tables = coverage_tables(covered, space, told.choices)
+    tables = [said(one, of_tests=space.of_tests) for one in coverage_tables(covered, space, told.choices)]
     return Answer(COVERAGE, lambda: told, lambda: tables, warnings=stale.sentences)
 
 

@@ -191,8 +191,9 @@ class Snapshot:
     @cached_property
     def stale(self) -> Stale:
         """The stored flights that no longer count and were not flown again, with the command that does it."""
-        found = stale_in(self.now)
-        return Stale.of(found.why, _again(self.study, self.now, self.name, found.flown) if found.flown else "")
+        found, study = stale_in(self.now), self.study
+        again = study.again if study.tests_of else _again(study, self.now, self.name, found.flown)
+        return Stale.of(found.why, again if found.flown else "")
 
     @cached_property
     def latest(self) -> tuple[Outcome, ...]:

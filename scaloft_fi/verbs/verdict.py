@@ -322,6 +322,8 @@ class Next(StrEnum):
     ORACLE = "oracle"
     OPERABILITY = "operability"
     """Nothing: an operability requirement detects it, and its cell puts no other at risk."""
+    TEST = "test"
+    """Of a campaign of one's own tests: another test."""
     EXPECTED = "expected"
     """The study declares, with a reason, that it alters nothing in this grid."""
 
@@ -594,6 +596,8 @@ def advice(mutant: MutantScore, scored: Score, background: Background | None, fi
         return Advice((Next.REPEAT,), lambda _: ["no flight of it counts: fly it again."])
     if known.expected and not mutant.infected:
         return Advice((Next.EXPECTED,), lambda _: [f"declared beforehand: {known.expected}."])
+    if scored.of_tests:
+        return Advice((Next.TEST,), lambda case: [*([rates(case)] if mutant.seen_in else []), _another_test(case)])
     if not any(result.reached for result in mutant.results):
         return Advice((Next.SITUATION,), _not_reached)
     if not mutant.infected:
@@ -623,6 +627,12 @@ def advice(mutant: MutantScore, scored: Score, background: Background | None, fi
 def _with_find(case: Case, find: Find, finds: KnownFinds) -> Iterable[str]:
     command = flies(find, case.row.id, finds, case.campaign.name, case.campaign.space.grid)
     return facts(find, case.row.id), f"`{command}` flies it."
+
+
+def _another_test(case: Case) -> str:
+    count = case.score.kill_rate.whole
+    reached = f"{counted(count, 'test')} green without a fault" if count else "no test that is green without a fault"
+    return f"it reaches {reached}, none shows it: write one that looks at the seam `{case.background.seam}`."
 
 
 def _not_reached(case: Case) -> Iterable[str]:

@@ -11,9 +11,9 @@ import io
 import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from html import escape
 from itertools import accumulate, groupby
 from pathlib import Path
@@ -490,6 +490,42 @@ def _terms(text: str) -> tuple[Term, ...]:
 
 TERMS = _terms(Path(__file__).with_name("glossary.txt").read_text(encoding="utf-8"))
 """Every term, in alphabetical order."""
+
+
+def _of_tests() -> dict[str, str]:
+    """What texts about flights say of a campaign of tests: `said of flights => said of tests` on a line."""
+    lines = Path(__file__).with_name("tests.txt").read_text(encoding="utf-8").splitlines()
+    pairs = [(own, other.strip()) for own, _, other in (line.partition(" => ") for line in lines)]
+    return dict(pairs) | {own[:1].upper() + own[1:]: other[:1].upper() + other[1:] for own, other in pairs}
+
+
+OF_TESTS = _of_tests()
+"""The words of a campaign of tests, by those of a campaign of flights; a name, a path or a command has none of them."""
+_WORD = re.compile(
+    r"`[^`]*`|(?<![\w:./@-])(?:"
+    + "|".join(map(re.escape, sorted(OF_TESTS, key=len, reverse=True)))
+    + r")(?![\w/@-]|[:.]\S)"
+)
+
+
+def said(table: Table, *, of_tests: bool) -> Table:
+    """The table in the words of a campaign of tests, if it is one.
+
+    >>> said(Table("Situations", ("seed",), ((3, "flight.py::test"),), ("No flight.",)), of_tests=True).notes
+    ('No run.',)
+    """
+    if not of_tests:
+        return table
+    own = partial(said_text, of_tests=True)
+    rows = tuple(tuple(own(one) if isinstance(one, str) else one for one in row) for row in table.rows)
+    title, headers, notes = own(table.title), tuple(map(own, table.headers)), tuple(map(own, table.notes))
+    return replace(table, title=title, headers=headers, rows=rows, notes=notes)
+
+
+def said_text(text: str, *, of_tests: bool) -> str:
+    """The text in the words of a campaign of tests, if it is one; commands stay as they are."""
+    return _WORD.sub(lambda found: OF_TESTS.get(found[0], found[0]), text) if of_tests else text
+
 
 _BY_FORM = {form.casefold(): term for term in TERMS for form in (*term.also, term.name)}
 

@@ -8,6 +8,7 @@ import io
 import json
 import pickle
 import random
+import re
 import shlex
 import subprocess
 import sys
@@ -20,6 +21,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pages import embedded
 from printed import of_form, run
 
 import scaloft_fi
@@ -40,6 +42,7 @@ from scaloft_fi.outside.suite import Colour, Ran, Result
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.suite import asked_mutants
+from scaloft_fi.views.table import OF_TESTS
 
 ROOT = Path(__file__).parents[2]
 WHOLE = Study.open(ROOT)
@@ -222,6 +225,41 @@ def test_the_first_screen_speaks_of_tests_and_of_no_flight(
     assert run("score", "--study", ROOT, "--campaign", planted.folder / "flown", "--all") == 0
     legend = " ".join(capsys.readouterr().out.split()).partition(" killed in: ")[2]
     assert legend.startswith("tests that most runs of the fault turn red")
+
+
+def plain(text: str) -> str:
+    """A text without commands, names of tests and paths."""
+    return re.sub(r"`[^`]*`|scaloft-fi \S.*|\S*[/:]\S*", "", text).lower()
+
+
+@pytest.mark.parametrize(
+    "verb",
+    [
+        *(("score", "--all"), ("kills",), ("kills", "--show", "survivors"), ("status",), ("dispositions",)),
+        *(("export", "--format", name) for name in ("markdown", "junit", "sarif")),
+    ],
+)
+def test_what_is_said_of_tests_has_no_word_of_flights_and_no_command_that_flies(
+    told: dict[str, Any], planted: Planted, verb: Sequence[str], capsys: pytest.CaptureFixture[str]
+):
+    assert run(*verb, "--study", ROOT, "--campaign", planted.folder / "flown") == 0
+    out = capsys.readouterr().out
+    for word in ("situation", "seed", "flight", "flown", "flies", "safety requirement", "unmutated", "pair"):
+        assert not re.search(rf"\b{word}s?\b", plain(out)), (word, re.findall(rf".*\b{word}s?\b.*", out)[:3])
+    for flying in ("replay", "seek", "margin", "run"):
+        assert f"scaloft-fi {flying} " not in out
+
+
+def test_the_page_of_a_campaign_of_tests_has_its_words_and_one_of_flights_none(
+    told: dict[str, Any], planted: Planted, tmp_path: Path
+):
+    report = tmp_path / "report.html"
+    assert run("report", "--study", ROOT, "--campaign", planted.folder / "flown", "--output", report) == 0
+    content = embedded(report.read_text(), "figures")
+    assert dict(content["words"]) == OF_TESTS
+    assert (content["axes"], content["besides"]) == ([], [])
+    assert "operability" not in {one["name"] for one in content["ratios"]}
+    assert {one["next"] for one in content["survivors"]} == {"test"}
 
 
 def test_an_archive_of_the_campaign_is_read_without_the_tests(

@@ -164,10 +164,9 @@ def nothing_to_show(study: Study, store: Store, folder: Path) -> NoReturn:
     flights = store.flights()
     if not flights:
         raise InputError(f"{folder}: nothing to show: the campaign has no flight; start with `scaloft-fi run`")
-    stale = f"all {len(flights)} flights are stale (`scaloft-fi status`)"
-    raise InputError(
-        f"{folder}: nothing to show: {stale}; `{study.again}` {'runs' if study.tests_of else 'flies'} again"
-    )
+    what, makes = ("runs", "runs") if study.tests_of else ("flights", "flies")
+    stale = f"all {len(flights)} {what} are stale (`scaloft-fi status`)"
+    raise InputError(f"{folder}: nothing to show: {stale}; `{study.again}` {makes} again")
 
 
 def latest_in(study: Study, store: Store) -> tuple[Outcome, ...]:

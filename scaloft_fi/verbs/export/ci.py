@@ -40,7 +40,7 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.verbs.export.dossier import Dossier, Step, export_format
 from scaloft_fi.verbs.first_screen import false_detections
 from scaloft_fi.verbs.verdict import NO_POOL
-from scaloft_fi.views.table import Format, Table, code, render
+from scaloft_fi.views.table import Format, Table, code, render, said
 
 CONTROLS = "controls"
 
@@ -209,7 +209,8 @@ def summary(dossier: Dossier) -> str:
     mutants = [_of(dossier, verdict) for verdict in Verdict if dossier.of(verdict)]
     rows = tuple((id_, known.owner, known.reason, known.expires.isoformat()) for id_, known in dossier.accepted.items())
     accepted = [Table(f"{len(rows)} accepted survivors", ("mutant", "owner", "reason", "expires"), rows)]
-    return render((_ratios(dossier), *mutants, *(accepted if rows else ()), _findings(dossier)), Format.MARKDOWN)
+    tables = (_ratios(dossier), *mutants, *(accepted if rows else ()), _findings(dossier))
+    return render([said(one, of_tests=dossier.space.of_tests) for one in tables], Format.MARKDOWN)
 
 
 def _ratios(dossier: Dossier) -> Table:

@@ -45,7 +45,7 @@ from scaloft_fi.study import NO_FINDS, KnownFinds, Study
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 from scaloft_fi.verbs.verdict import acceptance, in_campaign, next_command, next_find, verdict, why
 from scaloft_fi.views.output import Columns, ColumnType, Field, Rows, cell, needed_pyarrow, shape_of, type_of, writer_of
-from scaloft_fi.views.table import csv_text
+from scaloft_fi.views.table import csv_text, said_text
 
 if TYPE_CHECKING:
     import pyarrow
@@ -376,20 +376,24 @@ class Dossier:
 
     def verdict(self, mutant: MutantScore) -> str:
         """The verdict on a mutant and what it rests on, in a line."""
-        return verdict(mutant, self.score.lacking)
+        return said_text(verdict(mutant, self.score.lacking), of_tests=self.space.of_tests)
 
     def why(self, mutant: MutantScore) -> str:
         """What the verdict rests on."""
-        return why(mutant, self.score.lacking)
+        return said_text(why(mutant, self.score.lacking), of_tests=self.space.of_tests)
 
     def next_command(self, mutant: MutantScore) -> str:
         """What to call next for a mutant that is not detected."""
+        if self.space.of_tests:
+            return f"scaloft-fi kills{in_campaign(self.campaign)} {mutant.subject.id} --show survivors"
         return next_command(mutant, self.score.lacking, self.campaign, self.space.grid, self.finds)
 
     def steps(self, mutant: MutantScore) -> list[Step]:
         """What to call about a mutant that is not detected, the first to take first."""
         known, cell = in_campaign(self.campaign), self.cell(mutant)
         found = [Step("next", "Next", self.next_command(mutant))]
+        if self.space.of_tests:
+            return found
         shown = telling(self._judged.get(mutant.subject.id, ()))
         if shown is not None:
             outcome = shown.outcome

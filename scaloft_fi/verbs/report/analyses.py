@@ -507,7 +507,7 @@ def situations(space: Space, grid: Grid) -> list[dict[str, Any]]:
             "key": key,
             "levels": [space.values[axis].index(value) for axis, value in enumerate(space.point[key])],
             "words": list(space.words_of(key)),
-            "name": ", ".join(words_of(grid.situation(key), grid)) or EVERY_VALUE_BENIGN,
+            "name": key if space.of_tests else ", ".join(words_of(grid.situation(key), grid)) or EVERY_VALUE_BENIGN,
             "aliases": list(grid.aliases_of(grid.situation(key))),
         }
         for key in gray_order(space)

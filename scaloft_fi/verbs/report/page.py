@@ -26,12 +26,12 @@ from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.sim.log import Ending
-from scaloft_fi.verbs.first_screen import NOT_COMPARED, answers, coverage_line
+from scaloft_fi.verbs.first_screen import NOT_COMPARED, answers, coverage_line, ratios_of
 from scaloft_fi.verbs.report import analyses
 from scaloft_fi.verbs.report.analyses import Evidence
 from scaloft_fi.verbs.report.flights import DETAILS, FAR, broken, columns, found, packs, scenes
-from scaloft_fi.views.output import plain, printed_of
-from scaloft_fi.views.table import TERMS, counted
+from scaloft_fi.views.output import plain
+from scaloft_fi.views.table import OF_TESTS, TERMS, counted
 
 NO_POOL = "Not known: no situation has ten flights of the unmutated drone."
 WHOLE = "A share of these faults and no estimate for others: the list of cells is closed, and no sample of anything."
@@ -40,14 +40,13 @@ MODEL = (
 )
 
 
-def head(scored: Score, situations: Ratio, breaks: int, *, tests: bool) -> dict[str, Any]:
+def head(scored: Score, situations: Ratio, breaks: int) -> dict[str, Any]:
     """The sentences of the top of the page.
 
     Args:
         scored: the campaign's score.
         situations: flown, of those of the grid.
         breaks: situations beside the grid that a search found to break the unmutated drone.
-        tests: whether one's own tests were run instead of flights.
 
     Returns:
         `answer`, `sure`, `claim`: a sentence each for the first screen; `fails`: of the unmutated drone; `claims`: all
@@ -55,17 +54,17 @@ def head(scored: Score, situations: Ratio, breaks: int, *, tests: bool) -> dict[
     """
     they = "breaks" if breaks == 1 else "break"
     broken = [f"A search around the grid found {counted(breaks, 'situation')} more that {they} it."] if breaks else []
-    beyond = " or other tests" if tests else ", another drone, or a flight that is not simulated"
+    beyond = " or other tests" if scored.of_tests else ", another drone, or a flight that is not simulated"
     return {
-        "answer": _answer(scored, "tests" if tests else "safety requirements"),
-        "sure": _sure(scored, "run" if tests else "seed"),
+        "answer": _answer(scored),
+        "sure": _sure(scored),
         "claim": f"anything of other faults{beyond}.",
         "fails": [*fails(scored.pool), *broken],
-        "claims": [*_claims(scored, situations), *([] if tests else [MODEL])],
+        "claims": [*_claims(scored, situations), *([] if scored.of_tests else [MODEL])],
     }
 
 
-def _answer(scored: Score, shows: str) -> str:
+def _answer(scored: Score) -> str:
     """How many faults are shown and how many are missed, of which class the worst are, in a sentence."""
     faults = scored.faults
     if not scored.pooled:
@@ -73,7 +72,7 @@ def _answer(scored: Score, shows: str) -> str:
     shown = sum(mutant.detected for mutant in faults)
     missed = [one for one in faults if one.verdict is Verdict.NOT_DETECTED and not one.without_effect]
     missing = len(missed) or "none of those put to the test"
-    said = f"Your {shows} show {shown} of {counted(len(faults), 'fault')} and miss {missing}"
+    said = f"Your safety requirements show {shown} of {counted(len(faults), 'fault')} and miss {missing}"
     ranked = worst_first([one for one in missed if one.severity], lambda one: one.severity)
     if not ranked:
         return f"{said}."
@@ -82,15 +81,15 @@ def _answer(scored: Score, shows: str) -> str:
     return f"{said}, {f'{worst} of them ' if worst < len(missed) else ''}of the class {named}."
 
 
-def _sure(scored: Score, one: str) -> str:
-    """How sure a detection is, in a sentence; `one`: what firmness leaves out, a seed or a run."""
+def _sure(scored: Score) -> str:
+    """How sure a detection is, in a sentence."""
     if not scored.pooled:
         return "not at all, so nothing is called shown."
     shown = [mutant for mutant in scored.faults if mutant.detected]
     firm = sum(mutant.firm for mutant in shown)
     alone = sum(mutant.firmness is Firmness.FIRM_BY_POOL for mutant in shown)
-    kept = f"; still shown without any one {one}: {firm} of {len(shown)}" if shown else ""
-    kept += f" ({alone} by the baseline's alone, as they have one {one})" if alone else ""
+    kept = f"; still shown without any one seed: {firm} of {len(shown)}" if shown else ""
+    kept += f" ({alone} by the baseline's alone, as they have one seed)" if alone else ""
     return f"a fault without effect is called shown with a chance of {scored.alpha:g} at most{kept}."
 
 
@@ -160,19 +159,21 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "owed": evidence.owed,
         "fingerprint": dict(evidence.fingerprint or {}),
         "answers": plain(answers(scored, study, evidence.campaign)),
-        "head": head(scored, covered.situations, len(breaks), tests=bool(study.tests_of)),
-        "besides": [{"name": "Situations", "text": coverage_line(covered)}],
+        "head": head(scored, covered.situations, len(breaks)),
+        "besides": [] if scored.of_tests else [{"name": "Situations", "text": coverage_line(covered)}],
+        "again": study.again,
+        "words": list(OF_TESTS.items()) if scored.of_tests else [],
         "pooled": scored.pooled,
         "ratios": [
             {"name": one.key, "title": one.key.replace("_", " "), "population": one.about, **ratios[one.key]}
-            for one in printed_of(Score)
+            for one in ratios_of(scored)
         ],
         "coverage": plain(covered),
         "gates": _gates(evidence, scored, mutants),
         "signs": analyses.SIGNS,
         "certainty": analyses.steps(scored.alpha),
         "verdicts": [verdict.value for verdict in Verdict],
-        "axes": analyses.axes(study.grid),
+        "axes": [] if scored.of_tests else analyses.axes(study.grid),
         "karnaugh": analyses.folding(space),
         "situations": order,
         "by_situation": analyses.by_situation(scored, roster, keys),

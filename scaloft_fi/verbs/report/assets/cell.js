@@ -13,7 +13,7 @@ function cellSheet(name) {
       cellFacts(cell),
       others.length > 0 && [h("h3", { class: "sub" }, "Other mutants of the cell"), others.map((mutant) => h("details", { class: "fold" },
         h("summary", {}, h("b", { class: "id" }, mutant.id), ` ${verdictText(mutant)}, ${killsText(mutant)}`), mutantBlock(mutant)))],
-      !mutants.length && ["credible", "control"].includes(cell.status) && h("p", { class: "note" }, "No mutant of this cell was flown in this campaign: ", h("code", {}, `scaloft-fi run${inCampaign()} --mutant ${literal(`${name}*`)}`)),
+      !mutants.length && ["credible", "control"].includes(cell.status) && h("p", { class: "note" }, "No mutant of this cell was flown in this campaign: ", h("code", {}, `${DATA.again}${OF_TESTS ? "" : inCampaign()} --mutant ${literal(`${name}*`)}`)),
     ],
   };
 }

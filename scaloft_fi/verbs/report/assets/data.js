@@ -8,8 +8,20 @@ const PLACES = new Map(DATA.situations.map((situation, place) => [situation.key,
 const SAFETY = DATA.requirements.filter((one) => one.kind === "safety").map((one) => one.name);
 const PAIRS = new Map(DATA.pairs.map((pair) => [`${pair.situation} ${pair.requirement}`, pair]));
 
+/** Whether one's own tests were run instead of flights; then texts of flights are said in the words of tests, but for those of the study. */
+const OF_TESTS = DATA.words.length > 0;
+const WORDS = new Map(DATA.words);
+const OWN = new Set();
+const keep = (value) => (typeof value === "string" ? OWN.add(value) : Object.values(value ?? {}).forEach(keep));
+if (OF_TESTS) [DATA.cells, DATA.parameters, DATA.guidewords, DATA.severities, DATA.situations].forEach(keep);
+const escaped = (text) => text.replaceAll(/[.*+?^${}()|[\]\\/]/g, "\\$&");
+const WORD = new RegExp(`(?<![\\w:./@-])(?:${[...WORDS.keys()].sort((a, b) => b.length - a.length).map(escaped).join("|")})(?![\\w/@-]|[:.]\\S)`, "g");
+const spoken = (text) => (OF_TESTS && typeof text === "string" && !OWN.has(text) ? text.replaceAll(WORD, (found) => WORDS.get(found)) : text);
+
 const titleOf = (kind, id) => DATA[kind].find((entry) => entry.id === id)?.title ?? id;
 const wordsOf = (key) => DATA.situations[PLACES.get(key)]?.words.join(", ") ?? key;
+/** A situation in words, with its key; a test has but its name. */
+const withKey = (key) => (OF_TESTS ? key : [wordsOf(key), " ", h("span", { class: "faint small" }, key)]);
 const pairOf = (situation, requirement) => PAIRS.get(`${situation} ${requirement}`);
 const stateOf = (situation, requirement) => pairOf(situation, requirement)?.state ?? "unknown";
 const besideText = (pair) => `unmutated drone ${pair.violated} of ${pair.flights - pair.open}`;

@@ -1,14 +1,17 @@
 /* Elements without markup: whatever the study says becomes a text node or an attribute, never HTML. */
 const SVG = "http://www.w3.org/2000/svg";
+/** The attributes that people read. */
+const TEXTS = ["title", "aria-label", "data-head"];
 
 function furnished(node, attributes, children) {
+  const own = node.localName === "code" || ["word", "id"].includes(attributes.class);
   for (const [name, value] of Object.entries(attributes)) {
     if (value === null || value === undefined || value === false) continue;
     if (name.startsWith("on")) node.addEventListener(name.slice(2), value);
     else if (name.startsWith("--")) node.style.setProperty(name, value);
-    else node.setAttribute(name, value === true ? "" : value);
+    else node.setAttribute(name, value === true ? "" : TEXTS.includes(name) ? spoken(value) : value);
   }
-  node.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  node.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false).map((child) => (own ? child : spoken(child))));
   return node;
 }
 

@@ -8,8 +8,9 @@ async function flightSheet(mutant, situation, seed) {
   if (!CAN_INFLATE) body.push(h("p", { class: "notice" }, "This browser cannot open the flights in this file: it has no DecompressionStream (Chrome 80, Firefox 113 and Safari 16.4 have it).  Everything else on the page works; the command below shows the flight."));
   else if (!flight) body.push(h("p", { class: "notice" }, DATA.listed < DATA.flights ? `The page lists ${DATA.listed.toLocaleString("en")} of ${DATA.flights.toLocaleString("en")} flights one by one, those of the lowest seeds; ${mutant}/${situation}/${seed} is not among them.  Its figures count all.` : `The campaign holds no flight ${mutant}/${situation}/${seed}.`));
   body.push(chooseFlight(flights, mutant, situation, seed));
-  if (flight) body.push(...verdict(flight, situation), ...pictures(situation, flight, clean), readings(flight, mutant === "baseline" ? null : clean));
-  body.push(command(mutant, situation, seed));
+  if (flight) body.push(...verdict(flight, situation));
+  if (flight && !OF_TESTS) body.push(...pictures(situation, flight, clean), readings(flight, mutant === "baseline" ? null : clean));
+  if (!OF_TESTS) body.push(command(mutant, situation, seed));
   const at = DATA.situations[PLACES.get(situation)];
   return { title: `${title} \u00b7 ${wordsOf(situation)}`, lead: `situation ${at ? codeOf(at) : situation}, seed ${seed}`, body };
 }
@@ -35,18 +36,19 @@ function verdict(flight, situation) {
   const told = flight.revealed ?? [];
   const safely = told.filter((name) => SAFETY.includes(name));
   const heads = { held: "Holds every safety requirement", violated: "Violates a safety requirement without any fault" };
-  const parts = [h("b", {}, heads[flight.status] ?? capital(spaced(flight.status))), safely.length > 0 && ` by ${listed(safely)}`, ". "];
+  const parts = [h("b", {}, heads[flight.status] ?? capital(spaced(flight.status))), safely.length > 0 && !OF_TESTS && ` by ${listed(safely)}`, ". "];
   if (flight.mutant !== "baseline") {
     parts.push(STATUSES[flight.status] ?? "", " ");
-    parts.push(flight.infected_at_s === null ? `The fault changed none of ${flight.carried} samples. ` : `The fault changed ${flight.altered} of ${flight.carried} samples, the first at ${seconds(flight.infected_at_s)}. `);
+    if (OF_TESTS) parts.push(`The fault changed ${flight.altered} of ${flight.carried} samples. `);
+    else parts.push(flight.infected_at_s === null ? `The fault changed none of ${flight.carried} samples. ` : `The fault changed ${flight.altered} of ${flight.carried} samples, the first at ${seconds(flight.infected_at_s)}. `);
   }
   for (const [name, t, x, y, z, struck] of flight.violations) {
-    if (requirementOf(name)?.kind === "reported") continue;
+    if (OF_TESTS || requirementOf(name)?.kind === "reported") continue;
     const too = flight.mutant !== "baseline" && !told.includes(name) ? ", as by the unmutated drone" : "";
     parts.push(`${name} is violated at ${seconds(t)}, at (${signed(x, 2)}, ${signed(y, 2)}, ${signed(z, 2)}) m${struck ? `, striking ${struck}` : ""}${too}. `);
   }
   if (flight.invalid) parts.push(`The test bench failed: ${flight.invalid}. `);
-  else parts.push(`After ${seconds(flight.duration_s)} it ${DATA.endings[flight.ending] ?? flight.ending}.`);
+  else if (!OF_TESTS) parts.push(`After ${seconds(flight.duration_s)} it ${DATA.endings[flight.ending] ?? flight.ending}.`);
   if (flight.stack_error) parts.push(` The stack raised: ${flight.stack_error}`);
   const result = mutant?.results[PLACES.get(situation)];
   return [h("p", { class: "verdict" }, parts.filter(Boolean)),

@@ -3,7 +3,7 @@ function whatKillsWhat() {
   return part("what", "What kills what", "Of the default mutants that have a kill: how many axes must be right, which situations are enough, which mutants say the same.",
     unkilled(),
     h("div", { class: "columns" },
-      h("div", {}, h("h3", {}, "How many axes a kill depends on"), orderChart(), orderNote()),
+      !OF_TESTS && h("div", {}, h("h3", {}, "How many axes a kill depends on"), orderChart(), orderNote()),
       h("div", {}, h("h3", {}, "The fewest situations that keep every kill"), suite())),
     h("h3", { class: "sub" }, "Which mutants say the same"), subsumption());
 }
@@ -42,7 +42,7 @@ function suite() {
   const flown = DATA.coverage.situations.part;
   return h("div", {},
     h("p", {}, `${exact ? "" : "At most "}${situations.length} of ${flown} situations keep a kill of every default mutant that has one${alternatives > 1 ? `; ${alternatives} sets of that size do` : ""}:`),
-    h("ul", { class: "bare" }, situations.map((key) => h("li", {}, wordsOf(key), " ", h("span", { class: "faint small" }, key, needed.includes(key) ? " \u2013 in every such set" : "")))),
+    h("ul", { class: "bare" }, situations.map((key) => h("li", {}, withKey(key), needed.includes(key) && h("span", { class: "faint small" }, " \u2013 in every such set")))),
     h("p", { class: "small faint" }, `A suite cut down to these would show these faults and may miss others: the mutants were chosen, each situation flown with ${plural(DATA.seeds.length, "seed")}.`));
 }
 

@@ -83,7 +83,7 @@ function summary() {
     h("div", { class: "columns" },
       h("div", {}, h("h3", { class: "sub" }, "The verdicts on the faults"), fates()),
       h("div", {}, h("h3", { class: "sub" }, "May the figures be believed?"), gates(),
-        h("h3", { class: "sub" }, "Situation coverage"), coverageTable())));
+        !OF_TESTS && [h("h3", { class: "sub" }, "Situation coverage"), coverageTable()])));
 }
 
 /** Mutants by verdict, those that the ratios count, and all. */

@@ -109,7 +109,7 @@ function watch(sections) {
 
 function start() {
   document.title = `${DATA.study} \u00b7 ${DATA.campaign} \u00b7 scaloft-fi report`;
-  const makers = [[killMatrix, "Kill matrix"], [unmutated, "Unmutated drone"], [breakingSituations, "Breaks"], [survivors, "Survivors"], [foundSituations, "Found"], [summary, "Figures"], [whatKillsWhat, "What kills what"], [ladders, "Magnitudes"], [claims, "Not claimed"], [onPaper, ""], [reading, "How to read"], [glossary, "Glossary"]];
+  const makers = [[killMatrix, "Kill matrix"], [unmutated, "Unmutated drone"], [breakingSituations, "Breaks"], [survivors, "Survivors"], [foundSituations, "Found"], [summary, "Figures"], [whatKillsWhat, "What kills what"], ...(OF_TESTS ? [] : [[ladders, "Magnitudes"]]), [claims, "Not claimed"], [onPaper, ""], [reading, "How to read"], [glossary, "Glossary"]];
   const head = masthead();
   const sections = makers.map(([make, short]) => {
     const section = make();

@@ -69,7 +69,7 @@ function ladder(entry) {
 function margins(entry, open) {
   const range = magnitudes(entry);
   const rows = entry.situations.map((found) => [
-    [wordsOf(found.key), " ", h("span", { class: "faint small" }, found.key)],
+    withKey(found.key),
     span(found, range, entry), ...[found.survives, found.seen, found.kills].map((value) => ended(value, entry.unit)), listed(found.by),
     entry.against.map((name) => h("span", { class: "line" }, entry.against.length > 1 ? `${name} ` : "", found.rho[name].map((value) => (twoDigits(value))).join(" / "))),
     found.again.length > 0 && `survives again at ${found.again.map((value) => ended(value, entry.unit)).join(", ")}`,

@@ -12,8 +12,8 @@ async function mutantSheet(id) {
       told && missed(told),
       cell && [h("h3", { class: "sub" }, "Its row of the worksheet"), cellFacts(cell)],
       h("h3", { class: "sub" }, "Its figures"), ...figuresOf(mutant),
-      h("h3", { class: "sub" }, "Where a safety requirement kills it"), karnaughMap(mutant),
-      DATA.karnaugh.reason && flownList(mutant),
+      !OF_TESTS && [h("h3", { class: "sub" }, "Where a safety requirement kills it"), karnaughMap(mutant)],
+      (OF_TESTS || DATA.karnaugh.reason) && flownList(mutant),
       h("div", { class: "row" }, h("a", { href: cellHash(mutant.cell) }, "its cell of the HAZOP matrix"), siblings(mutant).map((other) => h("a", { class: "id", href: mutantHash(other.id) }, other.id))),
     ],
   };
@@ -21,6 +21,7 @@ async function mutantSheet(id) {
 
 /** The flight that says most of a mutant, in motion beside the unmutated drone's: its first violation, else where a requirement lost the most. */
 async function tellingFlight(mutant, told) {
+  if (OF_TESTS) return [];
   const places = DATA.situations.map(({ key }, place) => ({ situation: key, ...shown(mutant.results[place], key) }));
   const { situation, seed } = mutant.first ?? told?.loss ?? places.find(({ state }) => ["seen", "tested", "masked", "no_test"].includes(state)) ?? {};
   const flights = situation && CAN_INFLATE ? await flightsIn(situation) : null;
@@ -58,7 +59,7 @@ function verdictLine(mutant, next) {
   const sure = mutant.certainty > 0 && `, ${sureText(mutant)}`;
   return [
     h("p", {}, h("b", {}, capital(control ? showsText(mutant) : verdictText(mutant))), sure, `.  ${control ? "" : VERDICTS[mutant.verdict][1]}  `, severity && !control && `Severity: ${severity}.  `, next),
-    first && h("p", {}, h("a", { class: "go", href: flightHash(mutant.id, first.situation, first.seed) }, `See the flight: ${first.requirement} violated at ${seconds(first.t_s)}`), " ", h("span", { class: "faint small" }, `${wordsOf(first.situation)}, seed ${first.seed}`))];
+    first && !OF_TESTS && h("p", {}, h("a", { class: "go", href: flightHash(mutant.id, first.situation, first.seed) }, `See the flight: ${first.requirement} violated at ${seconds(first.t_s)}`), " ", h("span", { class: "faint small" }, `${wordsOf(first.situation)}, seed ${first.seed}`))];
 }
 
 /** Where it is killed, and the test behind its verdict. */
@@ -79,7 +80,7 @@ const byText = (requirement) => (SAFETY.includes(requirement) ? requirement : `$
 
 /** Its kills by name: the situation, the requirement, and the flight that has the violation. */
 function killTable(mutant) {
-  if (!mutant.kills.length) return null;
+  if (!mutant.kills.length || OF_TESTS) return null;
   return table(["situation", "killed by", { text: "violated", number: true }, { text: "unmutated drone", number: true }, { text: "violated at", number: true }, "strikes", "flight"],
     mutant.kills.map(({ situation, requirement, flights, baseline, seed, t_s: time, struck }) => [
       h("a", { href: situationHash(situation) }, named(situation)), byText(requirement), shortText(flights), shortText(baseline), seconds(time), struck || "\u2013",
@@ -95,7 +96,7 @@ function findOf(mutant) {
 /** The command whose flights would decide on an undecided mutant. */
 function needed(mutant) {
   const { needed: seeds, anew } = mutant.decided_at;
-  if (mutant.verdict !== "undecided" || mutant.control) return "";
+  if (mutant.verdict !== "undecided" || mutant.control || OF_TESTS) return "";
   if (!seeds) return mutant.tests.length ? "No more than 50 seeds would not decide." : "A baseline pool is missing where it infects; the same run flies it.";
   const where = anew ? ` --campaign NEW${DATA.grid ? ` --grid ${literal(DATA.grid)}` : ""}` : inCampaign();
   return [`${seeds} seeds would decide if what was seen goes on: `, inCode(`scaloft-fi run${where} --mutant ${literal(mutant.id)} --seeds ${seeds}`)];
