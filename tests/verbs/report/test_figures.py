@@ -326,14 +326,14 @@ def test_what_the_head_says_the_drone_fails_and_nobody_claims_is_as_recorded(evi
     # SR1 is red at the bar, unsteady where three of ten strike a wall; SR2 is red in the dark with a person
     assert {paper.pool.states[key, "SR1"].value for key in (BAR, SHAKY)} == {"red", "unsteady"}
     heads = {
-        "a campaign of 32 situations": head(paper, every, 0, tests=False),
-        "a break around the grid": head(paper, every, 1, tests=False),
+        "a campaign of 32 situations": head(paper, every, 0),
+        "a break around the grid": head(paper, every, 1),
         "situations were chosen, and few of the grid flown": head(
-            replace(paper, selected=("T0O0W0D0H1",)), Ratio(3, 32), 0, tests=False
+            replace(paper, selected=("T0O0W0D0H1",)), Ratio(3, 32), 0
         ),
-        "nothing fails": head(scored(clean), every, 0, tests=False),
-        "without a pool": head(scored(campaign(study, ("LATE-human@3s",), range(1), range(1))), every, 0, tests=False),
-        "tests of one's own": head(paper, every, 0, tests=True),
+        "nothing fails": head(scored(clean), every, 0),
+        "without a pool": head(scored(campaign(study, ("LATE-human@3s",), range(1), range(1))), every, 0),
+        "tests of one's own": head(replace(paper, of_tests=True), every, 0),
     }
     as_recorded(
         __file__,
