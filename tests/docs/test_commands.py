@@ -124,5 +124,5 @@ def test_a_command_that_a_sentence_names_has_this_verb_and_these_options(shown: 
 
 def _calls(shown: Shown) -> list[list[str]]:
     """The words behind `scaloft-fi` of each call in a command line."""
-    calls = [Shown(shown.page, part).words for part in re.split(r"&&|>>", shown.command)]
+    calls = [Shown(shown.page, part).words for part in re.split(r"&&|>>?", shown.command)]
     return [words[at + 1 :] for words in calls for at, word in enumerate(words) if word.endswith("scaloft-fi")]
