@@ -143,7 +143,10 @@ def joined(texts: Sequence[str]) -> str:
     return Marked(text) if any(isinstance(each, Marked) for each in texts) else text
 
 
-_COMMAND = re.compile(r"`[^`\n]+`")
+COMMAND = re.compile(r"`[^`]+`")
+"""A command in a paragraph."""
+_ON = " \\"
+"""Ends a line that a shell is to read on with the next."""
 _BLANK = "\x00"
 """Stands for a blank at which no line may end; no printable text holds it."""
 
@@ -174,10 +177,10 @@ def broken(text: str, width: int, first: str = "", rest: str = "") -> list[str]:
 
 
 def wrapped(text: str, width: int, first: str = "", rest: str = "") -> str:
-    """The text in lines of `width` characters; a word that is longer keeps a line of its own.
+    r"""The text in lines of `width` characters; a word that is longer keeps a line of its own.
 
     Args:
-        text: of one paragraph; a command stands between backticks.
+        text: of one paragraph; a command stands between backticks, and is broken so that a shell reads it as one.
         width: of the lines with their indent [characters].
         first: stands before the first line.
         rest: stands before each other line.
@@ -185,13 +188,18 @@ def wrapped(text: str, width: int, first: str = "", rest: str = "") -> str:
     >>> print(wrapped("fly it again: `scaloft-fi replay NO-depth@3s/T0/0`", 40))
     fly it again:
     `scaloft-fi replay NO-depth@3s/T0/0`
+    >>> print(wrapped("`scaloft-fi run --mutant NO-depth@3s`", 30))
+    `scaloft-fi run --mutant \
+    NO-depth@3s`
     """
     room = width - max(len(first), len(rest))
+    whole = all(len(command) <= room for command in COMMAND.findall(text))
 
     def held(command: re.Match[str]) -> str:
         return command[0].replace(" ", _BLANK) if len(command[0]) <= room else command[0]
 
-    return "\n".join(broken(_COMMAND.sub(held, text), width, first, rest))
+    lines = "\n".join(broken(COMMAND.sub(held, text), width if whole else width - len(_ON), first, rest))
+    return COMMAND.sub(lambda command: command[0].replace("\n", f"{_ON}\n"), lines)
 
 
 _STYLES = {"error": Style.BAD, "ratchet": Style.BAD, "warning": Style.DOUBT}

@@ -158,8 +158,15 @@ def test_no_word_and_no_command_that_fits_is_broken(words: list[str], width: int
     assert sum(row.count("`scaloft-fi run --seeds 3`") for row in lines) == words.count("`scaloft-fi run --seeds 3`")
 
 
-def test_a_command_that_is_longer_than_a_line_is_broken_between_its_words():
-    assert wrapped("`scaloft-fi run --mutant LATE-human@3s`", 24) == "`scaloft-fi run --mutant\nLATE-human@3s`"
+def test_a_command_that_is_longer_than_a_line_can_be_pasted_into_a_shell():
+    command = "echo scaloft-fi run --mutant LATE-human@3s --situation shows-LATE-human@3s --seeds 10"
+    text = wrapped(f"What next: `{command}` flies it, `echo more` too.", 40, "", "    ")
+    assert len(text.split("\n")) > 2
+    assert max(map(len, text.split("\n"))) <= 40
+    pasted = text.partition("`")[2].partition("`")[0]
+    said = subprocess.run(["sh", "-c", pasted], capture_output=True, text=True, check=True).stdout
+    assert f"echo {said.strip()}" == command
+    assert text.count("\\") == pasted.count("\\") == pasted.count("\n")
 
 
 texts = st.text(st.characters(), max_size=40)  # lone surrogates too

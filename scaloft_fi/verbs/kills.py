@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
@@ -181,7 +181,9 @@ def survivor_table(listed: Sequence[Survivor]) -> Table:
         for one in listed
     )
     headers = ("mutant", *["severity"] * classed, "verdict", "stopped at", "next", "why")
-    return Table("Survivors", headers, rows, (_STOPPED, _STEADY, _WAY))
+    counts = Counter(one.next for one in listed)
+    ends = f"Survivors: {len(listed)}; next: {', '.join(f'{each} {counts[each]}' for each in Next if counts[each])}."
+    return Table("Survivors", headers, rows, (_STOPPED, _STEADY, _WAY, *[ends] * bool(listed)))
 
 
 def survivor_summary(listed: Sequence[Survivor], then: str) -> Table:

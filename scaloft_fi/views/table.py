@@ -98,7 +98,6 @@ _STYLES = {
     word: style for words, style in ((_GOOD, Style.GOOD), (_BAD, Style.BAD), (_DOUBT, Style.DOUBT)) for word in words
 }
 _FIRST = re.compile(rf"({'|'.join(sorted(_STYLES, key=len, reverse=True))})(?=$|[,;:]| at | in )", re.IGNORECASE)
-_COMMAND = re.compile(r"`[^`\n]+`")
 
 
 def style_of(text: str) -> Style | None:
@@ -113,7 +112,7 @@ def style_of(text: str) -> Style | None:
 
 def commands(text: str, *, marked: bool) -> str:
     """The text with its commands, which stand between backticks, marked if wanted."""
-    return _COMMAND.sub(lambda command: styled(command[0], Style.COMMAND), text) if marked else text
+    return console.COMMAND.sub(lambda command: styled(command[0], Style.COMMAND), text) if marked else text
 
 
 GAP = 2

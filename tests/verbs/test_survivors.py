@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -169,6 +170,9 @@ def test_survivors_of_the_worst_class_stand_first_whatever_stage_they_reached():
     listed = survivors_of(flights, known_, CLASSED)
     assert [(one.mutant, one.severity) for one in listed] == [(GOAL, "injury"), (NO, "delay"), (LATE, None)]
     assert [row[:2] for row in survivor_table(listed).rows] == [(GOAL, "injury"), (NO, "delay"), (LATE, "")]
+    counts = Counter(one.next.value for one in listed)
+    assert survivor_table(listed).notes[-1].startswith("Survivors: 3; next: ")
+    assert all(f"{name} {count}" in survivor_table(listed).notes[-1] for name, count in counts.items())
 
 
 @given(st.one_of(campaigns(), seeded()))

@@ -78,6 +78,39 @@ def test_a_survivor_has_a_page_that_can_be_sent(visit: Opened, text: str, tmp_pa
     assert all(cause in body for cause in cell["causes"])
 
 
+def test_a_count_picks_out_its_faults_in_the_matrix_and_its_pages_are_walked(
+    visit: Opened, text: str, told: dict[str, Any], tmp_path: Path
+):
+    figures, missed = embedded(text, "figures"), ["MORE-goal@0.6m", "LATE-human@3s", "NO-human@100%"]
+    for one in figures["mutants"]:
+        if one["id"] in missed:
+            one |= {"verdict": "not_detected", "counts": True, "same": False, "severity": None}
+    figures["mutants"] = [one for one in figures["mutants"] if one["id"] in missed or one["verdict"] != "not_detected"]
+    order = [one["id"] for one in figures["mutants"] if one["id"] in missed]
+    file = tmp_path / "walked.html"
+    file.write_text(html(figures, embedded(text, "flights")), encoding="utf-8")
+    seen = visit(file=file)
+    page, aside = seen.page, "td => td.filter((one) => !one.classList.contains('aside')).map((one) => one.dataset.cell)"
+    every = page.locator("#hazop td").evaluate_all(aside)
+    page.get_by_role("button", name=f"Pick out: {len(order)} missed").click()
+    picked = page.locator("#hazop td").evaluate_all(aside)
+    assert sorted(picked) == sorted(id_.partition("@")[0] for id_ in order)
+    page.get_by_role("button", name=f"Pick out: {len(order)} missed").click()
+    assert page.locator("#hazop td").evaluate_all(aside) == every
+    # from fault to fault, by Enter alone, and round
+    open_sheet(page, f"#mutant={order[0]}")
+    page.get_by_role("link", name="next fault, missed").focus()
+    for place in (1, 2, 0):
+        page.keyboard.press("Enter")
+        page.wait_for_function(
+            f"document.querySelector('#sheet .walk').textContent.includes('{place + 1} of 3 missed')"
+        )
+        assert page.locator("#sheet-title").inner_text() == order[place]
+    # the sheets of their cells, too
+    open_sheet(page, f"#cell={picked[0]}")
+    assert page.locator("#sheet .walk span").inner_text().endswith("of 3 missed")
+
+
 def test_a_column_of_the_kill_matrix_is_a_situation_by_name(visit: Opened, told: dict[str, Any]):
     seen = visit()
     page = seen.page

@@ -6,7 +6,7 @@ function cellSheet(name) {
   const main = mutants.find((mutant) => mutant.id === cell.default) ?? mutants[0];
   const others = mutants.filter((mutant) => mutant !== main);
   return {
-    title: name, lead: { credible: "A credible deviation.", control: "A crude control: it must show itself, and enters no ratio.", not_meaningful: "Not meaningful.", to_do: "A draft that nobody has finished: it has no mutant." }[cell.status],
+    title: name, walk: main && walk(main, (one) => cellHash(one.cell)), lead: { credible: "A credible deviation.", control: "A crude control: it must show itself, and enters no ratio.", not_meaningful: "Not meaningful.", to_do: "A draft that nobody has finished: it has no mutant." }[cell.status],
     body: [
       main && mutantBlock(main),
       h("h3", { class: "sub" }, "What the cell asks"),

@@ -47,12 +47,12 @@ function countedFaults() {
   return faults.some((mutant) => mutant.counts) ? faults.filter((mutant) => mutant.counts) : faults;
 }
 
-/** What became of the faults that count, as one bar in the looks of the matrix. */
-function fateBar() {
-  const counted = countedFaults();
-  const fate = (state, says, mark, sure, members) => ({ state, says, mark, sure, count: members.length });
+/** What became of the faults that count: the fates that some have, each with its faults, the worst first. */
+function fatesOf() {
+  const counted = countedFaults().sort((a, b) => grade(a) - grade(b));
+  const fate = (state, says, mark, sure, members) => ({ state, says, mark, sure, members, count: members.length });
   const of = (state) => counted.filter((mutant) => fateOf(mutant) === state);
-  const fates = [
+  return [
     fate("detected", "firm", VERDICTS.detected[0], 3, of("detected").filter(isFirm)),
     fate("detected", "shown, not firm", "\u25cb", 1, of("detected").filter((mutant) => !isFirm(mutant))),
     fate("undecided", "undecided", VERDICTS.undecided[0], null, of("undecided")),
@@ -60,11 +60,32 @@ function fateBar() {
     fate("same", "no effect", "=", null, of("same")),
     fate("not_tested", "not tested", VERDICTS.not_tested[0], null, of("not_tested")),
   ].filter(({ count }) => count);
+}
+
+/** The fates as one bar in the looks of the matrix; a count picks out its faults there. */
+function fateBar() {
+  const fates = fatesOf();
   if (!fates.length) return null;
   return h("div", { class: "fates" },
     h("div", { class: "fate-bar", role: "img", "aria-label": `Faults: ${fates.map(({ count, says }) => `${count} ${says}`).join(", ")}` },
       fates.map(({ state, sure, count }) => h("span", { class: "state", "data-state": state, "data-sure": sure, "--count": count }))),
-    h("ul", { class: "legend" }, fates.map(({ state, says, mark, sure, count }) => h("li", {}, swatch(state, mark, sure), h("b", {}, String(count)), term(says)))));
+    h("ul", { class: "legend" }, fates.map(({ state, says, mark, sure, count }) => h("li", {}, h("button", { type: "button", class: "pick", "aria-pressed": "false", "aria-label": `Pick out: ${count} ${says}`, onclick: pick }, swatch(state, mark, sure), h("b", {}, String(count))), term(says)))));
+
+  function pick() {
+    const buttons = [...this.closest("ul").querySelectorAll("button")];
+    const picked = this.ariaPressed === "true" ? null : new Set(fates[buttons.indexOf(this)].members.map(({ cell }) => cell));
+    buttons.forEach((button) => { button.ariaPressed = String(picked !== null && button === this); });
+    document.querySelectorAll("#hazop td").forEach((cell) => cell.classList.toggle("aside", picked !== null && !picked.has(cell.dataset.cell)));
+  }
+}
+
+/** The way to the faults before and after one among those of its fate, round and round; none for what does not count. */
+function walk(mutant, to) {
+  const { says, members, count } = fatesOf().find((fate) => fate.members.includes(mutant)) ?? { count: 0 };
+  if (count < 2) return null;
+  const place = members.indexOf(mutant);
+  const step = (by, sign, name) => h("a", { class: "button", "data-step": name, "aria-label": `${name} fault, ${says}`, href: to(members[(place + by + count) % count]) }, sign);
+  return h("nav", { class: "walk", "aria-label": "Faults of the same fate" }, step(-1, "\u2190", "previous"), h("span", {}, `${place + 1} of ${count} ${says}`), step(1, "\u2192", "next"));
 }
 
 const sentence = (text) => (text.startsWith("`") ? text : capital(text));

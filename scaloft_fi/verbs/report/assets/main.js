@@ -35,8 +35,9 @@ async function follow() {
   }
   if (location.hash !== hash) return;
   const close = h("button", { type: "button", "aria-label": "Close", onclick: () => sheet.close() }, "Close");
+  const stepped = sheet.open && document.activeElement?.dataset.step;
   sheet.replaceChildren(
-    h("div", { class: "sheet-head" }, h("div", {}, h("h2", { id: "sheet-title" }, told.title), told.lead && h("p", {}, told.lead)), close),
+    h("div", { class: "sheet-head" }, h("div", {}, h("h2", { id: "sheet-title" }, told.title), told.lead && h("p", {}, told.lead)), told.walk, close),
     h("div", { class: "sheet-body" }, told.body.filter(Boolean)));
   tip.hide();
   if (!sheet.open) {
@@ -46,7 +47,7 @@ async function follow() {
   document.body.classList.add("sheet-open");
   sheet.scrollTop = 0;
   reachable(sheet);
-  close.focus({ preventScroll: true });
+  (sheet.querySelector(`[data-step="${stepped}"]`) ?? close).focus({ preventScroll: true });
 }
 
 /** What scrolls sideways can be scrolled by keys, too. */

@@ -5,7 +5,7 @@ async function mutantSheet(id) {
   const cell = CELLS.get(mutant.cell);
   const told = DATA.survivors.find((one) => one.mutant === id);
   return {
-    title: id, lead: [cell?.deviation, cell?.effect].filter(Boolean).join(" "),
+    title: id, walk: walk(mutant, (one) => mutantHash(one.id)), lead: [cell?.deviation, cell?.effect].filter(Boolean).join(" "),
     body: [
       verdictLine(mutant, told ? "" : needed(mutant)),
       ...await tellingFlight(mutant, told),
