@@ -78,10 +78,8 @@ def test_a_survivor_has_a_page_that_can_be_sent(visit: Opened, text: str, tmp_pa
     assert all(cause in body for cause in cell["causes"])
 
 
-def test_a_count_picks_out_its_faults_in_the_matrix_and_its_pages_are_walked(
-    visit: Opened, text: str, told: dict[str, Any], tmp_path: Path
-):
-    figures, missed = embedded(text, "figures"), ["MORE-goal@0.6m", "LATE-human@3s", "NO-human@100%"]
+def test_a_count_picks_out_its_faults_in_the_matrix_and_its_pages_are_walked(visit: Opened, text: str, tmp_path: Path):
+    figures, missed = embedded(text, "figures"), ["MORE-goal@0.6m", "LATE-human@3s"]
     for one in figures["mutants"]:
         if one["id"] in missed:
             one |= {"verdict": "not_detected", "counts": True, "same": False, "severity": None}
@@ -100,15 +98,13 @@ def test_a_count_picks_out_its_faults_in_the_matrix_and_its_pages_are_walked(
     # from fault to fault, by Enter alone, and round
     open_sheet(page, f"#mutant={order[0]}")
     page.get_by_role("link", name="next fault, missed").focus()
-    for place in (1, 2, 0):
+    for place in (1, 0):
         page.keyboard.press("Enter")
-        page.wait_for_function(
-            f"document.querySelector('#sheet .walk').textContent.includes('{place + 1} of 3 missed')"
-        )
+        page.locator("#sheet .walk", has_text=f"{place + 1} of 2 missed").wait_for()
         assert page.locator("#sheet-title").inner_text() == order[place]
     # the sheets of their cells, too
     open_sheet(page, f"#cell={picked[0]}")
-    assert page.locator("#sheet .walk span").inner_text().endswith("of 3 missed")
+    assert page.locator("#sheet .walk span").inner_text().endswith("of 2 missed")
 
 
 def test_a_column_of_the_kill_matrix_is_a_situation_by_name(visit: Opened, told: dict[str, Any]):
