@@ -9,7 +9,6 @@ import sys
 import traceback
 from collections.abc import Iterator, Sequence
 from importlib import import_module
-from itertools import chain
 from pathlib import Path
 from traceback import walk_tb
 from typing import Any, NoReturn
@@ -21,6 +20,7 @@ from scaloft_fi.console import Marked, lost, say, stand, tell
 from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import ExitCode, InputError, ScaloftError, did_you_mean
 from scaloft_fi.registry import in_one_line, plugin_behind
+from scaloft_fi.verbs import GROUPS, VERBS, module_of
 from scaloft_fi.verbs.completion import COMPLETION, answered
 from scaloft_fi.verbs.options import REST, Example, HelpPage, Page
 
@@ -98,68 +98,9 @@ def _chain(error: BaseException | None) -> Iterator[BaseException]:
         yield error
 
 
-GROUPS: dict[str, dict[str, str]] = {
-    "Begin": {
-        "new": "write a small study to edit, or a plugin package",
-        "example": "list the examples, or copy one",
-    },
-    "Look at the study": {
-        "matrix": "show the deviation matrix, every cell with its reason",
-        "mutants": "list the catalogue of mutants, derive it, check it",
-        "signals": "list the signals that requirements and axes may use",
-        "seams": "list the seams where faults can be patched in",
-        "operators": "list the operators, and the seams that each fits",
-        "axes": "list the axes of the situations",
-        "map": "show mine, bodies and route of one situation",
-        "schema": "print the JSON Schema of a YAML document, for editors",
-        "check": "check the whole study without flying",
-        "hazop": "bring a HAZOP or STPA sheet in, and what people edited",
-    },
-    "Fly": {
-        "run": "fly baseline and mutants over the grid, then score",
-        "margin": "find the smallest magnitude that is killed, by bisection",
-        "seek": "find a situation that would have shown a fault",
-        "propose": "find a requirement that would have shown a fault",
-        "suite": "put the faults to your own tests, and score them",
-        "merge": "join campaigns that were flown in parts",
-        "replay": "fly one flight again, bit for bit, and draw it",
-    },
-    "Read what was flown": {
-        "status": "show which flights a campaign holds",
-        "score": "print the score of a campaign, without flying",
-        "kills": "show where mutants are killed, and what to do next",
-        "coverage": "show what the situations cover",
-        "worksheet": "print the HAZOP worksheet with the findings",
-        "dispositions": "list the survivors beside the accepted ones",
-        "report": "write one HTML file with the whole campaign",
-        "compare": "show what only one of two campaigns shows",
-        "diff": "list the flights that differ, as `compare --flights`",
-    },
-    "Exchange with other tools": {
-        "export": "write one row per flight, or a file for another tool",
-        "judge": "judge records of flights with the study's requirements",
-    },
-    "This machine": {
-        "completion": "print the script by which a shell completes names",
-        "doctor": "show what decides the bits of a flight, and what is installed",
-    },
-}
-"""What each verb does, in groups, in the order in which a user needs them."""
-
-VERBS: dict[str, str] = dict(chain.from_iterable(group.items() for group in GROUPS.values()))
-"""What each verb does."""
-MODULES = {
-    **dict.fromkeys(("seams", "operators"), "listing"),
-    **dict.fromkeys(("status", "merge"), "campaigns"),
-    "diff": "compare",
-    **dict.fromkeys(("axes", "coverage"), "situations"),
-}
-"""The file of a verb, where it is not named after the verb."""
-
-
 def command_of(verb: str) -> click.Command:
     """The command of a verb; its file is imported only now."""
-    command = getattr(import_module(f"scaloft_fi.verbs.{MODULES.get(verb, verb)}"), f"{verb}_command")
+    command = getattr(import_module(f"scaloft_fi.verbs.{module_of(verb)}"), f"{verb}_command")
     assert isinstance(command, click.Command)
     return command
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import json
 import re
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
@@ -18,28 +19,60 @@ from scaloft_fi.analysis.pool import State
 from scaloft_fi.analysis.score import By
 from scaloft_fi.analysis.survivor import Reaction, Standing
 from scaloft_fi.checks.finding import Severity
+from scaloft_fi.errors import ExitCode
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.status import Status
 from scaloft_fi.mutants.operator import Need
 from scaloft_fi.outside.records import Lost
 from scaloft_fi.outside.suite import Colour
-from scaloft_fi.reference import command_reference, outputs_page, yaml_keys_page
 from scaloft_fi.scripting.study import OpenCampaign
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
+from scaloft_fi.verbs import GROUPS
 from scaloft_fi.verbs.export.dossier import EXPORT, FORMATS, HEAD
 from scaloft_fi.verbs.hazop import RowState
 from scaloft_fi.verbs.judge import RecordVerdict
 from scaloft_fi.verbs.listing import Listing, operator_list, seam_list, shown
 from scaloft_fi.verbs.report.analyses import Sign
+from scaloft_fi.verbs.schema import ANSWERS, DOCUMENTS, answer_form, declared_names
 from scaloft_fi.verbs.signals import signal_list
 from scaloft_fi.verbs.verdict import Next, Stage
+from scaloft_fi.views.output import SUMMARY
 from scaloft_fi.views.table import TERMS, Format, term
 
 _MARKS = re.compile(r"\||\[(?!`)")
 SCRIPTS = "What `import scaloft_fi` offers to scripts and notebooks; [Scripts and notebooks](../api.md) shows how."
 PLUGINS = "What `scaloft_fi.api` offers to plugins.  What neither page lists may change."
+HEADS = ("where", "what it is", "every key, in a terminal", "JSON Schema")
+RULES = f"""\
+`--format json` prints one object.  Its `version` is that of the form, not of scaloft-fi: `MAJOR.MINOR`, where MAJOR
+changes when a key goes or changes its meaning, and MINOR when one is added.  Numbers are numbers, in the unit that
+stands in brackets; a ratio is `{{"part": 8, "whole": 15}}`; what is not known or does not apply is `null`; every key
+is always there.  A verb that refuses its input prints nothing on standard output, one sentence on standard error, and
+ends with the exit code of the table below; a gate that fails leaves standard output empty or whole.
+
+`--format csv` prints one table, and `--tables DIR` writes every table of the JSON as a CSV file of its own.  A record
+in a record gives columns `outer_inner`, a list of plain values one cell with `;` between, and a list of records in a
+record a file of its own, whose first column `of_...` says whose it is.  What stands in no list is in `{SUMMARY}.csv`.
+"""
+KEYS = """\
+A study is a folder of YAML documents.  A terminal shows their keys, with range, unit, default and meaning, those of
+installed plugins included.  Numbers are finite and within 1e9 of zero where nothing else is said.
+"""
+EDITOR = """\
+An editor with a language server for YAML, such as Visual Studio Code with the extension YAML of Red Hat, completes
+these keys and shows their texts.  `scaloft-fi schema --write schemas` in the folder of the study writes the JSON
+Schemas, and the first line of a document names its own:
+
+```yaml
+# yaml-language-server: $schema=../schemas/world.json
+```
+
+Or the settings of the editor name them for all documents at once:
+
+```json
+"""
 MADE = "*This page is made from the code.*\n"
 VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
     (
@@ -79,18 +112,54 @@ def reference_pages() -> dict[str, str]:
     study = Study.open(None)
     pages = {
         "glossary.md": _glossary(),
-        "reference/verbs.md": f"# Verbs\n\n{command_reference()}",
-        "reference/yaml_keys.md": yaml_keys_page(),
+        "reference/verbs.md": _verbs(),
+        "reference/yaml_keys.md": _yaml_keys(),
         "reference/signals.md": _list("Signals", signal_list(study), whole=False),
         "reference/seams.md": _list("Seams", seam_list(study), whole=True),
         "reference/operators.md": _list("Operators", operator_list(study), whole=True),
         "reference/columns.md": _columns(),
         "reference/statuses.md": _statuses(),
-        "reference/outputs.md": outputs_page(),
+        "reference/outputs.md": _outputs(),
         "reference/scripts.md": _python("Python names for scripts", SCRIPTS, scaloft_fi),
         "reference/plugins.md": _python("Python names for plugins", PLUGINS, api),
     }
     return {path: f"{text}\n{MADE}" for path, text in pages.items()}
+
+
+def _verbs() -> str:
+    parts = ["# Verbs\n", "`scaloft-fi VERB --help` has every option, with its default and three or more examples.\n"]
+    for heading, verbs in GROUPS.items():
+        parts += [f"## {heading}\n", _table(("verb", "what it does"), ((f"`{verb}`", verbs[verb]) for verb in verbs))]
+    return "\n".join(parts)
+
+
+def _yaml_keys() -> str:
+    declared = declared_names(own=True)
+    settings = {"yaml.schemas": {f"./schemas/{one.name}.json": one.files for one in DOCUMENTS.values()}}
+    rows = (
+        (
+            f"`{one.files}`",
+            one.schema(declared)["description"],
+            f"`scaloft-fi schema {one.name}`",
+            _schema("study", name),
+        )
+        for name, one in DOCUMENTS.items()
+    )
+    return f"# YAML keys\n\n{KEYS}\n{_table(HEADS, rows)}\n{EDITOR}{json.dumps(settings, indent=2)}\n```\n"
+
+
+def _outputs() -> str:
+    codes = _table(("code", "means"), ((code.value, code.meaning) for code in ExitCode))
+    forms = map(answer_form, ANSWERS)
+    rows = (
+        (f"`{one.verb}`", one.says, f"`scaloft-fi schema {one.verb} --answer`", _schema("output", one.verb))
+        for one in forms
+    )
+    return f"# Output for programs\n\n{RULES}\n{_table(HEADS, rows)}\n## Exit codes\n\n{codes}"
+
+
+def _schema(folder: str, name: str) -> str:
+    return f"[schema](../schemas/{folder}/{name}.json)"
 
 
 def _glossary() -> str:

@@ -7,16 +7,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from scaloft_fi.reference import schema_texts as of_outputs
-from scaloft_fi.verbs.schema import declared_names
-from scaloft_fi.verbs.schema import schema_texts as of_documents
+from scaloft_fi.verbs.schema import answer_texts, declared_names, schema_texts
 
 HERE = Path(__file__).parent
 
 
 def main() -> None:
     """Write a file for each verb and each document, and remove those of verbs and documents that are no more."""
-    for folder, texts in (("output", of_outputs()), ("study", of_documents(declared_names(own=True)))):
+    for folder, texts in (("output", answer_texts()), ("study", schema_texts(declared_names(own=True)))):
         (HERE / folder).mkdir(exist_ok=True)
         for path in (HERE / folder).glob("*.json"):
             if path.name not in texts:

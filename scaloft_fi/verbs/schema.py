@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path, PurePosixPath
 from typing import Annotated, Any
 
@@ -40,9 +42,11 @@ from scaloft_fi.sim.vehicle import Vehicle
 from scaloft_fi.sim.world import ROLES, World
 from scaloft_fi.stack.declaration import Declaration
 from scaloft_fi.study import DispositionModel, ScoreModel, Study
+from scaloft_fi.verbs import VERBS, module_of
 from scaloft_fi.verbs.listing import OWN, argument_facts, package_of
 from scaloft_fi.verbs.names import documents
-from scaloft_fi.verbs.options import Option, StudyFolder, verb, write
+from scaloft_fi.verbs.options import FORMATS, Option, StudyFolder, verb, write
+from scaloft_fi.views.output import Output
 from scaloft_fi.views.table import Format, Table, render
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -255,9 +259,32 @@ def document(name: str) -> Document:
     return DOCUMENTS[name]
 
 
+_FORM_OF = {"matrix": "margin", "run": "score", "export": "export.dossier"}
+"""The module that has the form of a verb's answer, where it is not that of the verb."""
+ANSWERS = tuple(verb for verb in VERBS if verb not in ("schema", "completion"))
+"""Verbs that print JSON of a declared form."""
+
+
+def answer_form(verb: str) -> Output:
+    """The form of a verb's JSON.
+
+    Raises:
+        InputError: the verb has none; the message names the nearest verb.
+    """
+    if verb not in ANSWERS:
+        raise InputError(f"no verb {verb!r} that answers in JSON{did_you_mean(verb, ANSWERS)}")
+    module = import_module(f"scaloft_fi.verbs.{_FORM_OF.get(verb) or module_of(verb)}")
+    return {one.verb: one for one in vars(module).values() if isinstance(one, Output)}[verb]
+
+
 def schema_texts(names: Names) -> dict[str, str]:
     """The text of each schema by its file name."""
     return {f"{one.name}.json": schema_text(one.schema(names)) for one in DOCUMENTS.values()}
+
+
+def answer_texts() -> dict[str, str]:
+    """The text of the schema of each verb's answer by its file name."""
+    return {f"{verb}.json": schema_text(answer_form(verb).schema) for verb in ANSWERS}
 
 
 def schema_text(made: Schema) -> str:
@@ -296,39 +323,154 @@ def _line(name: str) -> bytes:
     return b""
 
 
+RATIO = "ratio"
+MOST_FORMS = 10
+"""More names than these are counted; `scaloft-fi operators`, `signals` and the like list them."""
+KEY_NOTES = (
+    "`?` behind a key says that it may be left out; `*` is a name that the study chooses, `[]` each entry of a list.",
+    "Where a mapping has one of several forms, a key with one fixed value tells which.",
+)
+
+
+def keys_table(title: str, schema: Schema) -> Table:
+    """A row for each key below a schema: type, range and default in words, and what the key means."""
+    rows = tuple(dict.fromkeys(_keys("", schema)))  # forms share keys
+    return Table(title, ("key", "value", "meaning"), rows, KEY_NOTES)
+
+
+def _keys(name: str, schema: Schema) -> Iterator[tuple[str, str, str]]:
+    for key, each in schema.get("properties", {}).items():
+        optional = "" if key in schema.get("required", ()) else "?"
+        yield from _key_row(f"{name}.{key}{optional}" if name else f"{key}{optional}", each)
+    for beginning, each in schema.get("patternProperties", {}).items():
+        begins = beginning[1:] if re.fullmatch(r"\^\w+", beginning) else ""
+        yield from _key_row(f"{name}.{begins}*" if name else f"{begins}*", each)
+    if isinstance(each := schema.get("additionalProperties"), dict):
+        yield from _key_row(f"{name}.*" if name else "*", each)
+    if isinstance(schema.get("items"), dict):
+        yield from _keys(f"{name}[]", schema["items"])
+    for word in ("oneOf", "anyOf"):
+        for each in schema.get(word, ()):
+            yield from _keys(name, each)
+
+
+def _key_row(name: str, schema: Schema) -> Iterator[tuple[str, str, str]]:
+    about = " ".join(schema.get("description", "").replace("\n- ", "; ").split())
+    examples = ", ".join(map(_key_said, schema.get("examples", ())))
+    yield name, _value(schema), about + (f"  Such as {examples}." if examples else "")
+    if not _kind(schema).startswith(RATIO):
+        yield from _keys(name, schema)
+
+
+def _value(schema: Schema) -> str:
+    """Type, range and default of a value in words."""
+    words = _kind(schema)
+    if "default" in schema:
+        words += f"; left out: {_key_said(schema['default'])}"
+    return words
+
+
+def _kind(schema: Schema) -> str:
+    if "const" in schema:
+        return _key_said(schema["const"])
+    if "enum" in schema:
+        return "one of " + ", ".join(map(_key_said, schema["enum"]))
+    if "oneOf" in schema or "anyOf" in schema:
+        forms = tuple(dict.fromkeys(map(_kind, (*schema.get("oneOf", ()), *schema.get("anyOf", ())))))
+        return " or ".join(forms) if len(forms) <= MOST_FORMS else f"one of {len(forms)} names"
+    if schema.get("properties", {}).keys() == {"part", "whole"}:
+        return RATIO
+    kind = schema.get("type", "any value")
+    if isinstance(kind, list):
+        return " or ".join(map(_TYPES.__getitem__, kind))
+    if kind == "array":
+        return _list(schema)
+    bounds = (("minimum", "from"), ("exclusiveMinimum", "above"), ("maximum", "to"))
+    limits = " ".join(f"{word} {schema[key]:g}" for key, word in bounds if key in schema)
+    return f"{_TYPES.get(kind, kind)} {limits}".rstrip()
+
+
+_TYPES = {
+    "string": "text",
+    "number": "number",
+    "integer": "whole number",
+    "boolean": "true or false",
+    "object": "mapping",
+}
+
+
+def _list(schema: Schema) -> str:
+    least, most = schema.get("minItems"), schema.get("maxItems")
+    size = f"{least} " if least == most and least else ""
+    each = _kind(schema["items"]) if isinstance(schema.get("items"), dict) else "values"
+    return f"list of {size}{each}" if size or least is None else f"list of {least} or more: {each}"
+
+
+def _key_said(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list | dict):
+        return json.dumps(value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
 @verb(
     "schema",
     examples=(
         ("List the documents that have a schema", "scaloft-fi schema"),
-        ("Print the schema of sim/world.yaml", "scaloft-fi schema world"),
+        ("Show the keys of sim/world.yaml, and what they mean", "scaloft-fi schema world"),
+        ("Show the keys of what `score --format json` prints", "scaloft-fi schema score --answer"),
         ("Write all schemas for an editor, those of installed plugins included", "scaloft-fi schema --write schemas"),
     ),
 )
 def schema_command(
     *,
     name: Annotated[str | None, Option("", "", complete=documents)] = None,
+    answer: Annotated[bool, Option("NAME is a verb: show what it prints with --format json.")] = False,
+    style: Annotated[
+        str,
+        Option(
+            "How the keys are printed; json is the JSON Schema (draft 2020-12).",
+            "--format",
+            type=click.Choice(FORMATS),
+            default="table",
+        ),
+    ],
     study_folder: StudyFolder,
     folder: Annotated[
         Path | None,
         Option("Write every schema as DIR/NAME.json; the folder is made if it is not there.", "--write", metavar="DIR"),
     ],
 ) -> None:
-    """Print the JSON Schema (draft 2020-12) of a YAML document of a study, or write them all.
+    """Show the keys of a YAML document of a study, or of what a verb answers, with their ranges, units and defaults.
 
     The schemas know the seams of the study, and what installed plugins declare.  An editor with a language server for
     YAML completes keys and shows what they mean, when the first line of the document is
-    `# yaml-language-server: $schema=` with the path of the schema.
+    `# yaml-language-server: $schema=` with the path of the schema, which --write writes.
     """
     if name and folder:
         raise click.UsageError("--write writes every schema and goes with no NAME")
+    if answer and not name:
+        raise click.UsageError("--answer goes with the NAME of a verb")
     if folder:
         _write(folder, schema_texts(_of_study(study_folder)))
-    elif name:
-        one = document(name)
-        tell(schema_text(one.schema(_of_study(study_folder))))
-    else:
+        return
+    how = Format(style)
+    if name is None:
         rows = tuple((one.name, one.files) for one in DOCUMENTS.values())
-        tell(render((Table("Schemas of YAML documents", ("document", "files"), rows),), Format.TABLE))
+        tell(render((Table("Schemas of YAML documents", ("document", "files"), rows),), how))
+        return
+    title, made = _asked_for(name, study_folder, answer=answer)
+    tell(schema_text(made) if how is Format.JSON else render((keys_table(title, made),), how))
+
+
+def _asked_for(name: str, folder: Path | None, *, answer: bool) -> tuple[str, Schema]:
+    if answer:
+        form = answer_form(name)
+        return f"{name} --format json, version {form.version}: {form.says}", form.schema
+    one = document(name)
+    made = one.schema(_of_study(folder))
+    return f"{one.files}: {made['description']}", made
 
 
 def _of_study(folder: Path | None) -> Names:

@@ -13,8 +13,8 @@ from processes import ROOT, call
 from shown_commands import GUIDES, Shown, named_commands, shown_commands, stray_commands, update
 from studies import copied
 
-from scaloft_fi.cli import VERBS, command_of
-from scaloft_fi.reference import command_reference
+from scaloft_fi.cli import command_of
+from scaloft_fi.verbs import VERBS
 
 RUN_BY_GUIDES = {f"{name}.md" for name in GUIDES}
 """The pages whose commands `tests/test_guides.py` runs, with the packages that the pages show."""
@@ -70,10 +70,6 @@ def test_every_command_is_run_or_listed():
         command for page in PAGES for command in _of(page)
     }
     assert steps == set(NOT_RUN)
-
-
-def test_the_reference_has_a_section_for_every_verb():
-    assert set(re.findall(r"^### `scaloft-fi (\w+)`$", command_reference(), re.MULTILINE)) == set(VERBS)
 
 
 def test_no_page_is_listed_in_vain():

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from html.parser import HTMLParser
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,9 +15,10 @@ import pytest
 from printed import printed_enumerations
 from processes import ROOT
 
-from scaloft_fi.cli import VERBS, command_of
 from scaloft_fi.errors import ExitCode
+from scaloft_fi.verbs import VERBS
 from scaloft_fi.verbs.export.dossier import EXPORT
+from scaloft_fi.verbs.schema import ANSWERS, DOCUMENTS
 from scaloft_fi.views.table import TERMS
 
 pytestmark = pytest.mark.release
@@ -93,41 +92,14 @@ def test_the_glossary_has_every_term(site: Path):
     assert [term.name for term in TERMS if term.name not in text] == []
 
 
-def _options() -> Iterator[tuple[str, str]]:
-    for verb in VERBS:
-        for parameter in command_of(verb).params:
-            yield from ((verb, option) for option in parameter.opts if option.startswith("--"))
-
-
-def test_the_reference_has_every_verb_and_option(site: Path):
-    page = (site / "reference" / "verbs.html").read_text()
-    sections = dict(re.findall(r'<h3 id="scaloft-fi-(\w+)">(.*?)(?=<h3 |\Z)', page, re.DOTALL))
-    assert set(VERBS) <= set(sections)
-    options = list(_options())
-    assert len(options) > 100
-    assert [(verb, option) for verb, option in options if option not in sections[verb]] == []
-
-
-def _keys(schema: Any) -> Iterator[str]:
-    """Every key that a schema allows, at any depth."""
-    if isinstance(schema, list):
-        for each in schema:
-            yield from _keys(each)
-    elif isinstance(schema, dict):
-        for name, each in schema.items():
-            if name == "properties":
-                yield from each
-            yield from _keys(each)
-
-
-def test_the_reference_has_every_key_of_every_document(site: Path):
-    text = (site / "reference" / "yaml_keys.html").read_text()
-    named = set(re.findall(r"\w+", " ".join(re.findall(r"<td><code>(.*?)</code>", text))))
-    named |= set(re.findall(r"\w+", _text(site, "reference/operators.html")))  # the arguments of operators
-    schemas = {path.stem: json.loads(path.read_text()) for path in (ROOT / "docs" / "schemas" / "study").glob("*.json")}
-    keys = {(name, key) for name, schema in schemas.items() for key in _keys(schema)}
-    assert len(keys) > 100
-    assert sorted((name, key) for name, key in keys if key not in named) == []
+def test_the_reference_has_every_verb_document_and_answer(site: Path):
+    named = {page: _text(site, f"reference/{page}.html") for page in ("verbs", "yaml_keys", "outputs")}
+    assert [verb for verb in VERBS if f" {verb} " not in named["verbs"]] == []
+    assert [one.files for one in DOCUMENTS.values() if one.files not in named["yaml_keys"]] == []
+    assert [verb for verb in ANSWERS if f"schema {verb} --answer" not in named["outputs"]] == []
+    for page, folder in (("yaml_keys", "study"), ("outputs", "output")):
+        linked = set(re.findall(rf'schemas/{folder}/(\w+\.json)"', (site / "reference" / f"{page}.html").read_text()))
+        assert linked == {path.name for path in (site / "schemas" / folder).iterdir()}
 
 
 def test_the_reference_has_every_column_of_the_export(site: Path):

@@ -21,7 +21,7 @@ from jsonschema import Draft202012Validator
 
 import scaloft_fi
 from scaloft_fi.cli import main
-from scaloft_fi.reference import output_of
+from scaloft_fi.verbs.schema import answer_form
 from scaloft_fi.views.table import term
 
 STUDY = Path(__file__).parents[2]
@@ -84,7 +84,7 @@ READERS: tuple[tuple[str, ...], ...] = (
 def of_form(verb: str, text: str) -> dict[str, Any]:
     """The JSON that a verb printed, which has the verb's form."""
     told = json.loads(text)
-    Draft202012Validator(output_of(verb).schema, format_checker=Draft202012Validator.FORMAT_CHECKER).validate(told)
+    Draft202012Validator(answer_form(verb).schema, format_checker=Draft202012Validator.FORMAT_CHECKER).validate(told)
     assert isinstance(told, dict)
     return told
 

@@ -20,12 +20,12 @@ from printed import STUDY, run
 from processes import saved
 from studies import FOLDERS, copied
 
-from scaloft_fi.cli import GROUPS, VERBS, Pipeline, command_of, main
+from scaloft_fi.cli import Pipeline, command_of, main
 from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import GateError, InputError, ScaloftError
 from scaloft_fi.mutants.catalogue import select
-from scaloft_fi.reference import command_reference
 from scaloft_fi.study import Study
+from scaloft_fi.verbs import GROUPS, VERBS
 from scaloft_fi.verbs.options import REST, HelpPage, Option, Page, Verb, typed, verb
 
 
@@ -267,36 +267,6 @@ def test_an_option_that_no_section_names_comes_last():
         (REST, ["--fast", "--help"]),
     ]
     assert isinstance(Page(fly, info_name="fly").make_formatter(), HelpPage)
-
-
-@pytest.fixture(scope="module")
-def reference() -> str:
-    return command_reference()
-
-
-def test_every_group_and_verb_has_a_heading_in_their_order(reference: str):
-    headings = [line for line in reference.splitlines() if line.startswith("#")]
-    wanted = [
-        title for group, verbs in GROUPS.items() for title in (group, *(f"`scaloft-fi {verb}`" for verb in verbs))
-    ]
-    assert [heading.lstrip("# ") for heading in headings] == wanted
-
-
-@pytest.mark.parametrize("name", VERBS)
-def test_every_option_and_example_of_a_verb_stands_in_its_part(name: str, reference: str):
-    command = command_of(name)
-    assert isinstance(command, Verb)
-    part = reference.split(f"### `scaloft-fi {name}`\n")[1].split("\n#")[0]
-    for heading, rows in command.sections(Page(command, info_name=name, help_option_names=["-h", "--help"])):
-        assert f"**{heading}**" in part
-        for names, _ in rows:
-            assert f"- `{names}`: " in part
-    for example in command.examples:
-        assert f"\n{example.command}\n" in part
-
-
-def test_marks_of_markdown_in_a_help_are_literal(reference: str):
-    assert r"a pattern with \*, ? or \[ over names and ids" in reference
 
 
 COMMAND = f"{sys.executable} -P -m scaloft_fi"

@@ -18,12 +18,12 @@ from printed import READERS, STUDY, Call, no_terms, of_form, one_table, sentence
 import scaloft_fi
 from scaloft_fi.analysis.score import By
 from scaloft_fi.cli import main
-from scaloft_fi.reference import output_of
+from scaloft_fi.verbs.schema import answer_form
 
 
 @pytest.mark.parametrize("words", READERS, ids=" ".join)
 def test_json_has_the_form_that_the_verb_declares_and_csv_is_one_table(told: Call, words: tuple[str, ...]):
-    assert of_form(words[0], told_by(told(*words, "--format", "json")))["version"] == output_of(words[0]).version
+    assert of_form(words[0], told_by(told(*words, "--format", "json")))["version"] == answer_form(words[0]).version
     text = told(*words, "--format", "csv").stdout
     assert one_table(text) or words[-1] == "--flights"
     assert not text.startswith("#")
@@ -39,11 +39,11 @@ def test_a_run_answers_in_the_form_of_the_score(folder: Path, told: Call):
 
 def test_an_export_has_the_columns_of_its_form(told: Call):
     rows = json.loads(told("export").stdout)
-    Draft202012Validator(output_of("export").schema).validate(rows)
+    Draft202012Validator(answer_form("export").schema).validate(rows)
     names = [*(name for name in rows[0] if not name.startswith("rho_"))]
-    assert names == list(output_of("export").keys)
+    assert names == list(answer_form("export").keys)
     with pytest.raises(ValidationError):
-        Draft202012Validator(output_of("export").schema).validate([{**rows[0], "rows": 1}])
+        Draft202012Validator(answer_form("export").schema).validate([{**rows[0], "rows": 1}])
 
 
 def test_what_is_merged_and_written_is_told(told: Call, folder: Path, tmp_path: Path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -14,7 +15,7 @@ from studies import every_key_study, keys_of
 
 from scaloft_fi.document import Item, load
 from scaloft_fi.model import Schema
-from scaloft_fi.verbs.schema import DOCUMENTS, PUBLISHED, declared_names
+from scaloft_fi.verbs.schema import ANSWERS, DOCUMENTS, PUBLISHED, answer_form, declared_names, keys_table
 
 
 def document_of(file: str) -> str:
@@ -68,6 +69,44 @@ def test_every_key_says_what_it_is(schemas: dict[str, Schema]):
             assert part is False or part.get("description") or {"then", "allOf", "oneOf"} & {*pointer}, (name, pointer)
 
 
+def test_a_terminal_shows_every_key_of_every_document(schemas: dict[str, Schema]):
+    for name, schema in schemas.items():
+        told = [str(row[0]) for row in keys_table(name, schema).rows]
+        keys = {pointer[-1] for pointer in keys_of(schema) if "then" not in pointer}
+        assert {re.sub(r"\[\]|\?", "", key).rpartition(".")[2] for key in told} - {"*"} == keys, name
+
+
+def test_a_row_has_type_range_default_and_example(schemas: dict[str, Schema]):
+    rows = keys_table("world", schemas["world"]).rows
+    assert (
+        "light",
+        "number from 0 to 1",
+        "brightness of visible light: 0 dark, 1 full  Such as 0.9, 0.003.",
+    ) in rows
+    assert (
+        "mine.mesh_limits?.corners?",
+        "whole number from 1 to 1e+06; left out: 1000",
+        "most corners of one polygon",
+    ) in rows
+    assert ("name", "reference") in [row[:2] for row in keys_table("stack", schemas["stack"]).rows]
+
+
+@pytest.mark.parametrize("verb", ANSWERS)
+def test_a_terminal_shows_every_key_of_every_answer(verb: str):
+    told = {str(row[0]).removeprefix("[].") for row in keys_table(verb, answer_form(verb).schema).rows}
+    assert set(answer_form(verb).keys) <= told
+
+
+def test_json_is_the_schema_and_an_unknown_verb_is_refused_with_the_nearest(capsys: pytest.CaptureFixture[str]):
+    assert run("schema", "score", "--answer", "--format", "json") == 0
+    assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(answer_form("score").schema))
+    assert run("schema", "world", "--format", "json") == 0
+    assert json.loads(capsys.readouterr().out)["title"] == "sim/world.yaml"
+    assert run("schema", "scorre", "--answer") == 2
+    assert "no verb 'scorre' that answers in JSON; did you mean 'score'?" in capsys.readouterr().err
+    assert run("schema", "--answer") == 2
+
+
 VALIDATING = """
 import sys
 from pathlib import Path
@@ -110,12 +149,12 @@ def test_without_a_name_the_documents_are_listed(capsys: pytest.CaptureFixture[s
 
 
 def test_a_name_prints_its_schema(capsys: pytest.CaptureFixture[str]):
-    assert run("schema", "world") == 0
+    assert run("schema", "world", "--format", "json") == 0
     assert json.loads(capsys.readouterr().out)["title"] == "sim/world.yaml"
 
 
 def test_the_schema_of_the_matrix_knows_the_seams_of_the_study(capsys: pytest.CaptureFixture[str]):
-    assert run("schema", "matrix", "--study", ROOT) == 0
+    assert run("schema", "matrix", "--format", "json", "--study", ROOT) == 0
     cell = next(iter(json.loads(capsys.readouterr().out)["patternProperties"].values()))
     assert "velcmd" in cell["oneOf"][1]["properties"]["faults"]["items"]["properties"]["seam"]["enum"]
 
@@ -123,7 +162,7 @@ def test_the_schema_of_the_matrix_knows_the_seams_of_the_study(capsys: pytest.Ca
 def test_a_study_whose_stack_cannot_be_read_has_schemas_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     for name in ("hazop", "mutants", "sim"):
         (tmp_path / name).mkdir()
-    assert run("schema", "stack", "--study", tmp_path) == 0
+    assert run("schema", "stack", "--format", "json", "--study", tmp_path) == 0
     told = capsys.readouterr()
     assert told.err.startswith("warning: without the names of seams: ")
     assert json.loads(told.out)["oneOf"]

@@ -18,11 +18,11 @@ from processes import ROOT, marked, soon
 from studies import copied, edit_in, example
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.cli import VERBS, main
+from scaloft_fi.cli import main
 from scaloft_fi.errors import ExitCode, InputError
 from scaloft_fi.outside.exchange import FlightFolder, Processes
 from scaloft_fi.study import Study
-from scaloft_fi.verbs import options
+from scaloft_fi.verbs import VERBS, options
 
 FLOWN = "baseline/T0O0W0D0H1/0"
 FLIES = {

@@ -18,11 +18,11 @@ from jsonschema import Draft202012Validator
 from printed import of_form
 
 from scaloft_fi.analysis.roster import Ratio
-from scaloft_fi.cli import VERBS
-from scaloft_fi.errors import ExitCode, InputError
+from scaloft_fi.errors import InputError
 from scaloft_fi.marks import Bounds
-from scaloft_fi.reference import OUTPUTS, output_of, outputs_page, schema_texts
+from scaloft_fi.verbs import VERBS
 from scaloft_fi.verbs.export.dossier import column_type, parquet
+from scaloft_fi.verbs.schema import ANSWERS, answer_form, answer_texts
 from scaloft_fi.views.output import Answer, Columns, ColumnType, Output, Shape, inner
 from scaloft_fi.views.table import Table
 
@@ -259,20 +259,19 @@ PUBLISHED = Path(__file__).parents[2] / "docs" / "schemas" / "output"
 
 def test_the_published_schemas_are_those_of_the_code():
     published = {path.name: path.read_text(encoding="utf-8") for path in PUBLISHED.iterdir()}
-    assert published == schema_texts(), "run python docs/schemas/write.py"
+    assert published == answer_texts(), "run python docs/schemas/write.py"
 
 
 def test_the_published_score_has_the_form_of_today():
     of_form("score", SCORE.read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("verb", OUTPUTS)
+@pytest.mark.parametrize("verb", ANSWERS)
 def test_a_schema_is_one_and_every_key_says_what_it_is(verb: str):
-    output = output_of(verb)
+    output = answer_form(verb)
     assert verb in VERBS
     assert output.verb == verb
     Draft202012Validator.check_schema(output.schema)
-    assert output.rows in outputs_page()
     for name, shape in _shapes(verb, output.schema):
         assert inner(shape).get("description"), name
         if inner(shape).get("type") == "object":
@@ -289,13 +288,3 @@ def _shapes(name: str, shape: Shape) -> list[tuple[str, Shape]]:
     if "properties" in bare.get("items", {}):
         found += _shapes(f"{name}[]", bare["items"])
     return found
-
-
-def test_the_page_has_every_key_and_every_exit_code():
-    page = outputs_page()
-    for verb in OUTPUTS:
-        assert f"## `{verb} --format json`" in page
-        for key in output_of(verb).keys:
-            assert f"| `{key}` |" in page or f"| `[].{key}` |" in page
-    for code in ExitCode:
-        assert f"| {code.value} | {code.meaning} |" in page
