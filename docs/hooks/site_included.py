@@ -32,26 +32,26 @@ SECTIONS = {
 }
 """Pages of the site made of sections of DESIGN.md: title, sections."""
 WHOLE = {
-    "contributing.md": "CONTRIBUTING.md",
     "reference/hazop.md": "hazop/README.md",
     "reference/sim.md": "sim/README.md",
-    "benchmarks.md": "benchmarks/README.md",
+    "experiments/index.md": "results/published/README.md",
 }
 """Pages of the site that are another file of the repository."""
 
 
 def included_pages() -> dict[str, str]:
-    """The pages by their place in the site."""
+    """The pages by their place in the site; each published experiment is a text to open, beside the page about all."""
     pages = {path: _linked((ROOT / source).read_text(), path) for path, source in WHOLE.items()}
     sections = _sections((ROOT / "DESIGN.md").read_text())
     for path, (title, names) in SECTIONS.items():
         only = len(names) == 1
         parts = [sections[name] if only else f"## {name}\n{sections[name]}" for name in names]
         pages[path] = _linked(f"# {title}\n\n" + "\n".join(parts), path)
-    for source in sorted(PUBLISHED.glob("*.md")):
-        path = f"experiments/{'index' if source.stem == 'README' else source.stem}.md"
-        pages[path] = _linked(source.read_text(), path)
-    return pages
+    return pages | {_experiment(path): path.read_text() for path in sorted(PUBLISHED.glob("*.md"))}
+
+
+def _experiment(source: Path) -> str:
+    return f"experiments/{source.stem}.txt"
 
 
 def published_report() -> tuple[str, str]:
@@ -72,7 +72,7 @@ def _linked(text: str, path: str) -> str:
     >>> _linked("see `docs/stack.md`", "reference/sim.md")
     'see [`docs/stack.md`](../stack.md)'
     >>> _linked("see `found.md`", "experiments/index.md")
-    'see [`found.md`](found.md)'
+    'see [`found.md`](found.txt)'
     """
 
     def link(named: re.Match[str]) -> str:
@@ -91,8 +91,6 @@ def _place(named: str, path: str) -> str:
         return named.removeprefix("docs/")
     if named == REPORT:
         return f"experiments/{REPORT}"
-    published = named.removeprefix("results/published/")
-    beside = path.startswith("experiments/") or published != named
-    if beside and (PUBLISHED / published).is_file() and "/" not in published:
-        return f"experiments/{'index.md' if published == 'README.md' else published}"
-    return ""
+    published = PUBLISHED / named.removeprefix("results/published/")
+    beside = path.startswith("experiments/") or named.startswith("results/published/")
+    return _experiment(published) if beside and published.parent == PUBLISHED and published.is_file() else ""

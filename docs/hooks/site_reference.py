@@ -5,45 +5,35 @@ from __future__ import annotations
 import inspect
 import json
 import re
-from collections.abc import Iterable, Sequence
-from enum import StrEnum
-from types import ModuleType
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
+
+import click
 
 import scaloft_fi
 import scaloft_fi.mutants.reference
 from scaloft_fi import api
-from scaloft_fi.analysis.comparison import Change
-from scaloft_fi.analysis.detection import Firmness, Verdict
-from scaloft_fi.analysis.pool import State
-from scaloft_fi.analysis.score import By
-from scaloft_fi.analysis.survivor import Reaction, Standing
-from scaloft_fi.checks.finding import Severity
+from scaloft_fi.cli import command_of
 from scaloft_fi.errors import ExitCode
-from scaloft_fi.hazop.matrix import CellStatus
-from scaloft_fi.judge.requirement import Compliance, Kind
-from scaloft_fi.judge.status import Status
 from scaloft_fi.mutants.operator import Need
-from scaloft_fi.outside.records import Lost
-from scaloft_fi.outside.suite import Colour
-from scaloft_fi.scripting.study import OpenCampaign
-from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import GROUPS
 from scaloft_fi.verbs.export.dossier import EXPORT, FORMATS, HEAD
-from scaloft_fi.verbs.hazop import RowState
-from scaloft_fi.verbs.judge import RecordVerdict
 from scaloft_fi.verbs.listing import Listing, operator_list, seam_list, shown
-from scaloft_fi.verbs.report.analyses import Sign
+from scaloft_fi.verbs.options import Verb
 from scaloft_fi.verbs.schema import ANSWERS, DOCUMENTS, answer_form, declared_names
 from scaloft_fi.verbs.signals import signal_list
-from scaloft_fi.verbs.verdict import Next, Stage
 from scaloft_fi.views.output import SUMMARY
 from scaloft_fi.views.table import TERMS, Format, term
 
+_ACTIVE = re.compile(r"([\\*_\[\]<>|])")
 _MARKS = re.compile(r"\||\[(?!`)")
-SCRIPTS = "What `import scaloft_fi` offers to scripts and notebooks; [Scripts and notebooks](../api.md) shows how."
-PLUGINS = "What `scaloft_fi.api` offers to plugins.  What neither page lists may change."
+PYTHON = """\
+`help(scaloft_fi.open)` tells in a session of Python what a name takes, what it gives and what it raises, with units.
+What this page does not list may change.
+"""
+SCRIPTS = "For scripts and notebooks; [Scripts and notebooks](../api.md) shows how."
+PLUGINS = "For plugins; the pages under [Your study](../operator.md) and [Your drone](../stack.md) show how."
 HEADS = ("where", "what it is", "every key, in a terminal", "JSON Schema")
 RULES = f"""\
 `--format json` prints one object.  Its `version` is that of the form, not of scaloft-fi: `MAJOR.MINOR`, where MAJOR
@@ -74,37 +64,6 @@ Or the settings of the editor name them for all documents at once:
 ```json
 """
 MADE = "*This page is made from the code.*\n"
-VALUES: tuple[tuple[str, str, type[StrEnum]], ...] = (
-    (
-        "Status of a flight",
-        "One flight of a mutant beside the baseline of its situation and seed: how far the fault got.",
-        Status,
-    ),
-    ("Verdict on a mutant", "All flights of a mutant together, beside the baseline pools.", Verdict),
-    ("Two campaigns", "What they say of a mutant, held against each other: `compare`.", Change),
-    ("Firmness of a detected mutant", "What remains of the verdict when any one seed is left out.", Firmness),
-    ("Where a survivor stopped", "The stage that its fault did not pass.", Stage),
-    ("What to do next about a survivor", "The change that could show it.", Next),
-    (
-        "State of a pair",
-        "A situation with a requirement, by the flights of the unmutated drone there; the first that fits.",
-        State,
-    ),
-    ("What a flight says of a requirement", "One reading.", Compliance),
-    ("Kind of a requirement", "What a violation counts for.", Kind),
-    ("Ending of a flight", "It is no verdict.", Ending),
-    ("Status of a cell", "In the deviation matrix.", CellStatus),
-    ("A magnitude in a situation", "In the search for a margin.", Reaction),
-    ("A cell of the kill matrix", "In the report: a mutant in a situation.", Sign),
-    ("Parts of a score", "What `score --by` divides it by.", By),
-    ("A finding of check", "Only an error fails.", Severity),
-    ("Standing of a survivor", "Beside the dispositions of the study.", Standing),
-    ("What a record says", "Of a requirement: `judge`.", RecordVerdict),
-    ("What a record lost", "Told beside the readings of `judge`.", Lost),
-    ("A row of a sheet", "What `hazop import` did with it.", RowState),
-    ("Runs of tests", "What a run of one of your own tests says (`suite`).", Colour),
-)
-"""The enumerations whose values are printed: title, what they tell."""
 
 
 def reference_pages() -> dict[str, str]:
@@ -114,23 +73,41 @@ def reference_pages() -> dict[str, str]:
         "glossary.md": _glossary(),
         "reference/verbs.md": _verbs(),
         "reference/yaml_keys.md": _yaml_keys(),
-        "reference/signals.md": _list("Signals", signal_list(study), whole=False),
-        "reference/seams.md": _list("Seams", seam_list(study), whole=True),
-        "reference/operators.md": _list("Operators", operator_list(study), whole=True),
+        "reference/signals.md": _list("Signals", signal_list(study)),
+        "reference/seams.md": _list("Seams", seam_list(study)),
+        "reference/operators.md": _list("Operators", operator_list(study)),
         "reference/columns.md": _columns(),
-        "reference/statuses.md": _statuses(),
         "reference/outputs.md": _outputs(),
-        "reference/scripts.md": _python("Python names for scripts", SCRIPTS, scaloft_fi),
-        "reference/plugins.md": _python("Python names for plugins", PLUGINS, api),
+        "reference/python.md": _python(),
     }
     return {path: f"{text}\n{MADE}" for path, text in pages.items()}
 
 
 def _verbs() -> str:
-    parts = ["# Verbs\n", "`scaloft-fi VERB --help` has every option, with its default and three or more examples.\n"]
+    parts = ["# Verbs\n", "`scaloft-fi VERB --help` tells the same in a terminal, with examples.\n"]
     for heading, verbs in GROUPS.items():
-        parts += [f"## {heading}\n", _table(("verb", "what it does"), ((f"`{verb}`", verbs[verb]) for verb in verbs))]
+        parts += [f"## {heading}\n", *map(_verb, verbs)]
     return "\n".join(parts)
+
+
+def _verb(name: str) -> str:
+    command = command_of(name)
+    assert isinstance(command, Verb)
+    context = click.Context(command, info_name=f"scaloft-fi {name}", help_option_names=["-h", "--help"])
+    parts = [f"### `scaloft-fi {name}`\n", *(f"{_plain(text)}\n" for text in (command.help or "").split("\n\n"))]
+    for _, rows in command.sections(context):
+        parts += [f"- `{names}`: {_plain(meaning)}" for names, meaning in rows if "--help" not in names]
+    return "\n".join(parts) + "\n"
+
+
+def _plain(text: str) -> str:
+    r"""A text on one line; outside of backticks Markdown shows it as it is.
+
+    >>> print(_plain("NAME, or `a*`, or a*"))
+    NAME, or `a*`, or a\*
+    """
+    pieces = " ".join(text.split()).split("`")
+    return "`".join(_ACTIVE.sub(r"\\\1", piece) if at % 2 == 0 else piece for at, piece in enumerate(pieces))
 
 
 def _yaml_keys() -> str:
@@ -159,7 +136,7 @@ def _outputs() -> str:
 
 
 def _schema(folder: str, name: str) -> str:
-    return f"[schema](../schemas/{folder}/{name}.json)"
+    return f"[`{name}.json`](../schemas/{folder}/{name}.json)"
 
 
 def _glossary() -> str:
@@ -187,11 +164,13 @@ def _cell(value: Any) -> str:
     return _MARKS.sub(r"\\\g<0>", " ".join(str(value).split()))
 
 
-def _list(title: str, listing: Listing[Any], *, whole: bool) -> str:
-    """An overview of what the reference study has, and where asked for each entry whole."""
-    every = _code(shown(listing, Format.MARKDOWN, whole=True)) if whole else ""
+def _list(title: str, listing: Listing[Any]) -> str:
+    """An overview of what the reference study has."""
+    verb = title.lower()
     overview = _code(shown(listing, Format.MARKDOWN, whole=False)).replace("### ", "## ", 1)
-    return f"# {title}\n\n`scaloft-fi {title.lower()}` lists what your study has.\n\n{overview}\n{every}"
+    return (
+        f"# {title}\n\n`scaloft-fi {verb}` lists what your study has, `scaloft-fi {verb} NAME` one whole.\n\n{overview}"
+    )
 
 
 def _code(text: str) -> str:
@@ -230,31 +209,27 @@ def _meaning(name: str) -> str:
     return known.meaning
 
 
-def _statuses() -> str:
-    parts = ["# Statuses and verdicts\n", "Every value that a table or a file can show.\n"]
-    for title, says, values in VALUES:
-        parts += [f"## {title}\n", f"{says}\n"]
-        parts.append(_table(("value", "meaning"), ((f"`{value}`", _meaning(value)) for value in values)))
+def _python() -> str:
+    parts = ["# Python names\n", f"{PYTHON}\n"]
+    for module, says in ((scaloft_fi, SCRIPTS), (api, PLUGINS)):
+        rows = [row for name in sorted(module.__all__, key=str.casefold) for row in _names(name, getattr(module, name))]
+        parts += [f"## `{module.__name__}`\n", f"{says}\n", _table(("name", "what it is"), rows)]
     return "\n".join(parts)
 
 
-def _python(title: str, says: str, module: ModuleType) -> str:
-    """Every public name of a module; mkdocstrings writes what it finds at the place of its definition."""
-    parts = [f"# {title}\n", f"{says}\n"]
-    for name in sorted(module.__all__, key=str.casefold):
-        value = getattr(module, name)
-        if inspect.isclass(value) or inspect.isfunction(value):
-            seen = "    options: {force_inspection: true}\n" if value is OpenCampaign else ""  # methods that code makes
-            parts.append(f"::: {value.__module__}.{value.__qualname__}\n{seen}")
-        else:
-            parts.append(f"## `{name}`\n\n{_says(name, value)}\n")
-    return "\n".join(parts)
-
-
-def _says(name: str, value: Any) -> str:
-    """What is no class and no function: a module, a need, a constant, a type."""
+def _names(name: str, value: Any) -> Iterator[tuple[str, str]]:
+    """A row for a name, and one for each method of a class that is no plain data."""
     if isinstance(value, Need):
-        return f"The need for {value.words}."
-    if inspect.ismodule(value):
-        return f"The module `{value.__name__}`: {inspect.cleandoc(value.__doc__ or '')}"
-    return f"`{name} = {str(value).replace('typing.', '')}`"
+        yield f"`{name}`", f"The need for {value.words}."
+    elif not (inspect.isclass(value) or inspect.isroutine(value) or inspect.ismodule(value)):
+        yield f"`{name}`", f"`{str(value).replace('typing.', '')}`"
+    else:
+        yield f"`{name}`", _first(value)
+        for method, each in vars(value).items() if inspect.isclass(value) else ():
+            if inspect.isroutine(each) and not method.startswith("_"):
+                yield f"`{name}.{method}`", _first(each)
+
+
+def _first(value: Any) -> str:
+    """The first sentence of what a name says of itself."""
+    return " ".join((inspect.getdoc(value) or "").partition("\n\n")[0].split()).partition(".  ")[0]

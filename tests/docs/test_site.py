@@ -15,6 +15,7 @@ import pytest
 from printed import printed_enumerations
 from processes import ROOT
 
+from scaloft_fi.cli import command_of
 from scaloft_fi.errors import ExitCode
 from scaloft_fi.verbs import VERBS
 from scaloft_fi.verbs.export.dossier import EXPORT
@@ -22,7 +23,7 @@ from scaloft_fi.verbs.schema import ANSWERS, DOCUMENTS
 from scaloft_fi.views.table import TERMS
 
 pytestmark = pytest.mark.release
-NEEDED = ("material", "mkdocstrings")
+NEEDED = ("material",)
 LOADED = {("script", "src"), ("link", "href"), ("img", "src"), ("iframe", "src")}
 """What a browser loads when it opens a page."""
 
@@ -92,14 +93,23 @@ def test_the_glossary_has_every_term(site: Path):
     assert [term.name for term in TERMS if term.name not in text] == []
 
 
-def test_the_reference_has_every_verb_document_and_answer(site: Path):
-    named = {page: _text(site, f"reference/{page}.html") for page in ("verbs", "yaml_keys", "outputs")}
-    assert [verb for verb in VERBS if f" {verb} " not in named["verbs"]] == []
-    assert [one.files for one in DOCUMENTS.values() if one.files not in named["yaml_keys"]] == []
-    assert [verb for verb in ANSWERS if f"schema {verb} --answer" not in named["outputs"]] == []
-    for page, folder in (("yaml_keys", "study"), ("outputs", "output")):
-        linked = set(re.findall(rf'schemas/{folder}/(\w+\.json)"', (site / "reference" / f"{page}.html").read_text()))
-        assert linked == {path.name for path in (site / "schemas" / folder).iterdir()}
+def test_the_reference_has_every_verb_and_option(site: Path):
+    page = (site / "reference" / "verbs.html").read_text()
+    sections = dict(re.findall(r'<h3 id="scaloft-fi-(\w+)">(.*?)(?=<h3 |\Z)', page, re.DOTALL))
+    assert set(VERBS) <= set(sections)
+    options = [(verb, option) for verb in VERBS for one in command_of(verb).params for option in one.opts]
+    named = [(verb, option) for verb, option in options if option.startswith("--")]
+    assert len(named) > 100
+    assert [(verb, option) for verb, option in named if option not in sections[verb]] == []
+
+
+def test_the_reference_links_the_schema_of_every_document_and_answer(site: Path):
+    for page, folder, names in (("yaml_keys", "study", DOCUMENTS), ("outputs", "output", ANSWERS)):
+        text = (site / "reference" / f"{page}.html").read_text()
+        linked = re.findall(rf'schemas/{folder}/(\w+)\.json"', text)
+        assert sorted(linked) == sorted(names)
+        assert {path.stem for path in (site / "schemas" / folder).iterdir()} == set(names)
+    assert [one.files for one in DOCUMENTS.values() if one.files not in _text(site, "reference/yaml_keys.html")] == []
 
 
 def test_the_reference_has_every_column_of_the_export(site: Path):
@@ -107,11 +117,23 @@ def test_the_reference_has_every_column_of_the_export(site: Path):
     assert [name for name in EXPORT.keys if f"<code>{name}</code>" not in text] == []
 
 
-def test_the_reference_has_every_value_that_is_printed(site: Path):
-    text = (site / "reference" / "statuses.html").read_text()
-    values = {f"{one.__name__}.{value}": f"<code>{value}</code>" for one in printed_enumerations() for value in one}
+def test_the_glossary_has_every_value_that_is_printed(site: Path):
+    text = _text(site, "glossary.html")
+    values = {f"{one.__name__}.{value}": str(value) for one in printed_enumerations() for value in one}
     assert len(values) > 60
     assert [name for name, shown in values.items() if shown not in text] == []
+
+
+def test_the_site_has_at_most_60_000_words(site: Path):
+    words = {page.name: len(_words(page.read_text())) for page in site.rglob("*.html")}
+    assert words["tutorial.html"] > 3000
+    assert sum(words.values()) <= 60_000
+
+
+def _words(page: str) -> list[str]:
+    """The words of the text of a page, without the navigation that all pages have."""
+    article = re.search(r"<article.*?</article>", page, re.DOTALL)
+    return re.sub(r"<(script|style).*?</\1>|<[^>]+>", " ", article[0], flags=re.DOTALL).split() if article else []
 
 
 def test_the_reference_has_every_exit_code(site: Path):
