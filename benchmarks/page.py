@@ -2,7 +2,8 @@
 
     python benchmarks/page.py [REPORT.html]... [--rounds N]
 
-Without a REPORT it writes that of the published campaign, 13,821 flights; `store.py --campaign DIR` keeps one of 250,000.
+Without a REPORT it writes that of the published campaign, 13,821 flights.  `store.py --campaign DIR` keeps a campaign
+of 250,000.
 Bars: a cell of the HAZOP matrix opens within 200 ms, a flight of the kill matrix within 500 ms.
 """
 

@@ -99,11 +99,13 @@ def next_step(scored: Score, study: Study, campaign: str) -> str:
         seeds = max((result.flown for mutant in faults for result in mutant.results), default=1)
         run = command(campaign, faults, seeds, defaults)
         return f"`{run}` flies the baseline pool that is missing in {counted(len(scored.lacking), 'situation')}."
-    found = [(mutant.subject.id, find) for mutant in faults if (find := next_find(mutant, finds))]
+    missed_first = sorted(faults, key=lambda mutant: mutant.verdict is not Verdict.NOT_DETECTED)
+    worst = worst_first(missed_first, lambda mutant: mutant.severity)
+    found = [(mutant.subject.id, find) for mutant in worst if (find := next_find(mutant, finds))]
     if found:
         (mutant, find), *others = found
         run = f"`{flies(find, mutant, finds, campaign, study.space.grid)}`"
-        shows = f"{run} flies the situation found for it ({effect(find.shows[mutant])})."
+        shows = f"fly the situation found for {mutant} ({effect(find.shows[mutant])}): {run}."
         return f"{shows}  {len(others)} more: {survivors}." if others else shows
     undecided = [mutant for mutant in faults if mutant.verdict is Verdict.UNDECIDED]
     looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]

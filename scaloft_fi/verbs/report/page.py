@@ -82,15 +82,17 @@ def _answer(scored: Score) -> str:
 
 
 def _sure(scored: Score) -> str:
-    """How sure a detection is, in a sentence."""
+    """How sure the answer is."""
     if not scored.pooled:
         return "not at all, so nothing is called shown."
     shown = [mutant for mutant in scored.faults if mutant.detected]
     firm = sum(mutant.firm for mutant in shown)
     alone = sum(mutant.firmness is Firmness.FIRM_BY_POOL for mutant in shown)
-    kept = f"; still shown without any one seed: {firm} of {len(shown)}" if shown else ""
+    kept = f"  Of the {len(shown)} shown, {firm} stay{'s' * (firm == 1)} shown without any one seed" if shown else ""
     kept += f" ({alone} by the baseline's alone, as they have one seed)" if alone else ""
-    return f"a fault without effect is called shown with a chance of {scored.alpha:g} at most{kept}."
+    missed = "  A missed fault may show in other situations." if len(shown) < len(scored.faults) else ""
+    chance = f"a fault that does nothing is called shown with a chance of at most {scored.alpha:g}."
+    return f"{chance}{kept}{'.' * bool(kept)}{missed}"
 
 
 def fails(pool: Pool) -> list[str]:

@@ -6,8 +6,9 @@ function cellState(cell) {
   if (!mutant) return { state: "not_flown", text: "not flown", said: `not flown: ${cell.deviation}` };
   if (mutant.control) return { state: mutant.shows.length ? "shows" : "silent", text: mutant.shows.join(" ") || "silent", said: `${mutant.id}: ${showsText(mutant)}` };
   const told = { sure: mutant.certainty, operable: mutant.by.some((name) => !SAFETY.includes(name)), said: `${mutant.id}: ${verdictText(mutant)}; ${killsText(mutant)}` };
-  if (mutant.verdict === "not_tested") return { ...told, state: "not_tested", text: SIGNS[stopped(mutant)][0] };
-  if (mutant.same) return { ...told, state: "same", text: "same" };
+  const idle = mutant.verdict === "not_tested" ? SIGNS[stopped(mutant)][0] : "same";
+  if (mutant.same) return { ...told, state: "same", text: `= ${idle}` };
+  if (mutant.verdict === "not_tested") return { ...told, state: "not_tested", text: `${VERDICTS.not_tested[0]} ${idle}` };
   const rate = mutant.verdict === "not_detected" ? "" : rateText(mutant);
   return { ...told, state: mutant.verdict, text: [markOf(mutant), rate].filter(Boolean).join(" ") };
 }
@@ -20,8 +21,8 @@ const fateOf = (mutant) => (mutant.same ? "same" : mutant.verdict);
 const rankOf = ({ severity }) => DATA.severities.findIndex(({ id }) => id === severity) + 1;
 /** Where a mutant that is never put to the test stopped: a sign of the kill matrix. */
 const stopped = ({ status }) => (Object.hasOwn(SIGNS, status) ? status : status === "invalid" ? "not_flown" : "no_test");
-/** In how many of the situations that test it a mutant is killed; in words where it is detected without a kill. */
-const rateText = ({ verdict, kill_rate: rate }) => (verdict === "detected" && !rate.part ? "no\u00a0kill" : rate.whole ? shortText(rate) : "");
+/** In how many of the situations that test it a mutant is killed; a word where it is detected without a kill. */
+const rateText = ({ verdict, kill_rate: rate }) => (verdict === "detected" && !rate.part ? "rarely" : rate.whole ? shortText(rate) : "");
 const killsText = ({ kill_rate: rate, kill_rate_flown: flown }) => `killed in ${rate.part} of ${plural(rate.whole, "situation")} that put it to the test, of ${flown.whole} flown`;
 const showsText = ({ shows }) => (shows.length ? `shows itself by ${shows.join(" and ")}` : "does not show itself");
 const verdictText = (mutant) => {
@@ -42,27 +43,31 @@ function hazop() {
   roving(board, "td", () => [...board.tBodies[0].rows], (cell) => go(cellHash(cell.dataset.cell))).reset();
   tip.on(board, "td", (cell) => cell.getAttribute("aria-label"));
   const extensions = DATA.guidewords.filter((word) => word.extension);
-  const classes = DATA.severities.map(({ id, title }, place) => [place ? ", " : "missed: ", h("b", { title }, `${place + 1} ${id}`)]);
+  const classes = DATA.severities.map(({ id, title }, place) => h("li", { title }, swatch("not_detected", String(place + 1), null, Math.min(place + 1, RANKS)), id));
   return h("section", { id: "hazop", "aria-label": "The HAZOP matrix", tabindex: "-1" },
     h("div", { class: "scroll" }, board),
-    h("details", { class: "fold" }, h("summary", {}, classes.length > 0 && [classes, ", the darker the worse; "], "how to read the matrix"),
+    classes.length > 0 && h("ul", { class: "legend" }, h("li", {}, h("b", {}, "missed:"), "put to the test, nothing seen; by the class of the consequence"), classes),
+    h("details", { class: "fold", open: ROOMY.matches }, h("summary", {}, "how to read the matrix"),
       h("ul", { class: "legend" },
         DATA.certainty.map((_, step) => h("li", {}, swatch("detected", VERDICTS.detected[0].repeat(step + 1), step + 1), step ? sureText({ certainty: step + 1 }) : [h("b", {}, term("detected")), sureText({ certainty: 1 }), ": the chance that a fault which does nothing looks so"])),
         h("li", {}, h("b", {}, "\u25cb"), "detected, not ", term("firm"), ": without some seed it is not, or too few seeds remain"),
-        h("li", {}, swatch("not_detected", VERDICTS.not_detected[0]), h("b", {}, term("not detected")), "tested, nothing seen; the number is the class of severity"),
         h("li", {}, swatch("undecided", VERDICTS.undecided[0]), h("b", {}, term("undecided")), "hatched: something seen, or too few flights"),
-        h("li", {}, h("b", {}, "same"), "every flight is the unmutated drone's to the bit"),
-        h("li", {}, swatch("not_tested"), h("b", {}, term("not tested")), "hatched wide, with the reason in words"),
-        h("li", {}, swatch("not_meaningful"), term("not meaningful")),
+        h("li", {}, h("b", {}, "="), "no effect: every flight is the unmutated drone's to the bit"),
+        h("li", {}, swatch("not_tested", VERDICTS.not_tested[0]), h("b", {}, term("not tested")), "with the reason in words"),
+        h("li", {}, swatch("not_meaningful"), "no such fault: ", term("not meaningful")),
         h("li", {}, h("b", {}, "8/10"), "killed in 8 of 10 situations that put it to the test"),
-        h("li", {}, h("b", {}, "no kill"), "detected by violations here and there; in no situation do most flights violate"),
+        h("li", {}, h("b", {}, "rarely"), "detected by violations here and there, no kill: in no situation do most flights violate"),
         h("li", {}, h("b", {}, "op"), h("span", {}, "not detected by safety; ", term("operability"), " shows it")),
-        h("li", {}, h("b", {}, "C"), h("span", {}, "crude ", term("control"), ", in no ratio, with the requirements that show it"))),
+        h("li", {}, h("b", {}, "C"), h("span", {}, "crude ", term("control"), ", not among the faults, with the requirements that show it"))),
       extensions.length > 0 && h("p", { class: "small faint" }, extensions.map((word) => `* ${word.title}: no guideword of IEC 61882.  ${word.reason}`).join("  "))));
 }
 
 /** Classes of severity with a colour of their own; all milder ones have the last. */
 const RANKS = 4;
+/** The rank by whose colour a missed fault is shown; null without one. */
+const shownRank = (mutant) => Math.min(rankOf(mutant), RANKS) || null;
+/** Where what the signs mean has room beside the first screen. */
+const ROOMY = matchMedia("(min-width: 80rem)");
 const wordOf = (word) => word.title + (word.extension ? "*" : "");
 
 function hazopCell(cell, word) {
@@ -71,6 +76,6 @@ function hazopCell(cell, word) {
   const margin = sure === undefined ? "" : marginText(cell.name);
   const says = `${cell.guideword} ${cell.parameter}. ${cell.deviation || ""}\n${said}${sure ? `\n${sureText({ certainty: sure })}` : ""}${margin ? `\nmargin ${margin}` : ""}${control ? "\ncrude control, in no ratio" : ""}`;
   const rank = state === "not_detected" ? rankOf(cell) : 0;
-  return h("td", { class: "state", role: "gridcell", tabindex: "-1", "data-cell": cell.name, "data-word": wordOf(word), "data-state": state, "data-sure": sure || null, "data-rank": rank ? Math.min(rank, RANKS) : null, "data-tag": control ? "C" : rank || null, "aria-label": says },
+  return h("td", { class: "state", role: "gridcell", tabindex: "-1", "data-cell": cell.name, "data-word": wordOf(word), "data-state": state, "data-sure": sure || null, "data-rank": rank ? shownRank(cell) : null, "data-tag": control ? "C" : rank || null, "aria-label": says },
     h("span", { class: "plate" }, text, operable && state !== "detected" && h("span", { class: "op" }, " op")));
 }

@@ -38,7 +38,7 @@ function worst() {
       rest > 0 && h("li", {}, h("a", { href: "#survivors" }, `and ${plural(rest, "other")}`))));
 }
 
-const FEW = 4;
+const FEW = 6;
 const line = (name, told) => [h("dt", {}, term(capital(name))), h("dd", {}, told)];
 
 /** The faults that the answer counts. */
@@ -68,8 +68,8 @@ function fateBar() {
   if (!fates.length) return null;
   return h("div", { class: "fates" },
     h("div", { class: "fate-bar", role: "img", "aria-label": `Faults: ${fates.map(({ count, says }) => `${count} ${says}`).join(", ")}` },
-      fates.map(({ state, sure, count }) => h("span", { class: "state", "data-state": state, "data-sure": sure, "--count": count }))),
-    h("ul", { class: "legend" }, fates.map(({ state, says, mark, sure, count }) => h("li", {}, h("button", { type: "button", class: "pick", "aria-pressed": "false", "aria-label": `Pick out: ${count} ${says}`, onclick: pick }, swatch(state, mark, sure), h("b", {}, String(count))), term(says)))));
+      fates.flatMap(byRank).map(({ state, sure, rank, count }) => h("span", { class: "state", "data-state": state, "data-sure": sure, "data-rank": rank, "--count": count }))),
+    h("ul", { class: "legend" }, fates.map(({ state, says, mark, sure, count, members }) => h("li", {}, h("button", { type: "button", class: "pick", "aria-pressed": "false", "aria-label": `Pick out: ${count} ${says}`, onclick: pick }, swatch(state, mark, sure, byRank({ state, members })[0].rank), h("b", {}, String(count))), term(says)))));
 
   function pick() {
     const buttons = [...this.closest("ul").querySelectorAll("button")];
@@ -86,6 +86,13 @@ function walk(mutant, to) {
   const place = members.indexOf(mutant);
   const step = (by, sign, name) => h("a", { class: "button", "data-step": name, "aria-label": `${name} fault, ${says}`, href: to(members[(place + by + count) % count]) }, sign);
   return h("nav", { class: "walk", "aria-label": "Faults of the same fate" }, step(-1, "\u2190", "previous"), h("span", {}, `${place + 1} of ${count} ${says}`), step(1, "\u2192", "next"));
+}
+
+/** The missed faults by class of severity, the worst first; any other fate as it is. */
+function byRank(fate) {
+  if (fate.state !== "not_detected") return [fate];
+  const ranks = [...new Set(fate.members.map(shownRank))].sort((one, other) => one - other);
+  return ranks.map((rank) => ({ ...fate, rank, count: fate.members.filter((mutant) => shownRank(mutant) === rank).length }));
 }
 
 const sentence = (text) => (text.startsWith("`") ? text : capital(text));
@@ -118,7 +125,7 @@ function fates() {
       of(counted, verdict), ...(more ? [of(every, verdict)] : [])]), { stack: false });
 }
 
-const swatch = (state, text = "", sure = null) => h("span", { class: "swatch state", "data-state": state, "data-sure": sure, "aria-hidden": "true" }, text);
+const swatch = (state, text = "", sure = null, rank = null) => h("span", { class: "swatch state", "data-state": state, "data-sure": sure, "data-rank": rank, "aria-hidden": "true" }, text);
 
 function gates() {
   const { placebo_flights: placebo, invalid_flights: invalid, controls, steady_situations: steady, failed } = DATA.gates;
