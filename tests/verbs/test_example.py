@@ -11,8 +11,9 @@ import pytest
 from printed import no_terms, of_form, run
 from processes import ROOT
 
-from scaloft_fi.cli import VERBS, command_of
+from scaloft_fi.cli import command_of
 from scaloft_fi.study import Study
+from scaloft_fi.verbs import VERBS
 from scaloft_fi.verbs.example import BLOCK, example_files
 from scaloft_fi.verbs.names import example_names
 
