@@ -177,6 +177,10 @@ class Processes:
             self._listen(within_s)
         return self._ended
 
+    def computing(self) -> bool:
+        """Whether one of them computes, or would if it had a processor."""
+        return self._guard is not None and guard.computing(self._guard.pid)
+
     def _listen(self, wait_s: float) -> None:
         """Read what the guard tells."""
         assert self._guard is not None
@@ -299,7 +303,8 @@ class OutsideConfig:
         seams: the seams at the border, by name.
         inside: settings of the part that flies below; the flights have them in its schema.
         answer: the seam whose sample answers each tick, which puts the flight into lock step; "" = without.
-        answer_s: how long a tick waits for its answer [s, wall].
+        answer_s: how long a tick waits for its answer [s, wall]; where flights are deterministic, a tick waits on
+            while a process computes, since a loaded machine must not decide what flies.
         ready_s: how long the processes may take to come up [s, wall].
         pace: greatest simulated time per wall time; 0 = as fast as the answers come.
         silent_ticks: ticks in a row without an answer after which the stack outside counts as hung.
@@ -474,7 +479,12 @@ class Exchange:
     def _await_answer(self) -> None:
         if not self.config.answer:
             return
-        self._silent = 0 if self.border.wait(self.config.answer, self.config.answer_s) else self._silent + 1
+        heard, waited = self.border.wait(self.config.answer, self.config.answer_s), 1
+        while not heard and self.config.deterministic and waited < self.config.silent_ticks:
+            if not self.processes.computing():
+                break
+            heard, waited = self.border.wait(self.config.answer, self.config.answer_s), waited + 1
+        self._silent = 0 if heard else self._silent + waited
         if self._silent >= self.config.silent_ticks and not self.processes.ended(within_s=ENDS_S):
             topic = self.config.seams[self.config.answer].topic
             waited = f"{self._silent} ticks in a row, for {self.config.answer_s:g} s each"

@@ -130,7 +130,7 @@ def faulty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], S
     """The study with a stack that has the fault."""
 
     def made(fault: str, program: str = RISES) -> Study:
-        folder = tmp_path / "study"
+        folder = tmp_path / f"study{len(list(tmp_path.glob('study*')))}"
         example("outside_planner", folder)
         (folder / "sim" / "faulty.py").write_text(program.replace("FAULT", fault))
         settings = folder / "sim" / "stack.yaml"
@@ -184,6 +184,17 @@ def test_placebo_outside_flies_as_the_baseline_and_a_late_person_is_shown(outsid
     assert placebo.carried > 0
     assert [violation.requirement for violation in baseline.violations] == []
     assert "SR2" in [violation.requirement for violation in late.violations]
+
+
+@pytest.mark.flight
+def test_a_deterministic_stack_that_computes_for_longer_than_a_tick_waits_flies_as_a_fast_one(
+    faulty: Callable[[str], Study],
+):
+    fast = "order['velocity'][2] = 3.5 - now_s"
+    slow = f"""{fast}
+        until = time.perf_counter() + 0.05 * (now_s < 3.5)
+        while time.perf_counter() < until: pass"""
+    assert flown(faulty(slow)).digest == flown(faulty(fast)).digest
 
 
 @pytest.mark.flight
