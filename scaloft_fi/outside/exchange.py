@@ -479,12 +479,12 @@ class Exchange:
     def _await_answer(self) -> None:
         if not self.config.answer:
             return
-        heard, waited = self.border.wait(self.config.answer, self.config.answer_s), 1
-        while not heard and self.config.deterministic and waited < self.config.silent_ticks:
+        heard, waits = self.border.wait(self.config.answer, self.config.answer_s), 1
+        while not heard and self.config.deterministic and waits < self.config.silent_ticks:
             if not self.processes.computing():
                 break
-            heard, waited = self.border.wait(self.config.answer, self.config.answer_s), waited + 1
-        self._silent = 0 if heard else self._silent + waited
+            heard, waits = self.border.wait(self.config.answer, self.config.answer_s), waits + 1
+        self._silent = 0 if heard else self._silent + waits
         if self._silent >= self.config.silent_ticks and not self.processes.ended(within_s=ENDS_S):
             topic = self.config.seams[self.config.answer].topic
             waited = f"{self._silent} ticks in a row, for {self.config.answer_s:g} s each"
