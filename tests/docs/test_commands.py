@@ -38,6 +38,7 @@ ELSEWHERE = {
     "outside.md": "tests/outside/test_outside_flights.py flies this study",
     "outside_ros1.md": "it needs ROS 1; tests/examples/test_testbed.py flies this study where it is installed",
     "outside_ros2.md": "it needs ROS 2; tests/outside/test_ros2.py flies this study where it is installed",
+    "own_planner.md": "tests/examples/test_own_planner.py follows the page",
     "own_simulator.md": "tests/examples/test_own_simulator.py flies these studies",
     "own_tests.md": "tests/verbs/test_suite.py runs planted tests, tests/examples/test_own_tests.py the example",
     "trust.md": "tests/verbs/test_trust.py asks of this study",
