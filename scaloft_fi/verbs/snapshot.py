@@ -192,8 +192,9 @@ class Snapshot:
     def stale(self) -> Stale:
         """The stored flights that no longer count and were not flown again, with the command that does it."""
         found, study = stale_in(self.now), self.study
-        again = study.again if study.tests_of else _again(study, self.now, self.name, found.flown)
-        return Stale.of(found.why, again if found.flown else "")
+        if not found.flown:
+            return Stale.of(found.why, "")
+        return Stale.of(found.why, study.again if study.tests_of else _again(study, self.now, self.name, found.flown))
 
     @cached_property
     def latest(self) -> tuple[Outcome, ...]:

@@ -172,7 +172,7 @@ GOOD = "requirements:\n  R:\n    kind: safety\n    formula: always(clearance_m >
         (GOOD.replace("> 0)", "> )"), ":4: formula is not a formula"),
         (GOOD + "    triger: x_m > 0\n", ":5: unknown key 'triger' in R; did you mean 'trigger'?"),
         (GOOD + "    trigger: x > 0\n", ":5: trigger names the unknown signal 'x'"),
-        (GOOD + "    trigger: mass > 0\n", "the unknown signal 'mass'; `scaloft-fi signals` lists those there are"),
+        (GOOD + "    trigger: charge > 0\n", "the unknown signal 'charge'; `scaloft-fi signals` lists those there are"),
         (GOOD + "    trigger: historicaly > 0\n", "'historicaly'; did you mean 'historically'?"),
         (GOOD + "definitions:\n  x_m: y_m > 0\n", ":6: definition 'x_m' must not be named like a signal"),
         (GOOD + "definitions:\n  near: y > 0\n", ":6: near names the unknown signal 'y'"),

@@ -52,7 +52,7 @@ def test_first_screen_kills_and_status_say_the_same_next_step(call: Call, tmp_pa
     with snapshot(Study.open(STUDY), f"{tmp_path}/campaign") as now:
         step = now.next_step
     for words in (("score",), ("score", "--all"), ("kills",), ("status",)):
-        said = " ".join(call(*words).stdout.split())
+        said = " ".join(call(*words).stdout.replace("\\\n", "\n").split())
         assert f"What next {step}" in said or f"What next: {step}" in said
 
 

@@ -103,7 +103,8 @@ def test_verbs_that_read_tell_of_the_find_and_its_flights_take_its_place(ruled: 
     saver(copy / "sim", "search")([found(LATE, "T0O0W0D0H1Cs=0.9")])
     campaign = ("--campaign", str(copy.parent / "campaign"))
     command = flies(LATE)
-    assert f"`{command}` flies the situation" in " ".join(call("score", study=copy).stdout.split())
+    screen = " ".join(call("score", study=copy).stdout.replace("\\\n", "\n").split())
+    assert f"fly the situation found for {LATE} (violates SR2): `{command}`." in screen
     survivors = " ".join(call("kills", "--show", "survivors", "--format", "csv", study=copy).stdout.split())
     assert "find,A search found a situation that shows it" in survivors.replace('"', "")
     assert command in survivors
