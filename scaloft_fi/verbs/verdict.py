@@ -105,8 +105,8 @@ def next_step(scored: Score, study: Study, campaign: str) -> str:
     if found:
         (mutant, find), *others = found
         run = f"`{flies(find, mutant, finds, campaign, study.space.grid)}`"
-        shows = f"fly the situation found for {mutant} ({effect(find.shows[mutant])}): {run}."
-        return f"{shows}  {len(others)} more: {survivors}." if others else shows
+        shows = f"fly where a search found that {mutant} {effect(find.shows[mutant])}: {run}."
+        return f"{shows}  {len(others)} more like it: {survivors}." if others else shows
     undecided = [mutant for mutant in faults if mutant.verdict is Verdict.UNDECIDED]
     looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
     if looks:

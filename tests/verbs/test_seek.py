@@ -104,7 +104,7 @@ def test_verbs_that_read_tell_of_the_find_and_its_flights_take_its_place(ruled: 
     campaign = ("--campaign", str(copy.parent / "campaign"))
     command = flies(LATE)
     screen = " ".join(call("score", study=copy).stdout.replace("\\\n", "\n").split())
-    assert f"fly the situation found for {LATE} (violates SR2): `{command}`." in screen
+    assert f"fly where a search found that {LATE} violates SR2: `{command}`." in screen
     survivors = " ".join(call("kills", "--show", "survivors", "--format", "csv", study=copy).stdout.split())
     assert "find,A search found a situation that shows it" in survivors.replace('"', "")
     assert command in survivors
