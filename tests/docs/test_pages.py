@@ -110,7 +110,7 @@ def test_no_sentence_that_a_newcomer_reads_first_is_long(name: str):
 
 SHIPPED = {"hazop", "mutants", "sim", "scaloft_fi"}
 """The folders of the repository that an installed wheel has too, with the same names of files."""
-OWN = {path.name for path in ROOT.glob("*/") if path.name not in SHIPPED}
+OWN = {path.name for path in ROOT.glob("[!.]*/") if path.name not in SHIPPED}
 PATH = re.compile(r"(?<![\w./-])([\w.-]+)(?:/[\w.*-]+)+")
 
 
