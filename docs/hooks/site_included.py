@@ -37,6 +37,8 @@ WHOLE = {
     "experiments/index.md": "results/published/README.md",
 }
 """Pages of the site that are another file of the repository."""
+ASIDE = "docs/further_decisions.md"
+"""It is for who changes the code, and no page of the site."""
 
 
 def included_pages() -> dict[str, str]:
@@ -87,7 +89,7 @@ def _place(named: str, path: str) -> str:
     wholes = {source: place for place, source in WHOLE.items()}
     if named in wholes:
         return wholes[named]
-    if named.startswith("docs/") and (ROOT / named).is_file():
+    if named.startswith("docs/") and named != ASIDE and (ROOT / named).is_file():
         return named.removeprefix("docs/")
     if named == REPORT:
         return f"experiments/{REPORT}"

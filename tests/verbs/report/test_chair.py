@@ -135,9 +135,9 @@ def test_the_matrix_is_shaded_by_certainty_and_hatched_where_nothing_is_decided(
     assert look("LATE-human") == ["\u25cf\u25cf\u25cf 8/16", "3", "none", "solid"]
     assert look("MORE-goal") == ["\u2013 op", "", "none", "solid"]
     assert look("LESS-goal") == ["? 0/30", "", "repeating-linear-gradient", "dashed"]
-    assert look("NO-depth") == ["not infected", "", "repeating-linear-gradient", "solid"]
+    assert look("NO-depth") == ["= not infected", "", "none", "solid"]
     assert page.locator('#hazop td[data-cell="MORE-goal"]').get_attribute("data-rank") == "2"
-    legend = page.locator("#hazop .legend").text_content()
+    legend = page.locator("#hazop details .legend").text_content()
     for words in ("p at most 0.01", "p at most 0.001", "p at most 0.00001", "hatched: something seen"):
         assert words in legend
     # killed by requirements: operability shows one that safety does not
