@@ -178,8 +178,8 @@ class Processes:
         return self._ended
 
     def computing(self) -> bool:
-        """Whether one of them computes, or would if it had a processor."""
-        return self._guard is not None and guard.computing(self._guard.pid)
+        """Whether one of them computes, or would if it had a processor: it is slow, not silent."""
+        return self._guard is not None and any(map(_computes, guard.descendants(self._guard.pid)))
 
     def _listen(self, wait_s: float) -> None:
         """Read what the guard tells."""
@@ -290,6 +290,15 @@ class SeamConfig:
         return Topic(
             seam, self.topic, port.message, port.outward, self.type, self.frame, self.qos, self.fields, self.awaited
         )
+
+
+def _computes(pid: int) -> bool:
+    """Whether a thread of a process runs, or waits for a processor or a disk (Linux)."""
+    try:
+        stats = [path.read_bytes() for path in Path(f"/proc/{pid}/task").glob("*/stat")]
+    except OSError:  # one has ended just now, so that it computed until now
+        return True
+    return any(stat.rpartition(b")")[2].split()[0] in (b"R", b"D") for stat in stats)
 
 
 @dataclass(frozen=True)

@@ -57,26 +57,6 @@ def descendants(root: int) -> set[int]:
     return found
 
 
-def computing(root: int) -> bool:
-    """Whether a process below `root` runs or waits for a processor or a disk, on Linux: it is slow, not silent."""
-    for pid in descendants(root):
-        for thread in _threads(pid):
-            try:
-                with open(f"/proc/{pid}/task/{thread}/stat", "rb") as file:  # noqa: PTH123 - this program imports little
-                    if file.read().rpartition(b")")[2].split()[0] in (b"R", b"D"):
-                        return True
-            except OSError:
-                continue
-    return False
-
-
-def _threads(pid: int) -> list[str]:
-    try:
-        return os.listdir(f"/proc/{pid}/task")  # noqa: PTH208 - this program imports little
-    except OSError:
-        return []
-
-
 def kill_below(root: int, spared: frozenset[int] = frozenset()) -> None:
     """Kill the processes below `root` until none is left, but for `spared` ones and what is below them."""
     kept = spared.union(*(descendants(pid) for pid in spared)) if spared else spared

@@ -491,20 +491,22 @@ TERMS = _terms(Path(__file__).with_name("glossary.txt").read_text(encoding="utf-
 """Every term, in alphabetical order."""
 
 
-def _of_tests() -> dict[str, str]:
-    """What texts about flights say of a campaign of tests: `said of flights => said of tests` on a line."""
+@cache
+def of_tests_words() -> dict[str, str]:
+    """The words of a campaign of tests by those of a campaign of flights: `said of flights => said of tests` a line.
+
+    A name, a path or a command has none of them.
+    """
     lines = Path(__file__).with_name("tests.txt").read_text(encoding="utf-8").splitlines()
     pairs = [(own, other.strip()) for own, _, other in (line.partition(" => ") for line in lines)]
     return dict(pairs) | {own[:1].upper() + own[1:]: other[:1].upper() + other[1:] for own, other in pairs}
 
 
-OF_TESTS = _of_tests()
-"""The words of a campaign of tests, by those of a campaign of flights; a name, a path or a command has none of them."""
-_WORD = re.compile(
-    r"`[^`]*`|(?<![\w:./@-])(?:"
-    + "|".join(map(re.escape, sorted(OF_TESTS, key=len, reverse=True)))
-    + r")(?![\w/@-]|[:.]\S)"
-)
+@cache
+def _flights_said() -> re.Pattern[str]:
+    """What is said otherwise of tests, the longest first, and commands, which stay."""
+    words = "|".join(map(re.escape, sorted(of_tests_words(), key=len, reverse=True)))
+    return re.compile(rf"`[^`]*`|(?<![\w:./@-])(?:{words})(?![\w/@-]|[:.]\S)")
 
 
 def said(table: Table, *, of_tests: bool) -> Table:
@@ -523,7 +525,7 @@ def said(table: Table, *, of_tests: bool) -> Table:
 
 def said_text(text: str, *, of_tests: bool) -> str:
     """The text in the words of a campaign of tests, if it is one; commands stay as they are."""
-    return _WORD.sub(lambda found: OF_TESTS.get(found[0], found[0]), text) if of_tests else text
+    return _flights_said().sub(lambda found: of_tests_words().get(found[0], found[0]), text) if of_tests else text
 
 
 _BY_FORM = {form.casefold(): term for term in TERMS for form in (*term.also, term.name)}

@@ -42,7 +42,7 @@ from scaloft_fi.outside.suite import Colour, Ran, Result
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.suite import asked_mutants
-from scaloft_fi.views.table import OF_TESTS
+from scaloft_fi.views.table import of_tests_words
 
 ROOT = Path(__file__).parents[2]
 WHOLE = Study.open(ROOT)
@@ -256,7 +256,7 @@ def test_the_page_of_a_campaign_of_tests_has_its_words_and_one_of_flights_none(
     report = tmp_path / "report.html"
     assert run("report", "--study", ROOT, "--campaign", planted.folder / "flown", "--output", report) == 0
     content = embedded(report.read_text(), "figures")
-    assert dict(content["words"]) == OF_TESTS
+    assert dict(content["words"]) == of_tests_words()
     assert (content["axes"], content["besides"]) == ([], [])
     assert "operability" not in {one["name"] for one in content["ratios"]}
     assert {one["next"] for one in content["survivors"]} == {"test"}

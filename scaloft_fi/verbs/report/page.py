@@ -31,7 +31,7 @@ from scaloft_fi.verbs.report import analyses
 from scaloft_fi.verbs.report.analyses import Evidence
 from scaloft_fi.verbs.report.flights import DETAILS, FAR, broken, columns, found, packs, scenes
 from scaloft_fi.views.output import plain
-from scaloft_fi.views.table import OF_TESTS, TERMS, counted
+from scaloft_fi.views.table import TERMS, counted, of_tests_words
 
 NO_POOL = "Not known: no situation has ten flights of the unmutated drone."
 WHOLE = "A share of these faults and no estimate for others: the list of cells is closed, and no sample of anything."
@@ -164,7 +164,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "head": head(scored, covered.situations, len(breaks)),
         "besides": [] if scored.of_tests else [{"name": "Situations", "text": coverage_line(covered)}],
         "again": study.again,
-        "words": list(OF_TESTS.items()) if scored.of_tests else [],
+        "words": list(of_tests_words().items()) if scored.of_tests else [],
         "pooled": scored.pooled,
         "ratios": [
             {"name": one.key, "title": one.key.replace("_", " "), "population": one.about, **ratios[one.key]}
