@@ -51,8 +51,7 @@ from typing import IO, Any
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.workers import MAKE
-from scaloft_fi.verbs.example import example_files
-from scaloft_fi.verbs.new import write_new
+from scaloft_fi.verbs.new import example_files, write_new
 
 MARK = "SCALOFT_BENCHMARK_KILL"
 GRACE_S = 5.0

@@ -28,8 +28,7 @@ from scipy.stats import hypergeom
 from experiments.bug_stacks import BUGS, Bug, StackStudy, declare
 from experiments.flights import Flights, fly_arms, outcomes, published
 from experiments.pages import Row, blocks, table, write
-from scaloft_fi.analysis.detection import Detection, Sample, Spending, detect
-from scaloft_fi.analysis.pool import Pool
+from scaloft_fi.analysis.detection import Detection, Pool, Sample, Spending, detect
 from scaloft_fi.analysis.score import MutantScore, score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind

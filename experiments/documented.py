@@ -23,8 +23,7 @@ from experiments import PUBLISHED, ROOT
 from experiments.flights import Flights, Varied, complete, flights_of, read, shared
 from experiments.operating_point import CRUISE, LIGHT
 from experiments.pages import Row, blocks, parser, registered, table
-from scaloft_fi.analysis.detection import ALPHA, Spending, adjusted, holm
-from scaloft_fi.analysis.pool import Pool
+from scaloft_fi.analysis.detection import ALPHA, Pool, Spending, adjusted, holm
 from scaloft_fi.analysis.score import MutantScore, mutant_score, sample
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
 from scaloft_fi.judge.space import Space

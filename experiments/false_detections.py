@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from experiments import ROOT
 from experiments.flights import outcomes, published
 from experiments.pages import blocks, parser, registered, table
-from scaloft_fi.analysis.detection import ALPHA, LOOKS, Sample, Spending, detect
-from scaloft_fi.analysis.pool import LEAST, Pair, Pool
+from scaloft_fi.analysis.detection import ALPHA, LEAST, LOOKS, Pair, Pool, Sample, Spending, detect
 from scaloft_fi.analysis.score import redraw
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind

@@ -31,7 +31,7 @@ from scaloft_fi.hazop.matrix import CellStatus, Matrix
 from scaloft_fi.mutants.catalogue import default_of
 from scaloft_fi.streams import generator
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.compare import compared_by
+from scaloft_fi.verbs.campaigns import compared_by
 from scaloft_fi.verbs.export.dossier import archive_files
 from scaloft_fi.verbs.new import PARAMETERS, firmware_files
 from scaloft_fi.verbs.snapshot import snapshot

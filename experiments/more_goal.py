@@ -24,8 +24,7 @@ from typing import NamedTuple
 from experiments.flights import Flights, Varied, fly_arms, name_of, published
 from experiments.operating_point import CRUISE, LIGHT, NO_TURN
 from experiments.pages import Row, blocks, table, write
-from scaloft_fi.analysis.detection import ALPHA, Detection, Spending
-from scaloft_fi.analysis.pool import Pool
+from scaloft_fi.analysis.detection import ALPHA, Detection, Pool, Spending
 from scaloft_fi.analysis.score import MutantScore, mutant_score
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind

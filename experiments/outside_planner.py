@@ -22,8 +22,7 @@ from typing import Any
 
 from experiments import ROOT
 from experiments.pages import Row, blocks, registered, table
-from scaloft_fi.verbs.example import example_files
-from scaloft_fi.verbs.new import write_new
+from scaloft_fi.verbs.new import example_files, write_new
 
 KEPT = ROOT / "results" / "published" / "outside_planner.json"
 PAGE = KEPT.with_suffix(".md")

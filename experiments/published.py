@@ -28,8 +28,7 @@ from scipy.stats import binomtest
 from experiments import PUBLISHED, ROOT
 from experiments.false_detections import baselines
 from experiments.pages import blocks, registered, table
-from scaloft_fi.analysis.detection import Detection, Sample, Spending, detect
-from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.detection import Detection, Pool, Sample, Spending, State, detect
 from scaloft_fi.document import load
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import select

@@ -28,8 +28,7 @@ from experiments import PUBLISHED, ROOT
 from experiments.flights import fly_arms, outcomes, published
 from experiments.pages import Row, blocks, table, write
 from experiments.random_draw import Draw
-from scaloft_fi.analysis.detection import ALPHA, Spending
-from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.detection import ALPHA, Pool, Spending, State
 from scaloft_fi.analysis.score import MutantScore, mutant_score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind

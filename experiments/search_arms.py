@@ -23,10 +23,9 @@ from scaloft_fi.analysis.score import score
 from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
-from scaloft_fi.campaign.seeking import proposals
+from scaloft_fi.campaign.seeking import seek as proposals
 from scaloft_fi.campaign.seeking.finds import Allowance
-from scaloft_fi.campaign.seeking.proposals import MakeProposer, Parameters, Possible, Proposal, Proposer, at_shares
-from scaloft_fi.campaign.seeking.seek import seek
+from scaloft_fi.campaign.seeking.seek import MakeProposer, Parameters, Possible, Proposal, Proposer, at_shares, seek
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim.grid import Evidence, Grid

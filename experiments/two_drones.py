@@ -23,13 +23,12 @@ from experiments import PUBLISHED, ROOT
 from experiments.pages import Row, blocks, registered, table
 from experiments.reference import REFERENCE, call, pictured, thin
 from scaloft_fi.analysis.comparison import Change, ComparedCampaigns, ComparedMutant, Flown, compared, of_seeds
-from scaloft_fi.analysis.detection import Verdict
-from scaloft_fi.analysis.pool import State
+from scaloft_fi.analysis.detection import State, Verdict
 from scaloft_fi.analysis.score import score_of
 from scaloft_fi.hazop.load import FOLDERS
 from scaloft_fi.hazop.matrix import Matrix, class_of
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.compare import agreement_text, compared_by, matrices_page
+from scaloft_fi.verbs.campaigns import agreement_text, compared_by, matrices_page
 from scaloft_fi.verbs.export.dossier import archive_files
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 

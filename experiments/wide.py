@@ -26,9 +26,8 @@ from experiments import ROOT
 from experiments.flights import GRIDS, Row, counted, outcomes, own_s, published, rows_of
 from experiments.pages import blocks, parser, registered, table
 from experiments.reference import call
-from scaloft_fi.analysis.detection import Sample, Spending, adjusted, firmness, reaches
+from scaloft_fi.analysis.detection import Pool, Sample, Spending, State, adjusted, firmness, reaches
 from scaloft_fi.analysis.kill_matrix import kill_matrix
-from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.score import MutantScore, Redraw, Score, mutant_score, redraw, sample, score
 from scaloft_fi.analysis.survivor import backgrounds
 from scaloft_fi.judge.outcome import BASELINE, Outcome

@@ -68,7 +68,7 @@ if TYPE_CHECKING:
     from scaloft_fi.outside.border import BORDERS, Arrival, BorderError, CameraInfo, Land, Topic
     from scaloft_fi.outside.exchange import Command, Processes
     from scaloft_fi.outside.lines import Codec, LinesBorder
-    from scaloft_fi.outside.ros_messages import LAYOUTS, Ends, Layout, layout_of, sample_in
+    from scaloft_fi.outside.ros2 import LAYOUTS, Ends, Layout, layout_of, sample_in
     from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroundings
     from scaloft_fi.sim.sensors.sensor import SENSORS, FlightSetting, Moment, SensorKind
     from scaloft_fi.sim.world import ROLES, Role
@@ -88,7 +88,7 @@ LATE = {
         "outside.border": "Arrival BORDERS BorderError CameraInfo Land Topic",
         "outside.exchange": "Command Processes",
         "outside.lines": "Codec LinesBorder",
-        "outside.ros_messages": "Ends LAYOUTS Layout layout_of sample_in",
+        "outside.ros2": "Ends LAYOUTS Layout layout_of sample_in",
         "sim.happenings": "Effect HAPPENINGS HappeningKind Surroundings",
         "sim.sensors.sensor": "FlightSetting Moment SENSORS SensorKind",
         "sim.world": "ROLES Role",

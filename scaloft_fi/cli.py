@@ -16,9 +16,9 @@ from typing import Any, NoReturn
 import click
 from click.shell_completion import CompletionItem
 
-from scaloft_fi.console import Marked, lost, say, stand, tell
 from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import ExitCode, InputError, ScaloftError, did_you_mean
+from scaloft_fi.output import Marked, lost, say, stand, tell
 from scaloft_fi.registry import in_one_line, plugin_behind
 from scaloft_fi.verbs import GROUPS, VERBS, module_of
 from scaloft_fi.verbs.completion import COMPLETION, answered

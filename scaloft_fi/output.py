@@ -1,22 +1,37 @@
-"""Write a file whole or not at all: beside its place under another name, then renamed; a signal leaves no such file.
+r"""The one way out: files written whole or not at all, and the standard streams.
 
+A file is written whole or not at all: beside its place under another name, then renamed; a signal leaves no such file.
 Ctrl-C, SIGTERM and SIGHUP end the process of the command at once, with one sentence and the exit code 130.  A
 `KeyboardInterrupt` would be raised at any place: in an import, a compiler, a destructor.  Some of them swallow it,
 others print a traceback.  Nothing needs it to be saved: a store has each flight in a transaction of its own, files
 are written beside their place, and processes end with their parent.  A run has handlers of its own while it flies.
+
+Standard output and standard error may be terminals, files on a full disk, closed pipes, nothing.  Every text that
+leaves through them is made inert here: control characters (C0, C1, DEL), characters that are not seen or turn the
+direction of writing (zero width, bidirectional formatting, tags), line separators and lone surrogates of file names are
+written as `\x1b`, `\u202e` and so on.  Line breaks and tabs stay, except where a text must be one line.  Lines end
+between words: never within an id or a path, a command that fits a line, or before a `%`.  A reader that leaves early is
+no error; a result that cannot be written is one; a message that cannot be written never stops the work.
 """
 
 from __future__ import annotations
 
 import errno
+import io
+import json
 import os
+import re
 import secrets
 import signal
 import stat
 import sys
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from enum import StrEnum
 from pathlib import Path
+from textwrap import wrap
 from types import FrameType
+from typing import Any, TextIO
 
 from scaloft_fi.errors import ExitCode, InputError
 
@@ -184,3 +199,282 @@ def _write(descriptor: int, content: bytes) -> None:
     left = memoryview(content)
     while left:
         left = left[os.write(descriptor, left) :]
+
+
+_OBEYED = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f"
+    "\ud800-\udfff\ufeff\ufff9-\ufffb\ufffe\uffff\U000e0000-\U000e007f]"
+)
+
+
+def printable(text: str) -> str:
+    r"""The text with every character spelled out that a terminal would obey or hide; other texts stay as they are.
+
+    >>> printable("a\x1b[31mb\tc")
+    'a\\x1b[31mb\tc'
+    """
+    return text if text.isprintable() else _OBEYED.sub(lambda found: repr(found[0])[1:-1], text)
+
+
+def line(text: str) -> str:
+    """The printable text on one line."""
+    shown = printable(text)
+    return " ".join(shown.split()) if "\n" in shown or "\t" in shown else shown.strip()
+
+
+def json_text(values: Any, *, indent: int | None = None, letters: bool = False) -> str:
+    r"""JSON in which everything is escaped that a terminal would obey or hide.
+
+    Args:
+        values: plain JSON values.
+        indent: as of `json.dumps`.
+        letters: whether letters beyond ASCII stand as they are.
+
+    >>> json_text("\x7f\x9b Ü"), json_text("\x7f\x9b Ü", letters=True)
+    ('"\\u007f\\u009b \\u00dc"', '"\\u007f\\u009b Ü"')
+
+    Raises:
+        ValueError: a number is not finite.
+    """
+    text = json.dumps(values, indent=indent, ensure_ascii=not letters, allow_nan=False).replace("\x7f", "\\u007f")
+    return _OBEYED.sub(lambda found: json.dumps(found[0])[1:-1], text) if letters else text
+
+
+def all_printable(values: Any) -> Any:
+    r"""Plain JSON values with every text printable, keys too.
+
+    >>> all_printable({"struck": ["\x1b[2J", 1.5]})
+    {'struck': ['\\x1b[2J', 1.5]}
+    """
+    if isinstance(values, str):
+        return printable(values)
+    if isinstance(values, Mapping):
+        return {all_printable(key): all_printable(value) for key, value in values.items()}
+    if isinstance(values, list | tuple):
+        return [all_printable(value) for value in values]
+    return values
+
+
+PIPED = 100
+"""Width of a text that goes to no terminal [characters]."""
+LEAST = 40
+"""Texts are laid out for no less than this [characters]."""
+PROSE = 100
+"""Sentences are no longer than this on a wider terminal [characters]."""
+
+
+class Style(StrEnum):
+    """A way to mark a text on a terminal, as the number that ANSI has for it.  A style never says what no word says."""
+
+    STRONG = "1"
+    BAD = "31"
+    GOOD = "32"
+    DOUBT = "33"
+    COMMAND = "36"
+
+
+class Marked(str):
+    """A text with the marks of styles; every text that came from elsewhere was made printable before."""
+
+    __slots__ = ()
+
+
+def width() -> int:
+    """How wide texts may be: $COLUMNS, else the width of the terminal, else `PIPED` [characters]."""
+    told = os.environ.get("COLUMNS", "")
+    columns = int(told) if told.isdecimal() and len(told) < 5 else 0
+    if not columns:
+        try:
+            columns = os.get_terminal_size(sys.stdout.fileno()).columns
+        except (OSError, ValueError):  # ValueError: the stream has no descriptor
+            columns = 0
+    return max(LEAST, columns) if columns else PIPED
+
+
+def coloured(stream: TextIO | None = None) -> bool:
+    """Whether a stream gets colours; standard output when None.
+
+    $NO_COLOR forbids them (https://no-color.org), $FORCE_COLOR and $CLICOLOR_FORCE demand them even where no terminal
+    is; else a terminal gets them that is not dumb.
+    """
+    said = os.environ.get
+    if said("NO_COLOR"):
+        return False
+    if any(said(name, "0") not in ("", "0") for name in ("FORCE_COLOR", "CLICOLOR_FORCE")):
+        return True
+    return (stream or sys.stdout).isatty() and said("TERM") != "dumb" and said("CLICOLOR") != "0"
+
+
+def styled(text: str, style: Style) -> str:
+    r"""The text with the marks of a style.
+
+    >>> styled("killed", Style.BAD)
+    '\x1b[31mkilled\x1b[0m'
+    """
+    return f"\x1b[{style}m{text}\x1b[0m" if text else text
+
+
+def joined(texts: Sequence[str]) -> str:
+    """Texts below each other; marked if any of them is, and then the others must be printable."""
+    text = "\n".join(texts)
+    return Marked(text) if any(isinstance(each, Marked) for each in texts) else text
+
+
+COMMAND = re.compile(r"`[^`]+`")
+"""A command in a paragraph."""
+_ON = " \\"
+"""Ends a line that a shell is to read on with the next."""
+_BLANK = "\x00"
+"""Stands for a blank at which no line may end; no printable text holds it."""
+
+
+_PERCENT = re.compile(r"(?<=\d) (?=%)")
+
+
+def kept_together(text: str) -> str:
+    """The text with a sign that is no blank before each `%`, so that it stays beside its number."""
+    return _PERCENT.sub(_BLANK, text)
+
+
+def broken(text: str, width: int, first: str = "", rest: str = "") -> list[str]:
+    """The lines of a text; the arguments are those of `wrapped`, which keeps commands whole, too.
+
+    >>> broken("8/32 = 25 %", 10)
+    ['8/32 =', '25 %']
+    """
+    lines = wrap(
+        kept_together(text),
+        width,
+        initial_indent=first,
+        subsequent_indent=rest,
+        break_on_hyphens=False,
+        break_long_words=False,
+    )
+    return [line.replace(_BLANK, " ") for line in lines]
+
+
+def wrapped(text: str, width: int, first: str = "", rest: str = "") -> str:
+    r"""The text in lines of `width` characters; a word that is longer keeps a line of its own.
+
+    Args:
+        text: of one paragraph; a command stands between backticks, and is broken so that a shell reads it as one.
+        width: of the lines with their indent [characters].
+        first: stands before the first line.
+        rest: stands before each other line.
+
+    >>> print(wrapped("fly it again: `scaloft-fi replay NO-depth@3s/T0/0`", 40))
+    fly it again:
+    `scaloft-fi replay NO-depth@3s/T0/0`
+    >>> print(wrapped("`scaloft-fi run --mutant NO-depth@3s`", 30))
+    `scaloft-fi run --mutant \
+    NO-depth@3s`
+    """
+    room = width - max(len(first), len(rest))
+    whole = all(len(command) <= room for command in COMMAND.findall(text))
+
+    def held(command: re.Match[str]) -> str:
+        return command[0].replace(" ", _BLANK) if len(command[0]) <= room else command[0]
+
+    lines = "\n".join(broken(COMMAND.sub(held, text), width if whole else width - len(_ON), first, rest))
+    return COMMAND.sub(lambda command: command[0].replace("\n", f"{_ON}\n"), lines)
+
+
+_STYLES = {"error": Style.BAD, "ratchet": Style.BAD, "warning": Style.DOUBT}
+
+
+def stand() -> None:
+    """Prepare the standard streams of this process.
+
+    The place of a stream that is closed is taken by one that cannot be written, because a file that is opened later
+    would get its number, and with it what libraries print.  Letters that the encoding lacks are spelled out.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.set_inheritable(os.open(os.devnull, os.O_RDONLY), True)  # the lowest free number is this one
+    if sys.stdout is None:
+        sys.stdout = _reopened(1)
+    if sys.stderr is None:
+        sys.stderr = _reopened(2)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def tell(content: str | bytes) -> None:
+    """Write a result to standard output.
+
+    Args:
+        content: a text, or the bytes of a file, which only a terminal gets as printable text.  A `Marked` text keeps
+            its marks.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    if isinstance(content, bytes) and sys.stdout.isatty():
+        content = content.decode(errors="backslashreplace")
+    text = content if isinstance(content, bytes | Marked) else printable(content)
+    try:
+        sys.stdout.flush()
+        if isinstance(text, bytes):
+            sys.stdout.buffer.write(text)
+        else:
+            sys.stdout.write(text)
+        sys.stdout.flush()
+    except OSError as error:
+        lost(error)
+
+
+def lost(error: OSError) -> None:
+    """Give up standard output, where writing failed: quietly where its reader has left.
+
+    Raises:
+        InputError: it cannot be written for another reason.
+    """
+    _silence(sys.stdout)
+    if not isinstance(error, BrokenPipeError):
+        reason = "it is closed" if error.errno == errno.EBADF else error.strerror
+        raise InputError(f"standard output cannot be written: {reason}") from error
+
+
+def tell_line(sentence: str) -> None:
+    """Write a result of one line to standard output.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    tell(f"{line(sentence)}\n")
+
+
+def say(sentence: str) -> None:
+    """Write a line to standard error, if it can be written; a terminal gets `error:` and `warning:` marked."""
+    show(sys.stderr, f"{marked_sentence(line(sentence), sys.stderr)}\n")
+
+
+def marked_sentence(sentence: str, stream: TextIO) -> str:
+    """The sentence, in which `error:` and `warning:` are marked where the stream has colours."""
+    word, colon, rest = sentence.partition(":")
+    style = _STYLES.get(word)
+    return f"{styled(word + colon, style)}{rest}" if style and coloured(stream) else sentence
+
+
+def show(stream: TextIO, text: str) -> None:
+    """Write to a stream for messages, which is given up when it cannot be written."""
+    try:
+        stream.write(text)
+        stream.flush()
+    except (OSError, ValueError):  # ValueError: the stream is closed
+        _silence(stream)
+
+
+def _reopened(number: int) -> TextIO:
+    return open(number, "w", encoding="utf-8", closefd=False)
+
+
+def _silence(stream: TextIO) -> None:
+    """Send nowhere what a stream still holds and all that follows: the interpreter flushes it again at its end."""
+    with suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from scaloft_fi.document import is_there, load
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.bounds import check_caps, within_caps
-from scaloft_fi.judge.requirement import Check, Requirement, load_requirements
+from scaloft_fi.judge.requirement import Check, Requirement, check_caps, load_requirements, within_caps
 from scaloft_fi.judge.space import Realisation, Space
 from scaloft_fi.judge.stl import Formula, FormulaError
 from scaloft_fi.registry import in_one_line

@@ -22,11 +22,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from options import usually
 
-from scaloft_fi import apart
-from scaloft_fi.apart import read_apart
+from scaloft_fi import document as apart
 from scaloft_fi.campaign.store.archive import _unpacked, read_columns
 from scaloft_fi.cli import main
-from scaloft_fi.document import MIB
+from scaloft_fi.document import MIB, read_apart
 from scaloft_fi.errors import ExitCode, InputError
 from scaloft_fi.hazop.sheet import read_sheet
 from scaloft_fi.outside.records import fields_of

@@ -18,8 +18,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from printed import obeyed
 
-from scaloft_fi import console
-from scaloft_fi.console import (
+from scaloft_fi import output as console
+from scaloft_fi.errors import InputError
+from scaloft_fi.output import (
     LEAST,
     PIPED,
     Marked,
@@ -32,7 +33,6 @@ from scaloft_fi.console import (
     width,
     wrapped,
 )
-from scaloft_fi.errors import InputError
 
 
 class Failing(io.StringIO):
@@ -112,7 +112,7 @@ def test_columns_tell_the_width(said: str, found: int, monkeypatch: pytest.Monke
 def test_a_terminal_tells_its_width():
     ours, theirs = pty.openpty()
     ioctl(theirs, TIOCSWINSZ, struct.pack("HHHH", 24, 73, 0, 0))
-    program = "from scaloft_fi.console import width; print(width())"
+    program = "from scaloft_fi.output import width; print(width())"
     subprocess.run([sys.executable, "-c", program], stdout=theirs, check=True)
     assert os.read(ours, 100).split() == [b"73"]
 

@@ -47,22 +47,20 @@ def test_tests_are_not_a_package():
 
 
 READERS = {
-    "document.py": "the one reader",
+    "document.py": "the one reader; /proc, and the pipe of the process that it forks",
     "sources.py": "source files of packages",
     "campaign/store/platforms.py": "/proc/cpuinfo",
     "verbs/report/page.py": "files of this package",
     "sim/build.py": "the null device",
     "campaign/runs/gates.py": "files of this package",
     "campaign/store/store.py": "the file of the store, to watch it",
-    "console.py": "the standard streams",
-    "output.py": "the files that it writes",
+    "output.py": "the standard streams, and the files that it writes",
     "verbs/doctor.py": "/proc/meminfo",
     "outside/exchange.py": "the output of its processes, which the guard bounds",
     "outside/guard.py": "the output of its processes, and /proc",
     "outside/suite.py": "the file to which the flights of one test add what a fault altered",
     "views/table.py": "a file of this package",
     "hazop/sheet.py": "files of this package",
-    "apart.py": "/proc, and the pipe of the process that it forks",
 }
 """The modules that open files, and which."""
 NO_FILES = {"Study", "archive", "border", "self._lines", "windows", "own.windows", "stream"}

@@ -9,7 +9,7 @@ import sys
 import outputs
 from options import usually
 
-from scaloft_fi.console import PIPED
+from scaloft_fi.output import PIPED
 
 EVERY = usually(12, release=1)
 

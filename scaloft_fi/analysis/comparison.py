@@ -20,8 +20,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Annotated
 
-from scaloft_fi.analysis.detection import Sample, Stratum, Verdict, holm, p_value, reaches
-from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.detection import Pool, Sample, State, Stratum, Verdict, holm, p_value, reaches
 from scaloft_fi.analysis.roster import OfSubject, Ratio, Roster
 from scaloft_fi.analysis.score import MutantScore, Score, sample, score_of
 from scaloft_fi.hazop.matrix import SeverityClass, worst_first

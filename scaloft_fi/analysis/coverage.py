@@ -20,7 +20,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.detection import Pool, State
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome

@@ -36,8 +36,7 @@ from itertools import groupby, repeat
 from statistics import stdev
 from typing import TYPE_CHECKING, Any
 
-from scaloft_fi.analysis.detection import Sample, Spending, adjusted, detect, holm, reaches
-from scaloft_fi.analysis.pool import LEAST, Pool
+from scaloft_fi.analysis.detection import LEAST, Pool, Sample, Spending, adjusted, detect, holm, reaches
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Requirement, measured_rho

@@ -18,11 +18,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from scaloft_fi.analysis.condition import condition
-from scaloft_fi.analysis.detection import Detection, Verdict
-from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.detection import Detection, Pool, State, Verdict
 from scaloft_fi.analysis.roster import Ratio, Roster
-from scaloft_fi.analysis.score import MutantScore, Result, Score
+from scaloft_fi.analysis.score import MutantScore, Result, Score, condition
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.matrix import Fault, Matrix, Name, Worse, mild_to_strong, parse, split_magnitude, worse
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, unpack_track

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from scaloft_fi.campaign.flights.fly import Flight
-from scaloft_fi.console import line, marked_sentence, show
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.output import line, marked_sentence, show
 from scaloft_fi.study import Study
 
 SHARE = 0.78

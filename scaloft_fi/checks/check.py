@@ -14,14 +14,22 @@ from scaloft_fi.analysis.coverage import greedy_array
 from scaloft_fi.campaign.flights.check_stack import polls_of
 from scaloft_fi.campaign.flights.command import check_command, mapping_of
 from scaloft_fi.campaign.runs.request import STRATEGIES, hint
-from scaloft_fi.checks.finding import Finding, Findings, Severity, finding_of
-from scaloft_fi.checks.matrix import KnownSignals, check_matrix, check_predicate, check_requirements, kinds_in
-from scaloft_fi.checks.world import RouteCheck, check_vehicle, check_world
+from scaloft_fi.checks import Finding, Findings, Severity, finding_of
+from scaloft_fi.checks.parts import (
+    KnownSignals,
+    RouteCheck,
+    check_matrix,
+    check_predicate,
+    check_requirements,
+    check_vehicle,
+    check_world,
+    kinds_in,
+)
 from scaloft_fi.document import Item, is_file, is_there, load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.load import SHEETS
 from scaloft_fi.hazop.matrix import Matrix
-from scaloft_fi.judge.bounds import ANY, Ranges, cap_of, ranges_of, within_rock, without
+from scaloft_fi.judge.requirement import ANY, Ranges, cap_of, ranges_of, within_rock, without
 from scaloft_fi.judge.space import MOST_LISTED, Space
 from scaloft_fi.judge.stl import FormulaError
 from scaloft_fi.model import value_of

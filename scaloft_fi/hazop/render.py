@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from scaloft_fi.console import wrapped
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix, class_of
+from scaloft_fi.output import wrapped
 
 LEGEND = (
     "3s       credible: can happen, and is flown at this default magnitude",

@@ -17,8 +17,7 @@ from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
 
-from scaloft_fi.apart import read_apart
-from scaloft_fi.document import MIB, read_bytes
+from scaloft_fi.document import MIB, read_apart, read_bytes
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.hazop.matrix import Matrix
 

@@ -2,34 +2,58 @@
 
 A requirement is `always( ... )` over the present and the past, so a violation is final and its time is exact.  No
 formula may refer to the future: an obligation that is pending when a flight is cut short would count as violated.
+
+What a formula can yield in any flight follows from caps and ranges of the signals that it reads.  Beyond its cap a
+signal is constant.  A comparison with a threshold there is true in every flight, or false in every flight, or equals
+the comparison with the cap: `person_sight_m < 8` equals `person_sight_m < 6`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+import math
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from itertools import product
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any
 
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import Faults, InputError
 from scaloft_fi.judge.stl import (
+    CHANGES,
+    COMPARATORS,
+    EXTREMES,
     FUTURE,
     LONGEST,
+    MEAN,
     WORDS,
     Formula,
     FormulaError,
+    Infix,
+    Node,
+    Number,
+    Prefix,
     RootError,
+    Signal,
     Signals,
     inside_always,
+    parse,
+    parts,
     tokenize,
+    written,
 )
 from scaloft_fi.marks import Called, Choices, Examples, Given, Key, Reads, Size
 from scaloft_fi.model import Schema, read, schema
+from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, truth_signals
+from scaloft_fi.sim.world import ROLES, World
+from scaloft_fi.stack.declaration import TICK_S
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
+    from scaloft_fi.stack.declaration import Belief
 
 
 def measured_rho(reading: Reading) -> float | None:
@@ -357,3 +381,328 @@ def _parsed(requirement: Requirement, signals: frozenset[str]) -> _Parsed:
             raise FormulaError("must be always( ... )")
         _PARSED[key] = (Formula.parse(body, names), tuple(definitions), trigger)
     return _PARSED[key]
+
+
+SIGHT_M = 6.0
+"""Greatest distance of a person in sight [m]; equals `SIGHT_M` of `sim/observer.py`, which imports the compiler."""
+
+
+@dataclass(frozen=True)
+class Cap:
+    """The cap of a signal.
+
+    Attributes:
+        most_m: greatest measured value [m].
+        beyond: the value beyond the cap, in words.
+        itself: whether a threshold may equal `most_m`.
+    """
+
+    most_m: float
+    beyond: str
+    itself: bool = False
+
+
+_CLEARANCE = re.compile(r"clearance_(\w+_)?m")
+_CLEAR = Cap(CLEARANCE_CAP_M, f"{CLEARANCE_CAP_M:g} m beyond")
+_NOBODY = Cap(FAR_M, f"{FAR_M:g} m without a person")
+NO_BELIEFS: Mapping[str, float] = MappingProxyType({})
+_CAPS: Mapping[str, Cap] = {
+    "waypoint_wall_m": _CLEAR,
+    "person_sight_m": Cap(SIGHT_M, f"{FAR_M:g} m beyond", itself=True),
+    "person_range_m": _NOBODY,
+}
+
+
+def cap_of(signal: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> Cap | None:
+    """The cap of a signal; None for a signal without a cap.
+
+    Args:
+        signal: name of the signal.
+        beliefs: cap of each belief that has one (`stack.belief.Belief.most`).
+
+    >>> cap_of("clearance_wall_m").most_m
+    1.0
+    """
+    if signal in beliefs:
+        return Cap(beliefs[signal], f"{beliefs[signal]:g} m beyond")
+    return _CLEAR if _CLEARANCE.fullmatch(signal) else _CAPS.get(signal)
+
+
+def within_caps(check: Check, beliefs: Mapping[str, float] = NO_BELIEFS) -> Check:
+    """Extend `check`: first compare the thresholds of the text with the caps of its signals."""
+
+    def checked(text: str, signals: Collection[str]) -> Formula:
+        check_caps(text, beliefs)
+        return check(text, signals)
+
+    return checked
+
+
+def check_caps(text: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> None:
+    """Check each comparison of a signal with a number against the cap of the signal.
+
+    Other comparisons pass, and so do words that are no formula, which `Formula.parse` refuses.
+
+    Raises:
+        FormulaError: a threshold lies beyond the cap, or a character belongs to no word.
+    """
+    tokens = tokenize(text)
+    try:
+        tree = parse(tokens)
+    except FormulaError:
+        return
+    for shown, signal, _, threshold in comparisons(tree):
+        cap = cap_of(signal, beliefs)
+        if cap and (threshold > cap.most_m or (threshold == cap.most_m and not cap.itself)):
+            allowed = f"{'at most' if cap.itself else 'less than'} {cap.most_m:g} m"
+            raise FormulaError(
+                f"compares {signal} with {threshold:g} m in '{shown}', but it is measured up to {cap.most_m:g} m and"
+                f" reads {cap.beyond}; it must be compared with {allowed}"
+            )
+
+
+def comparisons(tree: Node) -> Iterator[tuple[str, str, str, float]]:
+    """Yield each comparison of one signal with a number: its text, and as in `a <= 3.0`, in the signal's unit.
+
+    >>> list(comparisons(parse(tokenize("always(a / 3 <= 1 and 2 > b - 0.5)"))))
+    [('a / 3 <= 1', 'a', '<=', 3.0), ('2 > b - 0.5', 'b', '<', 2.5)]
+    """
+    if isinstance(tree, Infix) and tree.operator in COMPARATORS:
+        line = _line(Infix("-", tree.left, tree.right)) or {}
+        factors = [(name, factor) for name, factor in line.items() if name and factor]
+        if len(factors) == 1:
+            ((name, factor),) = factors
+            for operator in ("<=", ">=") if tree.operator == "==" else (tree.operator,):
+                sense = operator if factor > 0 else operator.translate(_TURNED)
+                yield written(tree), name, sense, round(-line.get("", 0.0) / factor, 9) + 0.0  # never -0.0
+    for part in parts(tree):
+        yield from comparisons(part)
+
+
+_TURNED = str.maketrans("<>", "><")
+
+
+def _line(node: Node) -> Mapping[str, float] | None:
+    """A part as a linear expression, factor by signal, with its constant under ""; None for any other part."""
+    if isinstance(node, Signal):
+        return {node.name: 1.0}
+    if isinstance(node, Number):
+        return {"": node.value}
+    left, right = (_line(node.left), _line(node.right)) if isinstance(node, Infix) else (None, None)
+    if not isinstance(node, Infix) or left is None or right is None:
+        return None
+    if node.operator in ("+", "-"):
+        sign = 1.0 if node.operator == "+" else -1.0
+        return {name: left.get(name, 0.0) + sign * right.get(name, 0.0) for name in {**left, **right}}
+    if node.operator == "*" and left.keys() == {""}:
+        left, right = right, left
+    if node.operator not in ("*", "/") or right.keys() != {""} or (node.operator == "/" and not right[""]):
+        return None
+    scale = right[""] if node.operator == "*" else 1.0 / right[""]
+    return {name: scale * factor for name, factor in left.items()}
+
+
+Span = tuple[float, float]
+"""Least and greatest number, either may be infinite."""
+Ranges = Mapping[str, tuple[Span, ...]]
+"""By name of a signal the spans that hold everything that it can read, in order."""
+
+ANY: tuple[Span, ...] = ((-math.inf, math.inf),)
+NEVER_BELOW_0: tuple[Span, ...] = ((0.0, math.inf),)
+SHARE: tuple[Span, ...] = ((0.0, 1.0),)
+CLEARANCE: tuple[Span, ...] = ((-math.inf, CLEARANCE_CAP_M),)
+TRUTH: Ranges = {
+    "elapsed_s": NEVER_BELOW_0,
+    "remaining_s": ((-TICK_S, math.inf),),
+    **dict.fromkeys(("qx", "qy", "qz", "qw"), ((-1.0, 1.0),)),
+    "yaw_rad": ((-math.pi, math.pi),),
+    "speed_mps": NEVER_BELOW_0,
+    "clearance_m": CLEARANCE,
+    "person_range_m": ((0.0, FAR_M),),
+    "person_sight_m": ((0.0, SIGHT_M), (FAR_M, FAR_M)),
+    "waypoints_left": NEVER_BELOW_0,
+    "home_m": NEVER_BELOW_0,
+    "landed": ((0.0, 0.0), (1.0, 1.0)),
+    "light": SHARE,
+    "obstacle_pixels": NEVER_BELOW_0,
+    "waypoint_wall_m": (*CLEARANCE, (FAR_M, FAR_M)),
+    "mass_kg": NEVER_BELOW_0,
+    "takeoff_charge": SHARE,
+    "haze_per_m": NEVER_BELOW_0,
+}
+"""The signals of the package that something bounds in every study; a flight may outlast its limit by part of a tick."""
+_NO_PERSON: tuple[Span, ...] = ((FAR_M, FAR_M),)
+
+
+def ranges_of(world: World, beliefs: Iterable[Belief], names: Iterable[str]) -> Ranges:
+    """What the signals of a study can read.
+
+    Args:
+        world: the study's world.
+        beliefs: of the stack.
+        names: names of the signals; those of which nothing is known can read any number.
+    """
+    known = {signal.name: CLEARANCE for signal in truth_signals(world.surfaces) if signal.name.startswith("clearance_")}
+    known |= {signal.name: ((-math.inf, signal.most),) for signal in SIGNALS.values()}
+    known |= TRUTH
+    for belief in beliefs:
+        marks = belief.mark.values if belief.mark else ()
+        known[belief.name] = ((0.0, len(marks) - 1.0),) if marks else ((-math.inf, belief.most),)
+    return {name: known.get(name, ANY) for name in names}
+
+
+def without(world: World) -> Ranges:
+    """What signals read in a study that has nobody, and no obstacle, that they could measure."""
+    roles = [ROLES[body.role] for body in world.bodies.values()]
+    empty: dict[str, tuple[Span, ...]] = {}
+    if not any(role.is_person for role in roles):
+        empty |= {"person_range_m": _NO_PERSON, "person_sight_m": _NO_PERSON}
+    if not any(role.is_obstacle for role in roles):
+        empty["obstacle_pixels"] = ((0.0, 0.0),)
+    return empty
+
+
+def within_rock(world: World) -> Ranges:
+    """Where the centre of a vehicle can be in the mine [m]."""
+    corners = world.mine.wall.vertices, world.mine.ground.vertices
+    low = [min(float(part[:, axis].min()) for part in corners) for axis in range(3)]
+    high = [max(float(part[:, axis].max()) for part in corners) for axis in range(3)]
+    return {name: ((low[axis], high[axis]),) for axis, name in enumerate(("x_m", "y_m", "z_m"))}
+
+
+MOST_SPANS = 32
+"""With more spans, one span stands for all of them."""
+Spans = tuple[Span, ...]
+
+
+def verdict(spans: Spans) -> bool | None:
+    """Whether a formula with this robustness holds in every flight (True) or in none (False); None = it depends."""
+    if all(low >= 0.0 for low, _ in spans):
+        return True
+    return False if all(high < 0.0 for _, high in spans) else None
+
+
+def bounds_of(formula: Formula, ranges: Ranges) -> Spans:
+    """What the robustness of a formula can be at a sample; wider than it is where one signal occurs twice.
+
+    Args:
+        formula: the formula.
+        ranges: by name what each signal, and the robustness of each definition in it, can be.
+    """
+    return _bounds(formula.tree, ranges)
+
+
+def constants(formula: Formula, ranges: Ranges) -> Iterator[tuple[str, bool]]:
+    """The comparisons in a formula that are true, or false, at every sample of every flight."""
+    waiting = [formula.tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, Infix) and node.operator in COMPARATORS:
+            always = verdict(_bounds(node, ranges))
+            if always is not None:
+                yield written(node), always
+        else:
+            waiting += reversed(parts(node))
+
+
+def _bounds(node: Node, ranges: Ranges) -> Spans:
+    if isinstance(node, Signal):
+        return ranges.get(node.name, ANY)
+    if isinstance(node, Number):
+        return ((node.value, node.value),)
+    if isinstance(node, Prefix):
+        of = _bounds(node.of, ranges)
+        if node.word in CHANGES:
+            low, high = of[0][0], max(high for _, high in of)
+            return ((min(low, -high), high if node.word == "rise" else -low),)
+        if node.word in EXTREMES:
+            first = node.interval.first if node.interval is not None else 0
+            return _window(node.word, of, first, ranges.get("elapsed_s", ANY)[-1][1])
+        if node.word == MEAN:
+            return ((min(low for low, _ in of), max(high for _, high in of)),)
+        return _few([_FUNCTION[node.word](span) for span in of])
+    if node.operator in COMPARATORS:
+        sides = (node.right, node.left) if node.operator in ("<", "<=") else (node.left, node.right)
+        spans = _bounds(Infix("-", *sides), ranges)
+        return spans if node.operator != "==" else _few([_against(span) for span in spans])
+    line = _line(node)
+    if line is not None:  # each signal once, however often it is written
+        spans = ((line.get("", 0.0),) * 2,)
+        for name in (name for name, factor in line.items() if name and factor):
+            scaled = [_times((line[name],) * 2, span) for span in ranges.get(name, ANY)]
+            spans = _few([_JOIN["+"](one, other) for one, other in product(spans, scaled)])
+        return spans
+    right = _bounds(node.right, ranges)
+    if node.operator in ("since", "until"):
+        return ((-math.inf, max(high for _, high in right)),)
+    return _few([_JOIN[node.operator](one, other) for one, other in product(_bounds(node.left, ranges), right)])
+
+
+def _window(word: str, spans: Spans, first: int, longest_s: float) -> Spans:
+    """An extreme of what stands inside; a window that begins later may be empty, or is, in every flight."""
+    low, high = min(low for low, _ in spans), max(high for _, high in spans)
+    late = first > 0
+    if first * TICK_S > longest_s:
+        low, high = math.inf, -math.inf
+    if word in ("historically", "always"):
+        return ((low, math.inf if late else high),)
+    return ((-math.inf if late else low, high),)
+
+
+def _few(spans: list[Span]) -> Spans:
+    ordered = sorted(spans)
+    return tuple(ordered) if len(ordered) <= MOST_SPANS else ((ordered[0][0], max(high for _, high in ordered)),)
+
+
+def _minus(one: Span, other: Span) -> Span:
+    return _span(one[0] - other[1], one[1] - other[0])
+
+
+def _span(low: float, high: float) -> Span:
+    """The span; nothing is known of an end that is infinity - infinity."""
+    return (-math.inf if math.isnan(low) else low, math.inf if math.isnan(high) else high)
+
+
+def _times(one: Span, other: Span) -> Span:
+    ends = [0.0 if 0.0 in (a, b) else a * b for a, b in product(one, other)]
+    return min(ends), max(ends)
+
+
+def _over(one: Span, other: Span) -> Span:
+    if other[0] <= 0.0 <= other[1]:
+        return -math.inf, math.inf
+    ends = [_quotient(a, b) for a, b in product(one, other)]
+    return min(ends), max(ends)
+
+
+def _quotient(a: float, b: float) -> float:
+    if math.isinf(b):
+        return 0.0 if math.isfinite(a) else math.copysign(math.inf, a * b)
+    return a / b
+
+
+def _absolute(span: Span) -> Span:
+    return (0.0 if span[0] <= 0.0 <= span[1] else min(map(abs, span))), max(map(abs, span))
+
+
+def _against(span: Span) -> Span:
+    """How far a difference in this span can be from none, as a robustness."""
+    low, high = _absolute(span)
+    return -high, -low
+
+
+_FUNCTION: Mapping[str, Callable[[Span], Span]] = {
+    "not": lambda span: (-span[1], -span[0]),
+    "abs": _absolute,
+    "sqrt": lambda span: (math.sqrt(max(span[0], 0.0)), math.sqrt(max(span[1], 0.0))),
+}
+_JOIN: Mapping[str, Callable[[Span, Span], Span]] = {
+    "+": lambda one, other: _span(one[0] + other[0], one[1] + other[1]),
+    "-": _minus,
+    "*": _times,
+    "/": _over,
+    "and": lambda one, other: (min(one[0], other[0]), min(one[1], other[1])),
+    "or": lambda one, other: (max(one[0], other[0]), max(one[1], other[1])),
+    "implies": lambda one, other: (max(-one[1], other[0]), max(-one[0], other[1])),
+    "iff": lambda one, other: _against(_minus(one, other)),
+}

@@ -16,8 +16,8 @@ from typing import Annotated, Any, NamedTuple, Protocol, get_args, get_origin, g
 
 import numpy as np
 
-from scaloft_fi.console import line as inert
 from scaloft_fi.marks import Choices
+from scaloft_fi.output import line as inert
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.flight import StackError
 from scaloft_fi.stack.declaration import STEP_HZ, TICK_HZ

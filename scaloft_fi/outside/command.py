@@ -14,12 +14,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
-from scaloft_fi.console import line
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError, ScaloftError, did_you_mean
 from scaloft_fi.marks import MOST, Bounds, Called, Choices, Examples, Given, MoreThanZero, Needed, Reads, Size
 from scaloft_fi.model import read
 from scaloft_fi.mutants.mutant import EVERY_SEAM
+from scaloft_fi.output import line
 from scaloft_fi.outside.border import BORDERS, PORTS, Border, BorderError, BorderName, Topic
 from scaloft_fi.outside.exchange import DONE, LINE, Command, Processes
 from scaloft_fi.stack.declaration import Declaration, Seam, Wire

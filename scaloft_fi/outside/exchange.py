@@ -17,10 +17,10 @@ from pathlib import Path
 from shutil import rmtree
 from typing import Annotated, Any
 
-from scaloft_fi.console import line as inert
 from scaloft_fi.document import Item
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.marks import MOST, Bounds, Choices, Examples, Pattern, Scalar, Size
+from scaloft_fi.output import line as inert
 from scaloft_fi.outside import guard
 from scaloft_fi.outside.border import BORDERS, PORTS, Border, BorderError, BorderName, Topic
 from scaloft_fi.stack.declaration import Wire

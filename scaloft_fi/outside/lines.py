@@ -25,7 +25,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.console import line as inert
+from scaloft_fi.output import line as inert
 from scaloft_fi.outside.border import (
     Arrival,
     BorderError,

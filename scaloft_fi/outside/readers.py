@@ -22,8 +22,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from scaloft_fi.apart import lacks_room
-from scaloft_fi.document import is_folder, opened, read_text
+from scaloft_fi.document import is_folder, lacks_room, opened, read_text
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.outside.records import (
     MOST_MESSAGES,

@@ -19,8 +19,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.apart import read_apart
-from scaloft_fi.document import Item, is_folder, load
+from scaloft_fi.document import Item, is_folder, load, read_apart
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.marks import MOST, Bounds, Called, Choices, Either, Examples, Given, Reads, Size
 from scaloft_fi.model import read, schema_of, value_of

@@ -30,8 +30,7 @@ from scaloft_fi.output import write_named
 from scaloft_fi.outside.suite import injecting
 from scaloft_fi.scripting.flight import Figure, FlownFlight, described, in_python, number
 from scaloft_fi.study import Study
-from scaloft_fi.verbs import campaigns, dispositions, kills, margin, situations, worksheet
-from scaloft_fi.verbs import compare as comparing
+from scaloft_fi.verbs import campaigns, kills, margin, situations, worksheet
 from scaloft_fi.verbs import propose as proposing
 from scaloft_fi.verbs import run as flying
 from scaloft_fi.verbs import seek as seeking
@@ -40,14 +39,15 @@ from scaloft_fi.verbs.campaigns import MergedCampaigns, MergedPlatform
 from scaloft_fi.verbs.check import checked
 from scaloft_fi.verbs.export.dossier import FORMATS, dossier, flight_columns
 from scaloft_fi.verbs.judge import JudgedFiles, RecordedIn, RecordMapping, judge
-from scaloft_fi.verbs.map import plan_of
 from scaloft_fi.verbs.margin import MarginMutants, MarginSeeds, Tolerance
 from scaloft_fi.verbs.options import AsOf, BaselineFrom, Jobs, Operability, SamePlatform, Situations, Today, several
 from scaloft_fi.verbs.replay import comparison, fly_with_log, ready_to_fly
 from scaloft_fi.verbs.report.analyses import gather
 from scaloft_fi.verbs.report.page import page
 from scaloft_fi.verbs.score import SCORE, ScoredFlights, scored_campaign, scored_run
+from scaloft_fi.verbs.score import dispositions as dispositions_of
 from scaloft_fi.verbs.signals import signal_list
+from scaloft_fi.verbs.situations import plan_of
 from scaloft_fi.views.output import Answer, Columns, ColumnType, plain
 from scaloft_fi.views.picture import draw_plan
 from scaloft_fi.views.table import Format, Table, html
@@ -345,9 +345,9 @@ class OpenCampaign:
     kills = of_campaign(kills.kills)
     when = of_campaign(margin.when_answer)
     worksheet = of_campaign(worksheet.worksheet)
-    dispositions = of_campaign(dispositions.dispositions)
-    compare = of_campaign(comparing.compare)
-    diff = of_campaign(comparing.diff)
+    dispositions = of_campaign(dispositions_of)
+    compare = of_campaign(campaigns.compare)
+    diff = of_campaign(campaigns.diff)
 
     @described
     def run(

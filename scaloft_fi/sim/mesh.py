@@ -18,8 +18,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.apart import read_apart
-from scaloft_fi.document import FILE_BYTES, MIB, UnreadableError, is_file, opened, read_text
+from scaloft_fi.document import FILE_BYTES, MIB, UnreadableError, is_file, opened, read_apart, read_text
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.marks import Bounds
 from scaloft_fi.registry import in_one_line

@@ -55,10 +55,11 @@ GROUPS: dict[str, dict[str, str]] = {
 VERBS: dict[str, str] = dict(chain.from_iterable(group.items() for group in GROUPS.values()))
 """What each verb does."""
 _MODULES = {
-    **dict.fromkeys(("seams", "operators"), "listing"),
-    **dict.fromkeys(("status", "merge"), "campaigns"),
-    "diff": "compare",
-    **dict.fromkeys(("axes", "coverage"), "situations"),
+    **dict.fromkeys(("seams", "operators", "mutants"), "listing"),
+    **dict.fromkeys(("status", "merge", "compare", "diff"), "campaigns"),
+    **dict.fromkeys(("axes", "coverage", "map"), "situations"),
+    "dispositions": "score",
+    "example": "new",
 }
 """The file of a verb, where it is not named after the verb."""
 

@@ -1,25 +1,49 @@
-"""`scaloft-fi status` and `merge`: what a campaign holds, and one made of several."""
+"""`scaloft-fi status`, `merge`, `compare`, `diff`: what a campaign holds, one of several, what one of two alone shows."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from html import escape
+from pathlib import Path
 from typing import Annotated, Literal
 
+from scaloft_fi.analysis.comparison import Agreement, Change, ComparedCampaigns, ComparedMutant, Flown, compared
+from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.roster import Roster
+from scaloft_fi.analysis.score import score_of
 from scaloft_fi.campaign.runs.merge import Merged
 from scaloft_fi.campaign.runs.merge import merge as merged_into
-from scaloft_fi.campaign.store.archive import MANIFEST, campaign_folder, study_of_all
-from scaloft_fi.console import line
-from scaloft_fi.judge.outcome import BASELINE
-from scaloft_fi.judge.status import baseline_status, flights_of
+from scaloft_fi.campaign.store.archive import MANIFEST, campaign_folder, is_archive, study_of_all
+from scaloft_fi.campaign.store.held import nothing_to_show
+from scaloft_fi.errors import ExitCode, InputError, shown
+from scaloft_fi.hazop.load import nearest_study
+from scaloft_fi.hazop.matrix import Matrix, class_of
+from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import Facts, baseline_status, facts_of, flights_of, rulings_of
+from scaloft_fi.mutants.catalogue import realise
+from scaloft_fi.output import line, say
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.dossier import WAITING, FlightStatus, ordered
 from scaloft_fi.verbs.names import campaigns
-from scaloft_fi.verbs.options import Campaign, LineFormat, Option, Several, StudyFolder, answer, verb
+from scaloft_fi.verbs.options import (
+    Campaign,
+    LineFormat,
+    Option,
+    Several,
+    StudyFolder,
+    TableFormat,
+    TablesFolder,
+    answer,
+    check_writable,
+    verb,
+    write,
+)
 from scaloft_fi.verbs.snapshot import Reason, Snapshot, snapshot
 from scaloft_fi.views.output import Answer, Output
-from scaloft_fi.views.table import Table, said
+from scaloft_fi.views.table import Table, counted, said
 
 _WORDS = {WAITING: "waiting for their baseline"}
 
@@ -226,3 +250,375 @@ def merge_command(
     """
     study = study_of_all(study_folder, [*sources, campaign])
     answer(merge(study, campaign, sources, same_platform=same_platform), style)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One flight.
+
+    Attributes:
+        mutant: `baseline`, `PLACEBO` or the id of a mutant.
+        situation: key of the situation.
+        seed: seed of the flight.
+        first: what the first campaign says of it; null: the first campaign has no such flight.
+        second: what the second campaign says of it; null: the second campaign has no such flight.
+    """
+
+    mutant: str
+    situation: str
+    seed: int
+    first: Facts | None
+    second: Facts | None
+
+
+@dataclass(frozen=True)
+class FlightDifferences:
+    """The flights of which two campaigns do not say the same.
+
+    Attributes:
+        first: the first campaign, as it was named.
+        second: the second campaign, as it was named.
+        same: flights that are the same bit for bit.
+        other_bits: flights with other bits and the same status, ending and violations.
+        differences: the flights that differ, ordered by mutant, situation and seed.
+    """
+
+    first: str
+    second: str
+    same: int
+    other_bits: int
+    differences: tuple[Difference, ...]
+
+
+DIFF = Output("diff", "1.0", FlightDifferences, rows="differences")
+
+
+def differences_of(
+    names: tuple[str, str], first: Iterable[Outcome], second: Iterable[Outcome], roster: Roster, space: Space
+) -> FlightDifferences:
+    """Hold the flights of two campaigns, each flight once, against each other by mutant, situation and seed."""
+    here, there = _facts_by_flight(first), _facts_by_flight(second)
+    equal: Counter[bool] = Counter()
+    differences = []
+    for name in sorted(here.keys() | there.keys(), key=lambda n: (roster.rank(n[0]), space.rank(n[1]), n[2])):
+        (one, bits), (other, other_bits) = here.get(name, _LACKING), there.get(name, _LACKING)
+        if one != other:
+            differences.append(Difference(*name, one, other))
+        else:
+            equal[bits == other_bits] += 1
+    return FlightDifferences(*names, equal[True], equal[False], tuple(differences))
+
+
+def differences_table(told: FlightDifferences) -> Table:
+    """The differences."""
+    rows = tuple(
+        (one.mutant, one.situation, one.seed, str(one.first or ""), str(one.second or "")) for one in told.differences
+    )
+    note = (
+        f"{told.same} flights are the same bit for bit, {told.other_bits} more have the same status, "
+        f"ending and violations; {len(rows)} differ."
+    )
+    title, headers = f"{told.first} and {told.second}", ("mutant", "situation", "seed", told.first, told.second)
+    return Table(title, headers, rows, (note,))
+
+
+_LACKING: tuple[Facts | None, str] = None, ""
+
+
+def _facts_by_flight(outcomes: Iterable[Outcome]) -> dict[tuple[str, str, int], tuple[Facts | None, str]]:
+    listed = list(outcomes)
+    facts = facts_of(listed)
+    return {(o.mutant, o.situation, o.seed): (facts[o.name], o.digest) for o in listed}
+
+
+@dataclass(frozen=True)
+class CampaignComparison:
+    """What only one of two campaigns of a matrix shows, and with `--flights` which of their flights differ.
+
+    Attributes:
+        scores: the two scores held against each other.
+        flights: the flights of which the campaigns do not say the same; null: nobody asked.
+    """
+
+    scores: ComparedCampaigns
+    flights: FlightDifferences | None = None
+    KEYS = ("scores.*", "flights")
+
+
+COMPARE = Output("compare", "1.0", CampaignComparison, "mutants", "what only one of two campaigns shows")
+MEANING = (
+    "lost: firm in the first, put to the test and not detected in the second, and the flights differ by the exact test "
+    "after Holm over all faults; gained: the other way round; unsure: one detects it, and the flights do not say more."
+)
+
+
+def agreement_text(told: ComparedCampaigns) -> str:
+    """In how many faults the campaigns agree, beside the halves of the seeds of each."""
+    first, second = _short(told)
+
+    def words(agreement: Agreement) -> str:
+        kappa = "" if agreement.kappa is None else f", kappa {agreement.kappa:.2f}"
+        return f"{agreement.same}{kappa}"
+
+    halves = [
+        f"the halves of the seeds of {name} agree in {words(own)}" if own else f"{name} has one seed and no halves"
+        for name, own in ((first, told.first_halves), (second, told.second_halves))
+    ]
+    return f"{first} and {second} agree in {words(told.agreement)}; {'; '.join(halves)}."
+
+
+def score_tables(told: ComparedCampaigns) -> tuple[Table, ...]:
+    """The faults that one campaign alone shows, and those that one alone flew."""
+    names = _short(told)
+    headers = ("severity", "mutant", "change", *names, "p", "violates", *(f"of {name}" for name in names))
+    rows = tuple(map(_row, (mutant for mutant in told.mutants if mutant.change is not Change.SAME)))
+    parts = [f"{len(ids)} {change}" for change, ids in _by_change(told).items() if change is not Change.SAME]
+    notes = (
+        f"{', '.join(parts)} of {counted(len(told.mutants), 'fault')} that both flew.",
+        agreement_text(told),
+        MEANING,
+    )
+    alone = [
+        (id_, name) for name, ids in ((told.first, told.only_first), (told.second, told.only_second)) for id_ in ids
+    ]
+    main = Table(f"What only one of {told.first} and {told.second} shows", headers, rows, notes)
+    return (main, *([Table("Flown in one campaign alone", ("mutant", "campaign"), tuple(alone))] if alone else []))
+
+
+def _short(told: ComparedCampaigns) -> tuple[str, str]:
+    """The names of the campaigns without the folders that they are in, where these differ."""
+    first, second = Path(told.first).name, Path(told.second).name
+    return (first, second) if first != second else (told.first, told.second)
+
+
+def _by_change(told: ComparedCampaigns) -> dict[Change, list[str]]:
+    return {change: [mutant.id for mutant in told.mutants if mutant.change is change] for change in Change}
+
+
+def _row(one: ComparedMutant) -> tuple[str | float | None, ...]:
+    first = one.first is Verdict.DETECTED
+    p = f"{one.lost_p if first else one.gained_p:.4f}"
+    verdicts = _verdict(one.first, firm=one.first_firm), _verdict(one.second, firm=one.second_firm)
+    counts = one.requirement or "", one.first_violated.short, one.second_violated.short
+    return class_of(one.severity), one.id, one.change.value, *verdicts, p, *counts
+
+
+def _verdict(verdict: Verdict, *, firm: bool) -> str:
+    return f"{verdict.words}, firm" if firm else verdict.words
+
+
+def compared_by(
+    study: Study, campaign: str, other: str, *, flights: bool
+) -> tuple[CampaignComparison, Matrix, list[str]]:
+    """The comparison, the matrix of the first campaign, and what a reader must know of the platforms.
+
+    Raises:
+        InputError: there is no such campaign, it holds no flight that counts, or the two are of different grids.
+    """
+    with snapshot(_own(study, campaign), campaign) as here, snapshot(_own(study, other), other) as there:
+        _same_grid(campaign, here, other, there)
+        warnings = list[str]()
+        first, second = (_flown(name, now, warnings) for name, now in ((campaign, here), (other, there)))
+        matrix = here.study.matrix
+        if changed := _redefined(matrix, there.study.matrix, first, second):
+            warnings.append(f"of other faults in the second study, and not compared: {', '.join(sorted(changed))}")
+            first, second = _without(first, changed), _without(second, changed)
+        told = compared(first, second, here.study.roster, here.study.space)
+        differ = _flights((campaign, other), here, there) if flights else None
+        return CampaignComparison(told, differ), matrix, warnings
+
+
+def _flown(name: str, now: Snapshot, warnings: list[str]) -> Flown:
+    """The flights that count; where none does, as after a change of the stack, all as they were flown."""
+    if now.held.current:
+        warnings += [f"{name}: {text}" for text in (now.platform_warning, *now.stale.sentences) if text]
+        return Flown(name, now.rulings, now.score)
+    rulings = rulings_of(now.latest or nothing_to_show(now.study, now.store, now.folder))
+    warnings.append(f"{name}: no flight is of the study as it is now, so all are compared as they were flown")
+    return Flown(name, rulings, score_of(rulings, now.study.roster, now.study.space, now.spending))
+
+
+def _own(study: Study, campaign: str) -> Study:
+    """The study that a campaign was flown with: that above its folder, where the campaign is named by a path."""
+    folder = campaign_folder(study, campaign)
+    if folder.parent == study.results_folder / "campaigns" or is_archive(folder):
+        return study
+    found = nearest_study(folder.absolute().parent)
+    return study if found is None or found.resolve() == study.folder.resolve() else Study.open(found)
+
+
+def _same_grid(campaign: str, here: Snapshot, other: str, there: Snapshot) -> None:
+    one, two = here.study.space, there.study.space
+    if (one.grid, one.axes, one.values) != (two.grid, two.axes, two.values):
+        grids = f"campaign {shown(campaign)} was flown over grid {one.grid!r}, {shown(other)} over grid {two.grid!r}"
+        raise InputError(f"{grids} or other axes; only campaigns of one grid have the same situations")
+
+
+def _redefined(matrix: Matrix, other: Matrix, first: Flown, second: Flown) -> set[str]:
+    """Ids of mutants that both campaigns count and whose faults are not the same in the two studies."""
+    ids = {one.id for one in first.score.counted} & {one.id for one in second.score.counted}
+    return {id_ for id_ in ids if realise(matrix, id_).to_json() != realise(other, id_).to_json()}
+
+
+def _without(flown: Flown, ids: set[str]) -> Flown:
+    counted_ = tuple(one for one in flown.score.counted if one.id not in ids)
+    return replace(flown, score=replace(flown.score, counted=counted_))
+
+
+def _flights(named: tuple[str, str], here: Snapshot, there: Snapshot) -> FlightDifferences:
+    return differences_of(named, here.latest, there.latest, here.study.roster, here.study.space)
+
+
+Compared = Annotated[
+    str, Option("Name of a campaign, or the path of its folder or archive.", "", metavar="CAMPAIGN", complete=campaigns)
+]
+Flights = Annotated[bool, Option("List the flights of which the campaigns do not say the same instead.")]
+
+
+def compare(study: Study, campaign: Compared, other: Compared, *, flights: Flights = False) -> Answer:
+    """What only one of two campaigns of a matrix shows: faults that are lost or gained from the first to the second.
+
+    Raises:
+        InputError: there is no such campaign, it holds no flight that counts, or the two are of different grids.
+    """
+    told, _, warnings = compared_by(study, campaign, other, flights=flights)
+    return _answer(told, warnings)
+
+
+def _answer(told: CampaignComparison, warnings: Sequence[str]) -> Answer:
+    tables = score_tables(told.scores) if told.flights is None else (differences_table(told.flights),)
+    rows = "flights_differences" if told.flights is not None else ""
+    return Answer(COMPARE, lambda: told, lambda: tables, rows=rows, warnings=warnings)
+
+
+@verb(
+    "compare",
+    examples=(
+        ("See what a new version no longer shows", "scaloft-fi compare default night"),
+        (
+            "Hold a stack against another, each in a study of its own",
+            "scaloft-fi compare default ../b/results/campaigns/b",
+        ),
+        ("Fail a pipeline where a fault is lost", "scaloft-fi compare default night --fail-on-lost --output both.html"),
+        ("List the flights that differ", "scaloft-fi compare default night --flights"),
+    ),
+)
+def compare_command(
+    *,
+    campaign: Compared,
+    other: Compared,
+    study_folder: StudyFolder,
+    flights: Flights,
+    output: Annotated[
+        Path | None, Option("Also write both matrices beside each other, one HTML page.", metavar="FILE")
+    ],
+    failing: Annotated[bool, Option("Exit with 3 when a fault is lost; an unsure one never fails.", "--fail-on-lost")],
+    style: TableFormat,
+    tables_folder: TablesFolder,
+) -> int:
+    """Say what only the first or only the second campaign of a matrix shows: other stacks, versions or settings."""
+    check_writable(output, ".html")
+    told, matrix, warnings = compared_by(Study.open(study_folder), campaign, other, flights=flights)
+    if output is not None:
+        write(output, matrices_page(told.scores, matrix).encode())
+    answer(_answer(told, warnings), style, tables_folder)
+    if not (failing and told.scores.lost):
+        return ExitCode.DONE
+    say(f"lost: {', '.join(told.scores.lost)}")
+    return ExitCode.BELOW
+
+
+def diff(study: Study, campaign: Compared, other: Compared) -> Answer:
+    """The flights of which two campaigns do not say the same; from the next release on `compare --flights` alone.
+
+    What was flown with other data or code counts too, unless the campaign has the flight as the study describes it now.
+
+    Raises:
+        InputError: there is no such campaign, or the two were flown over different grids.
+    """
+    with snapshot(study, campaign) as here, snapshot(study, other) as there:
+        _same_grid(campaign, here, other, there)
+        told = _flights((campaign, other), here, there)
+    return Answer(DIFF, lambda: told, lambda: (differences_table(told),), warnings=(RENAMED,))
+
+
+RENAMED = "`diff` is `compare --flights` now; the old name goes with the next release"
+
+diff_command = verb(
+    "diff",
+    examples=(
+        ("Compare two campaigns", "scaloft-fi diff default night"),
+        ("Compare with a folder from another machine", "scaloft-fi diff default /data/night/campaign"),
+        ("Keep the comparison as a table in a document", "scaloft-fi diff default night --format markdown"),
+    ),
+)(diff)
+
+
+SIGNS = {
+    Verdict.DETECTED: ("&#9679;", "detected"),
+    Verdict.UNDECIDED: ("?", "undecided"),
+    Verdict.NOT_DETECTED: ("&#8211;", "survived"),
+    Verdict.NOT_TESTED: ("&#183;", "untested"),
+}
+"""Sign and class of a verdict on the page; a verdict that is not firm has an open sign."""
+STYLE = """
+body { font: 15px/1.45 system-ui, sans-serif; margin: 1.5rem auto; max-width: 84rem; padding: 0 1rem;
+  color: #1b1f24; background: #fff }
+main { display: flex; flex-wrap: wrap; gap: 1.5rem; width: fit-content; max-width: 100% } section { overflow-x: auto }
+table { border-collapse: collapse } caption { text-align: left; font-weight: 600; padding: .3rem 0 }
+th { font-weight: 500; font-size: 12px; padding: .15rem .4rem; text-align: left }
+thead th { writing-mode: vertical-rl; transform: rotate(180deg) }
+td { border: 1px solid #c9ced4; text-align: center; min-width: 2.1rem; height: 1.7rem }
+.detected { background: #cfe8d5 } .survived { background: #f6c28b } .untested { background: #eceff2 }
+.undecided { background: repeating-linear-gradient(45deg, #fff, #fff 4px, #e3e6ea 4px, #e3e6ea 6px) }
+.lost, .gained, .unsure { outline: 3px solid #b3261e; outline-offset: -2px; font-weight: 700 }
+.gained { outline-color: #1d6b3a } .unsure { outline: 2px dashed #6b7280 }
+@media (prefers-color-scheme: dark) { body { color: #e6e9ed; background: #15181c } td { border-color: #444b54 }
+  .detected { background: #1f4d2e } .survived { background: #7a4a16 } .untested { background: #262b31 }
+  .undecided { background: repeating-linear-gradient(45deg, #15181c, #15181c 4px, #2b3138 4px, #2b3138 6px) } }
+"""
+
+
+def matrices_page(told: ComparedCampaigns, matrix: Matrix) -> str:
+    """One HTML file with the matrix of each campaign; sign, colour and frame say the same, nothing is fetched."""
+    by_cell = {mutant.id.partition("@")[0]: mutant for mutant in told.mutants}
+    sections = []
+    for name, second in zip(_short(told), (False, True), strict=True):
+        head = "".join(f"<th scope=col>{escape(word.id)}</th>" for word in matrix.guidewords)
+        rows = "".join(
+            f"<tr><th scope=row>{escape(parameter.id)}</th>"
+            + "".join(_cell(by_cell.get(f"{word.id}-{parameter.id}"), second=second) for word in matrix.guidewords)
+            + "</tr>"
+            for parameter in matrix.parameters
+        )
+        sections.append(
+            f"<section><table><caption>{escape(name)}</caption><thead><tr><th></th>{head}</tr></thead>{rows}</table></section>"
+        )
+    lines = [f"<p>{escape(note)}</p>" for note in score_tables(told)[0].notes]
+    listed = "".join(
+        f"<li><b>{change}</b>: {escape(', '.join(ids))}</li>"
+        for change, ids in _by_change(told).items()
+        if ids and change is not Change.SAME
+    )
+    signs = "; ".join(f"{sign} {verdict.words}" for verdict, (sign, _) in SIGNS.items())
+    legend = (
+        f"<p>{signs}; &#9675; detected, not firm.  A frame marks what only one campaign shows, dashed where unsure.</p>"
+    )
+    title = escape(" and ".join(_short(told)))
+    return (
+        f"<!doctype html><html lang=en><meta charset=utf-8><title>{title}</title>"
+        '<meta name=viewport content="width=device-width">'
+        f"<style>{STYLE}</style><h1>What only one of {title} shows</h1>{lines[0]}<ul>{listed}</ul>"
+        f"<main>{''.join(sections)}</main>{legend}{''.join(lines[1:])}</html>\n"
+    )
+
+
+def _cell(mutant: ComparedMutant | None, *, second: bool) -> str:
+    if mutant is None:
+        return "<td></td>"
+    verdict, firm = (mutant.second, mutant.second_firm) if second else (mutant.first, mutant.first_firm)
+    sign, kind = SIGNS[verdict]
+    sign = "&#9675;" if verdict is Verdict.DETECTED and not firm else sign
+    frame = f" {mutant.change}" if mutant.change is not Change.SAME else ""
+    words = f"{mutant.id}: {_verdict(verdict, firm=firm)}" + f"; {mutant.change}" * bool(frame)
+    return f'<td class="{kind}{frame}" title="{escape(words)}" aria-label="{escape(words)}">{sign}</td>'

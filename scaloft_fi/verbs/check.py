@@ -7,9 +7,9 @@ from functools import partial
 from typing import Annotated
 
 from scaloft_fi.checks.check import Check, GridCheck, check_study
-from scaloft_fi.console import line
 from scaloft_fi.errors import ExitCode
 from scaloft_fi.hazop.load import find_study
+from scaloft_fi.output import line
 from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, Untrusted, allow, answer, verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Format, Table, TableCell, counted, render

@@ -14,7 +14,7 @@ import click
 from click import shell_completion as shells
 from click.shell_completion import CompletionItem, ShellComplete
 
-from scaloft_fi.console import tell
+from scaloft_fi.output import tell
 from scaloft_fi.verbs.options import Option, verb
 
 PROGRAM = "scaloft-fi"

@@ -13,9 +13,9 @@ from typing import Annotated
 from scaloft_fi.campaign.processes import THREAD_SETTINGS, cores, one_thread_each
 from scaloft_fi.campaign.runs.gates import fly_again
 from scaloft_fi.campaign.store.platforms import DECIDES, fingerprint
-from scaloft_fi.console import say
 from scaloft_fi.errors import GateError, InputError, ScaloftError
 from scaloft_fi.hazop.load import find_study
+from scaloft_fi.output import say
 from scaloft_fi.registry import PLUGIN_GROUP, in_one_line
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.options import Option, StudyFolder, TableFormat, TablesFolder, answer, verb

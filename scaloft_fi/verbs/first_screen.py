@@ -11,13 +11,21 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from scaloft_fi.analysis.coverage import Coverage
-from scaloft_fi.analysis.detection import Firmness, Noise, Verdict
-from scaloft_fi.analysis.pool import LEAST, Pool, SituationBaseline, State, Tally, findings, tallies
+from scaloft_fi.analysis.detection import (
+    LEAST,
+    Firmness,
+    Noise,
+    Pool,
+    SituationBaseline,
+    State,
+    Tally,
+    Verdict,
+    findings,
+    tallies,
+)
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import EARLY_S, By, MutantScore, Score, groups
 from scaloft_fi.analysis.survivor import Background, Disposition, backgrounds, score_without
-from scaloft_fi.console import PROSE, Marked, Style, coloured, line, styled, wrapped
-from scaloft_fi.console import width as terminal_width
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.hazop.render import signs_grid
@@ -25,6 +33,8 @@ from scaloft_fi.judge.outcome import PLACEBO_ID
 from scaloft_fi.judge.requirement import Compliance, Kind, rho_text
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Rulings, Status
+from scaloft_fi.output import PROSE, Marked, Style, coloured, line, styled, wrapped
+from scaloft_fi.output import width as terminal_width
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.situations import coverage_tables
 from scaloft_fi.verbs.verdict import Next, advice, in_campaign, next_step, signs_of, with_legend

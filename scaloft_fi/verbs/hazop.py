@@ -13,7 +13,6 @@ from typing import Annotated, Any
 import click
 import yaml
 
-from scaloft_fi.console import printable
 from scaloft_fi.document import edited, is_there, read_text
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.load import SHEETS, load_guidewords, load_matrix, reference_study
@@ -21,7 +20,7 @@ from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Guideword, Matrix, 
 from scaloft_fi.hazop.render import ladder
 from scaloft_fi.hazop.sheet import HEADS, MOST_TEXT, Draft, Line, Sorted, read_sheet, sort
 from scaloft_fi.mutants.catalogue import suggested
-from scaloft_fi.output import write_named
+from scaloft_fi.output import printable, write_named
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.options import Option, check_own, several, verb
 from scaloft_fi.verbs.worksheet import CUT, SheetRow

@@ -11,16 +11,16 @@ from typing import Annotated, Any
 
 import click
 
-from scaloft_fi.analysis import suite as suites
+from scaloft_fi.analysis import kill_matrix as suites
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.kill_matrix import KillMatrix, kill_matrix
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.survivor import backgrounds
-from scaloft_fi.console import printable, tell_line
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.catalogue import select
+from scaloft_fi.output import printable, tell_line
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
 from scaloft_fi.verbs.options import Option, Several, answer, check_writable, several, verb, write

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import click
 
-from scaloft_fi.console import coloured, joined, printable, tell, width, wrapped
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.document import is_folder
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop import render
 from scaloft_fi.hazop.load import find_study, is_packaged, load_matrix
 from scaloft_fi.hazop.matrix import Cell, Matrix
+from scaloft_fi.output import coloured, joined, printable, tell, width, wrapped
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.options import Campaign, Operability, Option, StudyFolder, TableFormat, verb
 from scaloft_fi.views.table import Format, tabulated

@@ -24,12 +24,24 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Union, get_args, g
 import click
 from click.core import ParameterSource
 
-from scaloft_fi.console import PROSE, Style, coloured, line, say, styled, tell, width, wrapped
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.document import is_there, parse_date, read_text
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import find_study, nearest_study
-from scaloft_fi.output import unwritable, write_named, write_whole
+from scaloft_fi.output import (
+    PROSE,
+    Style,
+    coloured,
+    line,
+    say,
+    styled,
+    tell,
+    unwritable,
+    width,
+    wrapped,
+    write_named,
+    write_whole,
+)
 from scaloft_fi.verbs import names
 
 if TYPE_CHECKING:

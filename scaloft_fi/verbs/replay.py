@@ -20,11 +20,11 @@ from scaloft_fi.campaign.processes import one_thread_each
 from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive, opened, study_of
 from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.platforms import Platforms, differences, fingerprint
-from scaloft_fi.console import json_text, say, tell, tell_line
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.judge.status import APART_M, JudgedFlight, agreement, digests, flight_of, in_step, parting_s
+from scaloft_fi.output import json_text, say, tell, tell_line
 from scaloft_fi.sim.log import Ending, FlightLog
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options

@@ -143,7 +143,7 @@ def run_command(
     from scaloft_fi.campaign.processes import one_thread_each
 
     one_thread_each()
-    from scaloft_fi.analysis.pool import LEAST
+    from scaloft_fi.analysis.detection import LEAST
     from scaloft_fi.campaign import plan, progress
     from scaloft_fi.campaign.flights.fly import CAN_FORK
     from scaloft_fi.campaign.runs import gates, request, run

@@ -13,7 +13,6 @@ from typing import Annotated, Any
 import click
 
 import scaloft_fi.mutants.reference  # noqa: F401 - it declares operators
-from scaloft_fi.console import say, tell, tell_line
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.load import GUIDEWORD, CellModel, Guidewords, Parameters
 from scaloft_fi.hazop.matrix import Classes, Fault
@@ -22,6 +21,7 @@ from scaloft_fi.marks import About, Pattern
 from scaloft_fi.model import Names, Schema, schema, schema_of
 from scaloft_fi.mutants.operator import Argument, Operator
 from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.output import say, tell, tell_line
 from scaloft_fi.outside.border import PORTS
 from scaloft_fi.outside.command import FlightCommand
 from scaloft_fi.outside.exchange import BELOW, OutsideConfig

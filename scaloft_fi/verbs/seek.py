@@ -16,7 +16,7 @@ from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.seeking import finds
 from scaloft_fi.campaign.seeking.breaks import seek_breaks
-from scaloft_fi.campaign.seeking.proposals import require_optuna
+from scaloft_fi.campaign.seeking.seek import require_optuna
 from scaloft_fi.campaign.seeking.seek import seek as seek_mutants
 from scaloft_fi.campaign.store.archive import campaign_folder, study_of
 from scaloft_fi.defaults import SEARCHED

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 from scaloft_fi.document import is_there
-from scaloft_fi.judge.bounds import ANY, SIGHT_M, TRUTH, Cap, cap_of
+from scaloft_fi.judge.requirement import ANY, SIGHT_M, TRUTH, Cap, cap_of
 from scaloft_fi.marks import Choices
 from scaloft_fi.model import read
 from scaloft_fi.outside.records import DERIVED, MappedSignal, load_record_map

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from scaloft_fi.analysis.detection import Spending
-from scaloft_fi.analysis.pool import LEAST
+from scaloft_fi.analysis.detection import LEAST, Spending
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import Score, score_of
 from scaloft_fi.campaign.store.archive import Archive, campaign_folder, opened

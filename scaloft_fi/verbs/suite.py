@@ -14,9 +14,9 @@ from typing import Annotated
 
 import click
 
-from scaloft_fi.analysis.pool import LEAST, Pair, State
+from scaloft_fi.analysis.detection import LEAST, Pair, State
+from scaloft_fi.analysis.kill_matrix import Suite, minimal_suite
 from scaloft_fi.analysis.roster import Ratio
-from scaloft_fi.analysis.suite import Suite, minimal_suite
 from scaloft_fi.campaign import plan, progress
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.flights.suite import SuiteStudy
@@ -25,12 +25,12 @@ from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.request import run_looks
 from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, study_of
-from scaloft_fi.console import joined, say, tell
 from scaloft_fi.document import is_file, read_text
 from scaloft_fi.errors import InputError, shown
 from scaloft_fi.hazop.matrix import CellStatus, cell_of, class_of, worst_first
 from scaloft_fi.mutants.catalogue import defaults, realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.output import joined, say, tell
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import options, score
 from scaloft_fi.verbs import run as run_verb

@@ -23,7 +23,6 @@ import click
 from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.survivor import Disposition
-from scaloft_fi.console import PIPED, printable
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix, Parameter, SeverityClass, Team, worst_first
@@ -33,7 +32,7 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
 from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import default_of
-from scaloft_fi.output import write_named
+from scaloft_fi.output import PIPED, printable, write_named
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
 from scaloft_fi.verbs import options
 from scaloft_fi.verbs.export.dossier import unzipped, zipped

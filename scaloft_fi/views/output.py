@@ -20,10 +20,10 @@ from pathlib import Path
 from types import MappingProxyType, NoneType, UnionType
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Union, get_args, get_origin
 
-from scaloft_fi.console import json_text
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.marks import About, Bounds, ByName, Choices, Listed
 from scaloft_fi.model import fields_of, is_model, summary_of
+from scaloft_fi.output import json_text
 from scaloft_fi.views.table import Format, Table, TableCell, csv_text, html, render
 
 if TYPE_CHECKING:

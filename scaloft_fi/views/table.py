@@ -18,8 +18,8 @@ from html import escape
 from itertools import accumulate, groupby
 from pathlib import Path
 
-from scaloft_fi import console
-from scaloft_fi.console import PROSE, Marked, Style, broken, coloured, json_text, line, printable, styled, wrapped
+from scaloft_fi import output
+from scaloft_fi.output import PROSE, Marked, Style, broken, coloured, json_text, line, printable, styled, wrapped
 
 _MARKDOWN = re.compile(r"([\\`*_\[\]<>&|~$#])")
 _LATEX = {
@@ -112,7 +112,7 @@ def style_of(text: str) -> Style | None:
 
 def commands(text: str, *, marked: bool) -> str:
     """The text with its commands, which stand between backticks, marked if wanted."""
-    return console.COMMAND.sub(lambda command: styled(command[0], Style.COMMAND), text) if marked else text
+    return output.COMMAND.sub(lambda command: styled(command[0], Style.COMMAND), text) if marked else text
 
 
 GAP = 2
@@ -174,7 +174,7 @@ def _lines(cell: str, width: int) -> int:
 @lru_cache(maxsize=100_000)
 def _words(cell: str) -> tuple[tuple[int, ...], int]:
     """Where each word of a cell ends, with the blank behind it, and the length of the longest one."""
-    lengths = list(map(len, console.kept_together(cell).split()))
+    lengths = list(map(len, output.kept_together(cell).split()))
     return tuple(accumulate(length + 1 for length in lengths)), max(lengths, default=0)
 
 
@@ -340,7 +340,7 @@ def render(tables: Sequence[Table], how: Format, *, width: int | None = None, ma
         told = [{"title": table.title, "rows": table.records(), "notes": list(table.notes)} for table in tables]
         return json_text(told, indent=2) + "\n"
     if how is Format.TABLE:
-        columns = console.width() if width is None else width
+        columns = output.width() if width is None else width
         colours = coloured() if marked is None else marked
         text = "\n".join(_text(table, columns, marked=colours) for table in tables)
         return Marked(text) if colours else text

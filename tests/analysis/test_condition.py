@@ -7,8 +7,8 @@ from builders import GRID, RANGED, drawn
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.condition import admits, condition, cover
-from scaloft_fi.analysis.suite import order
+from scaloft_fi.analysis.kill_matrix import order
+from scaloft_fi.analysis.score import admits, condition, cover
 from scaloft_fi.judge.space import Space
 
 KEYS = [key for key, _ in GRID.points]
@@ -102,7 +102,7 @@ def test_the_way_for_large_grids_finds_what_the_way_for_small_ones_finds(fates: 
     killing, surviving = with_fate(fates, "kill"), with_fate(fates, "survive")
     with pytest.MonkeyPatch.context() as patch:
         found = cover(GRID, killing, surviving)
-        patch.setattr("scaloft_fi.analysis.condition.MOST_BOXES", 0)
+        patch.setattr("scaloft_fi.analysis.score.MOST_BOXES", 0)
         assert cover(GRID, killing, surviving) == found
 
 

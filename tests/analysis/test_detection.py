@@ -14,14 +14,16 @@ from scaloft_fi.analysis.detection import (
     LOOKS,
     Detection,
     Firmness,
+    Pair,
+    Pool,
     Sample,
     Spending,
+    State,
     Verdict,
     detect,
     firmness,
     noise_of,
 )
-from scaloft_fi.analysis.pool import Pair, Pool, State
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.requirement import Kind
 

@@ -13,7 +13,7 @@ from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import Disposition, Standing, judge
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.verbs.dispositions import complaint
+from scaloft_fi.verbs.score import complaint
 
 DAY = date(2027, 1, 31)
 LATE = Disposition("LATE-human@3s", "A. Engineer", "why", DAY)

@@ -11,7 +11,7 @@ import recomputation
 from builders import KINDS
 from published_flights import ROOT, Row, outcomes, rows
 
-from scaloft_fi.analysis.pool import State
+from scaloft_fi.analysis.detection import State
 from scaloft_fi.analysis.score import Score, score
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.study import Study

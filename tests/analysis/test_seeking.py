@@ -11,8 +11,7 @@ from finding import found
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.detection import Sample, Spending, Stratum, detect, p_value
-from scaloft_fi.analysis.pool import Pool
+from scaloft_fi.analysis.detection import Pool, Sample, Spending, Stratum, detect, p_value
 from scaloft_fi.analysis.seeking import (
     BEYOND,
     FEWEST,

@@ -10,21 +10,20 @@ from builders import GRID, ROSTER, pool, thrice
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.analysis.condition import admits
-from scaloft_fi.analysis.kill_matrix import kill_matrix
-from scaloft_fi.analysis.roster import Ratio
-from scaloft_fi.analysis.score import score
-from scaloft_fi.analysis.suite import (
+from scaloft_fi.analysis.kill_matrix import (
     Interaction,
     Redundancy,
     Subsumption,
     interactions,
+    kill_matrix,
     minimal_suite,
     order,
     orders,
     redundancies,
     subsumption,
 )
+from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.analysis.score import admits, score
 from scaloft_fi.judge.space import Space
 
 THREE = Space(

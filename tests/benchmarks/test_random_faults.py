@@ -31,7 +31,7 @@ from experiments.random_faults import (
     names_of,
     useful,
 )
-from scaloft_fi.analysis.pool import State
+from scaloft_fi.analysis.detection import State
 from scaloft_fi.campaign.flights.fly import facts, fly_log
 from scaloft_fi.campaign.store.platforms import fingerprint
 from scaloft_fi.hazop.matrix import parse

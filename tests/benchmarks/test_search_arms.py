@@ -12,7 +12,7 @@ import pytest
 from experiments import ROOT
 from experiments.search_arms import ARMS, SEARCH, array, with_ends
 from scaloft_fi.analysis.seeking import brief
-from scaloft_fi.campaign.seeking.proposals import Parameters, Proposal, Proposer, at_shares, placed
+from scaloft_fi.campaign.seeking.seek import Parameters, Proposal, Proposer, at_shares, placed
 from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.sim.situation import DEVIATES, Situation
 

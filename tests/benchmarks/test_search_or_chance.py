@@ -33,8 +33,7 @@ from experiments.search_arms import (
     write_searches,
 )
 from experiments.search_or_chance import BUDGET, UNFINISHED, Answer, Evidence, answer, flown, seed_of, share, totals
-from scaloft_fi.campaign.seeking.proposals import OPENING
-from scaloft_fi.campaign.seeking.seek import CHUNK, GENERATION
+from scaloft_fi.campaign.seeking.seek import CHUNK, GENERATION, OPENING
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim.grid import Evidence as Shown

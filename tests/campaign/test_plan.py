@@ -19,7 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from running import CONTROL, Runs, same
 
-from scaloft_fi.analysis.pool import LEAST
+from scaloft_fi.analysis.detection import LEAST
 from scaloft_fi.campaign.flights.fly import Batch, Flight
 from scaloft_fi.campaign.plan import LEAST_SHARING, Plan, alone, parse_seeds, plan, together
 from scaloft_fi.campaign.runs.run import Budget, budget_s, fair_order, interleaved

@@ -12,12 +12,12 @@ from options import usually
 from processes import call, install, install_project
 from studies import RECORDS, ROOT, copied, edit_in, example, mission_study, own_simulator
 
+from scaloft_fi.checks import Severity
 from scaloft_fi.checks.check import Check, check_study
-from scaloft_fi.checks.finding import Severity
 from scaloft_fi.cli import main
 from scaloft_fi.sim.mesh import box
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.map import map_table, plan_of
+from scaloft_fi.verbs.situations import map_table, plan_of
 
 EXAMPLES = ROOT / "examples"
 PROGRAM = """

@@ -10,8 +10,8 @@ import yaml
 from processes import ROOT
 from studies import copied
 
+from scaloft_fi.checks import Finding, Severity
 from scaloft_fi.checks.check import check_study
-from scaloft_fi.checks.finding import Finding, Severity
 
 TABLE = Path(__file__).parents[1] / "support" / "defects.yaml"
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.checks.world import crossed_ways, depth, gaps, overlaps
+from scaloft_fi.checks.parts import crossed_ways, depth, gaps, overlaps
 from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.sim.mesh import box
 from scaloft_fi.sim.world import Box, Turned, World

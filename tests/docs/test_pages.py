@@ -17,9 +17,8 @@ from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.score import score
 from scaloft_fi.cli import main
 from scaloft_fi.errors import ScaloftError
-from scaloft_fi.judge.bounds import within_caps
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.requirement import Compliance, Requirement, judge_signals, load_requirements
+from scaloft_fi.judge.requirement import Compliance, Requirement, judge_signals, load_requirements, within_caps
 from scaloft_fi.judge.stl import Formula
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.first_screen import Screen

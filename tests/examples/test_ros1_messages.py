@@ -19,7 +19,7 @@ from scaloft_ros1.layouts import LAYOUTS_1, bounding_boxes, camera_info_1, conta
 from scaloft_fi.api import sample_in
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside.border import CameraInfo, Goal, Land, MisfitError, Topic
-from scaloft_fi.outside.ros_messages import layout_of
+from scaloft_fi.outside.ros2 import layout_of
 from scaloft_fi.stack.messages import Bumper, Detections, Person
 from scaloft_fi.stack.reference.messages import SpeedLimit
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from options import usually
 
-from scaloft_fi.judge.bounds import (
+from scaloft_fi.judge.requirement import (
     ANY,
     SIGHT_M,
     TRUTH,

@@ -12,8 +12,8 @@ import pyarrow.parquet
 import pytest
 from builders import GRID, KINDS, ROSTER, outcome, pool
 
+from scaloft_fi.analysis.detection import tallies
 from scaloft_fi.analysis.margin import margins
-from scaloft_fi.analysis.pool import tallies
 from scaloft_fi.analysis.score import score
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome

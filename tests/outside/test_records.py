@@ -507,7 +507,7 @@ def test_a_message_that_is_no_number_is_refused_with_its_place(
 def test_a_record_that_unpacks_to_too_much_is_one_sentence(
     kind: str, cut_bytes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr("scaloft_fi.apart.APART_BYTES", 64 << 20)
+    monkeypatch.setattr("scaloft_fi.document.APART_BYTES", 64 << 20)
     path = records.bomb(tmp_path, kind, 200 << 20)
     content = path.read_bytes()
     path.write_bytes(content[: len(content) - cut_bytes])

@@ -10,8 +10,7 @@ from typing import Any, TypeVar
 
 from scaloft_fi.document import Item
 from scaloft_fi.model import Schema, read
-from scaloft_fi.verbs.example import example_files
-from scaloft_fi.verbs.new import write_new
+from scaloft_fi.verbs.new import example_files, write_new
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("hazop", "mutants", "sim")

@@ -17,7 +17,7 @@ from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import Facts
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.compare import Difference, FlightDifferences, differences_of, differences_table
+from scaloft_fi.verbs.campaigns import Difference, FlightDifferences, differences_of, differences_table
 
 
 class Cured(Paper):

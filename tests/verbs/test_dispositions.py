@@ -18,7 +18,7 @@ from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.cli import main
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.dispositions import complaint
+from scaloft_fi.verbs.score import complaint
 
 FLOWN = ("--situation", "T0O0W0D0H*", "--seeds", "3", "--jobs", "1", "--quiet")
 

@@ -14,8 +14,8 @@ from processes import ROOT
 from scaloft_fi.cli import command_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import VERBS
-from scaloft_fi.verbs.example import BLOCK, example_files
 from scaloft_fi.verbs.names import example_names
+from scaloft_fi.verbs.new import BLOCK, example_files
 
 STUDIES = ("own_simulator", "outside_planner")
 """The examples that are studies, which leave documents to the reference study."""

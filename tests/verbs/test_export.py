@@ -27,19 +27,15 @@ from options import as_recorded, usually
 from printed import Call
 from sarif_pydantic import Sarif
 
-from scaloft_fi.analysis.detection import Spending, Verdict
-from scaloft_fi.analysis.pool import Pool
+from scaloft_fi.analysis.detection import Pool, Spending, Verdict
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.analysis.survivor import Disposition
-from scaloft_fi.console import line
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Guideword, Matrix, Parameter
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.requirement import Requirement
+from scaloft_fi.output import line
 from scaloft_fi.study import NO_FINDS, KnownFinds
-from scaloft_fi.verbs.export.assurance import gsn, to_markdown
-from scaloft_fi.verbs.export.assurance import to_json as sace_json
-from scaloft_fi.verbs.export.ci import junit, mutation_testing, sarif
 from scaloft_fi.verbs.export.dossier import (
     FORMATS,
     Dossier,
@@ -51,6 +47,8 @@ from scaloft_fi.verbs.export.dossier import (
     to_csv,
     to_json,
 )
+from scaloft_fi.verbs.export.formats import gsn, junit, mutation_testing, sarif, to_markdown
+from scaloft_fi.verbs.export.formats import to_json as sace_json
 
 HOSTILE = "<script>alert('1')</script> \"&\" =cmd|' /C calc'!A0 ]]> 人 \\textbf{x} " + "long " * 60
 WORDS, PARAMETERS = ("NO", "LATE", "MORE", "REVERSE"), ("human", "goal")

@@ -16,10 +16,10 @@ from published_flights import ROOT
 from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import score
-from scaloft_fi.console import PIPED
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
+from scaloft_fi.output import PIPED
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
 from scaloft_fi.verbs.first_screen import LEGEND, MOST_ROWS, Screen

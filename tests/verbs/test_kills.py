@@ -13,20 +13,21 @@ from hypothesis import given, settings
 from paper_flyer import Paper
 from printed import STUDY, Call, one_table, sentence
 
-from scaloft_fi.analysis.kill_matrix import KillMatrix, kill_matrix
-from scaloft_fi.analysis.score import score
-from scaloft_fi.analysis.suite import (
+from scaloft_fi.analysis.kill_matrix import (
+    KillMatrix,
     chosen_kills,
     interactions,
+    kill_matrix,
     minimal_suite,
     orders,
     redundancies,
     situation_kills,
     subsumption,
 )
+from scaloft_fi.analysis.score import score
 from scaloft_fi.cli import main
-from scaloft_fi.console import PIPED
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.output import PIPED
 from scaloft_fi.verbs.kills import (
     chosen_table,
     interaction_table,

@@ -12,7 +12,7 @@ from processes import ROOT, called, install_project
 from studies import copied, example, own_simulator
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.bounds import bounds_of, check_caps, ranges_of, verdict
+from scaloft_fi.judge.requirement import bounds_of, check_caps, ranges_of, verdict
 from scaloft_fi.judge.stl import Formula
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.log import SIGNALS, TRUTH_NAMES

@@ -19,10 +19,10 @@ from hypothesis import strategies as st
 from printed import STUDY, Call, no_terms, of_form, run, sentence
 from studies import copied, edit_in
 
-from scaloft_fi.console import PIPED
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Guideword, Matrix, Parameter
 from scaloft_fi.hazop.render import overview, sheet
+from scaloft_fi.output import PIPED
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.verbs.matrix import matrix_command
 

@@ -15,13 +15,12 @@ from printed import Call, sentence
 from studies import edit_in
 
 from scaloft_fi.analysis.coverage import coverage
-from scaloft_fi.analysis.detection import Spending
-from scaloft_fi.analysis.pool import findings, tallies
+from scaloft_fi.analysis.detection import Spending, findings, tallies
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import By, groups, score, score_of
-from scaloft_fi.console import PIPED
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import rulings_of
+from scaloft_fi.output import PIPED
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.first_screen import MANY_ROWS, tables_behind
 from scaloft_fi.verbs.score import shown_so_far

@@ -25,8 +25,7 @@ from pages import embedded
 from printed import of_form, run
 
 import scaloft_fi
-from scaloft_fi.analysis.detection import Sample, Spending, detect
-from scaloft_fi.analysis.pool import LEAST, Pool
+from scaloft_fi.analysis.detection import LEAST, Pool, Sample, Spending, detect
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.flights.suite import SuiteStudy, outcome_of
 from scaloft_fi.campaign.plan import canary

@@ -23,8 +23,8 @@ from studies import copied
 
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.cli import main
-from scaloft_fi.console import printable
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.output import printable
 from scaloft_fi.study import Study
 
 EVIL = "=1+1|<b>x</b>\x1b[31m\x9b\x7f\u202e\u200b\x07 & % \\input{x} [l](javascript:1)"

@@ -26,11 +26,11 @@ from printed import Call
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import Disposition
-from scaloft_fi.console import line, printable
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import CellStatus, Matrix
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import derive
+from scaloft_fi.output import line, printable
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.verbs.worksheet import (
     COLUMNS,

@@ -16,10 +16,10 @@ from options import usually
 from printed import STUDY, run
 from studies import copied, edit_in, every_key_study
 
-from scaloft_fi.analysis.suite import subsumption
+from scaloft_fi.analysis.kill_matrix import subsumption
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.kills import dot, draw_subsumption
-from scaloft_fi.verbs.map import MAP, map_of, plan_of
+from scaloft_fi.verbs.situations import MAP, map_of, plan_of
 from scaloft_fi.views.picture import (
     RAMP,
     BodyOutline,

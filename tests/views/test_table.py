@@ -14,7 +14,7 @@ from fuzzing import HOSTILE
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scaloft_fi.console import Marked, line, printable
+from scaloft_fi.output import Marked, line, printable
 from scaloft_fi.views.table import (
     _LATEX,
     FORMULA,

@@ -17,8 +17,7 @@ import numpy as np
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.document import is_there
 from scaloft_fi.errors import InputError, did_you_mean, shown
-from scaloft_fi.judge.bounds import comparisons
-from scaloft_fi.judge.requirement import Reading, Requirement, judge_signals
+from scaloft_fi.judge.requirement import Reading, Requirement, comparisons, judge_signals
 from scaloft_fi.judge.stl import parse, tokenize
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.mutants.wire import SeamCount

@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 
-from scaloft_fi.analysis.detection import Sample, Spending, detect
-from scaloft_fi.analysis.pool import Pool, State
+from scaloft_fi.analysis.detection import Pool, Sample, Spending, State, detect
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.campaign.flights.fly import CAN_FORK, Flyer
 from scaloft_fi.campaign.flights.physics import Physics

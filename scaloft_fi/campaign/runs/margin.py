@@ -11,9 +11,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from scaloft_fi.analysis.detection import Spending
+from scaloft_fi.analysis.detection import LEAST, Spending
 from scaloft_fi.analysis.margin import Margin, Scale, margin_of
-from scaloft_fi.analysis.pool import LEAST
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import PhasedFault, Reaction, Tried, phased_fault, tried_in
 from scaloft_fi.campaign.flights.fly import Flight, Flyer

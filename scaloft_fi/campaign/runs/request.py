@@ -27,8 +27,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scaloft_fi.analysis.coverage import covering_array
-from scaloft_fi.analysis.detection import LOOKS, Look, Verdict
-from scaloft_fi.analysis.pool import LEAST
+from scaloft_fi.analysis.detection import LEAST, LOOKS, Look, Verdict
 from scaloft_fi.analysis.score import score
 from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.plan import Plan, canary, parse_mutants, plan, plan_draws

@@ -18,8 +18,7 @@ from pathlib import Path
 from threading import Event
 from typing import Any, TypeVar
 
-from scaloft_fi.analysis.detection import Spending
-from scaloft_fi.analysis.pool import LEAST
+from scaloft_fi.analysis.detection import LEAST, Spending
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.campaign.flights.fly import Batch, Flight, Flyer
 from scaloft_fi.campaign.flights.physics import flyer_of
@@ -32,13 +31,12 @@ from scaloft_fi.campaign.store.held import Keys, counting_flights, current_in, f
 from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim, fingerprint
 from scaloft_fi.campaign.store.store import Store, read_store
 from scaloft_fi.campaign.workers import Interrupted, Local, Workers, interruptible
-from scaloft_fi.console import json_text
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.output import write_own
+from scaloft_fi.output import json_text, write_own
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study

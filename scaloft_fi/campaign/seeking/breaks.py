@@ -17,7 +17,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from scaloft_fi.analysis.pool import LEAST
+from scaloft_fi.analysis.detection import LEAST
 from scaloft_fi.analysis.seeking import REJECTED, WORST, Breach, Signature, breaches, breaking, shrunk
 from scaloft_fi.campaign.flights.fly import Flight, Flyer
 from scaloft_fi.campaign.processes import ProcessPool
@@ -25,8 +25,7 @@ from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import ONE_PROCESS, RunOptions
 from scaloft_fi.campaign.runs.run import Run
 from scaloft_fi.campaign.seeking import finds
-from scaloft_fi.campaign.seeking.proposals import OPENING, Proposal, Proposals, draws, flyable
-from scaloft_fi.campaign.seeking.seek import GENERATION
+from scaloft_fi.campaign.seeking.seek import GENERATION, OPENING, Proposal, Proposals, draws, flyable
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind

@@ -28,13 +28,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 import numpy as np
 
 from scaloft_fi import document
-from scaloft_fi.apart import most_unpacked, read_apart
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.store import platforms, record
 from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.record import BadCellError, Cell, Origin, Planned, TooLargeError, decoded, most_flights
 from scaloft_fi.campaign.store.store import CHUNK, NOTE, FlownFlight, Stands, Store, read_store
-from scaloft_fi.document import FILE_BYTES, is_file, is_folder, read_bytes
+from scaloft_fi.document import FILE_BYTES, is_file, is_folder, most_unpacked, read_apart, read_bytes
 from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import FOLDERS
 from scaloft_fi.hazop.matrix import parse

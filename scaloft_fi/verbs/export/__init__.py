@@ -17,8 +17,8 @@ from typing import Annotated
 
 import click
 
-from scaloft_fi.console import say, tell
 from scaloft_fi.errors import InputError
+from scaloft_fi.output import say, tell
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options

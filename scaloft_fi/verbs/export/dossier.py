@@ -30,7 +30,6 @@ from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import MutantScore, Score, score
 from scaloft_fi.analysis.survivor import Disposition, accepted_survivors, score_without
 from scaloft_fi.campaign.store import archive
-from scaloft_fi.console import json_text, printable
 from scaloft_fi.defaults import SEARCHED, __version__
 from scaloft_fi.document import is_there, read_bytes, read_text
 from scaloft_fi.hazop.matrix import Cell, Matrix, cell_of, worst_first
@@ -39,6 +38,7 @@ from scaloft_fi.judge.requirement import Kind, Requirement, measured_rho
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import JudgedFlight, Status, baseline_status, flights_of
 from scaloft_fi.marks import About, Choices
+from scaloft_fi.output import json_text, printable
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.grid import FOLDER
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study

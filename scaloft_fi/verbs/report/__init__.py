@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Annotated
 
 from scaloft_fi.campaign.store.archive import campaign_folder, is_archive
-from scaloft_fi.console import line
 from scaloft_fi.errors import InputError
+from scaloft_fi.output import line
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import options
 from scaloft_fi.verbs.options import Option, answer, check_writable, verb, write

@@ -16,21 +16,31 @@ from enum import StrEnum
 from math import prod
 from typing import Any
 
-from scaloft_fi.analysis.condition import cover, term_text
-from scaloft_fi.analysis.detection import Spending
-from scaloft_fi.analysis.kill_matrix import MOST_CELLS, KillEntry, KillMatrix, KillRow, cyclic, fold, gray_order
+from scaloft_fi.analysis.detection import Pool, Spending, State
+from scaloft_fi.analysis.kill_matrix import (
+    MOST_CELLS,
+    NIST,
+    NIST_SOURCE,
+    KillEntry,
+    KillMatrix,
+    KillRow,
+    cyclic,
+    fold,
+    gray_order,
+    interactions,
+    minimal_suite,
+    orders,
+    subsumption,
+)
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margins, whens
-from scaloft_fi.analysis.pool import Pool, State
 from scaloft_fi.analysis.roster import Ratio, Roster
-from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score
-from scaloft_fi.analysis.suite import NIST, NIST_SOURCE, interactions, minimal_suite, orders, subsumption
+from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score, cover, term_text
 from scaloft_fi.analysis.survivor import FAILING, Disposition, Judged, PhasedFault, backgrounds, judge
 from scaloft_fi.campaign.seeking.finds import words_of
 from scaloft_fi.campaign.store.held import nothing_to_show
 from scaloft_fi.hazop.matrix import Matrix, cell_of, class_of, parse, split_magnitude
-from scaloft_fi.judge.bounds import comparisons
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import TRIGGER, Kind, Requirement
+from scaloft_fi.judge.requirement import TRIGGER, Kind, Requirement, comparisons
 from scaloft_fi.judge.space import Point, Space
 from scaloft_fi.judge.status import INVALID, Ruled, Rulings, Situations, Status
 from scaloft_fi.judge.stl import COMPARATORS, SAMPLE_MS, Infix, Interval, Node, Prefix, Signal, tokenize

@@ -23,11 +23,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scaloft_fi.console import all_printable
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK, TRACK_COLUMNS, TRACK_EVERY, Outcome, unpack_track
 from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.status import baseline_status, flight_of
+from scaloft_fi.output import all_printable
 from scaloft_fi.sim.grid import Break, Find
 from scaloft_fi.sim.log import FAR_M, SAMPLE_HZ
 from scaloft_fi.sim.world import World

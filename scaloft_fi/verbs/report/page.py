@@ -12,19 +12,18 @@ from importlib.resources import files
 from typing import Any
 
 from scaloft_fi.analysis.coverage import coverage_of
-from scaloft_fi.analysis.detection import Firmness, Spending, Verdict
+from scaloft_fi.analysis.detection import Firmness, Pool, Spending, State, Verdict, findings, tallies
 from scaloft_fi.analysis.kill_matrix import kill_matrix
-from scaloft_fi.analysis.pool import Pool, State, findings, tallies
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Score, score_of
 from scaloft_fi.campaign.runs.gates import check_gates
-from scaloft_fi.console import all_printable
 from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import GateError
 from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import rulings_of
+from scaloft_fi.output import all_printable
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.verbs.first_screen import NOT_COMPARED, answers, coverage_line, ratios_of
 from scaloft_fi.verbs.report import analyses

@@ -28,9 +28,9 @@ from scaloft_fi.campaign.runs.run import Report, mission_log, run
 from scaloft_fi.campaign.store.archive import LOG_NAME, STORE_NAME
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers import Interrupted
-from scaloft_fi.console import json_text
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
+from scaloft_fi.output import json_text
 from scaloft_fi.sim import observer
 
 

@@ -11,14 +11,13 @@ import pytest
 from finding import Ruled, breached, everywhere, number, small_study
 from running import PowerError, dying, quiet
 
-from scaloft_fi.analysis.pool import LEAST
+from scaloft_fi.analysis.detection import LEAST
 from scaloft_fi.analysis.seeking import WORST, Breach
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.seeking.breaks import seek_breaks
 from scaloft_fi.campaign.seeking.finds import SEEN_ON, Allowance, SeekReport
-from scaloft_fi.campaign.seeking.proposals import OPENING, Proposal, Proposals
-from scaloft_fi.campaign.seeking.seek import GENERATION
+from scaloft_fi.campaign.seeking.seek import GENERATION, OPENING, Proposal, Proposals
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.sim.grid import Break

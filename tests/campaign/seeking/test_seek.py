@@ -17,8 +17,20 @@ from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Budget
 from scaloft_fi.campaign.seeking import finds
 from scaloft_fi.campaign.seeking.finds import OTHER_SEEDS, SEEN_ON, Allowance, SeekReport, anew, interrupted
-from scaloft_fi.campaign.seeking.proposals import OPENING, Proposal, Proposals, draws, flyable, opening
-from scaloft_fi.campaign.seeking.seek import EACH, GENERATION, LONGEST_REST, Quest, families, seek
+from scaloft_fi.campaign.seeking.seek import (
+    EACH,
+    GENERATION,
+    LONGEST_REST,
+    OPENING,
+    Proposal,
+    Proposals,
+    Quest,
+    draws,
+    families,
+    flyable,
+    opening,
+    seek,
+)
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.catalogue import realise

@@ -15,8 +15,8 @@ from printed import run
 from studies import ROOT
 
 from scaloft_fi.analysis.survivor import Disposition
-from scaloft_fi.console import printable
 from scaloft_fi.judge.space import Space
+from scaloft_fi.output import printable
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.report.analyses import Evidence, folding
 from scaloft_fi.verbs.report.page import html

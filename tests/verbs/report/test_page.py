@@ -25,9 +25,9 @@ from printed import Call, told_by
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import Keys, flight_named, remember_seeds
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.console import all_printable, printable
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK_COLUMNS, Outcome, unpack_track
+from scaloft_fi.output import all_printable, printable
 from scaloft_fi.sim.log import FAR_M
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.report.analyses import Evidence, gather
