@@ -3,7 +3,7 @@
 Kuhn, Kacker, Lei, "Combinatorial Coverage Measurement", NISTIR 7878 (2012).
 
 `covertable` builds them; it breaks ties by a hash of a salt, so one of several salts finds a smaller array than most.
-On five binary axes that gives the minimum, 6, 10 and 16 situations for t = 2, 3, 4 (`tests/results/test_covering.py`
+On five binary axes that gives the minimum, 6, 10 and 16 situations for t = 2, 3, 4 (`tests/analysis/test_coverage.py`
 proves that fewer cannot do).
 """
 

@@ -1,4 +1,4 @@
-"""`scaloft-fi status`, `merge`, `compare`, `diff`: what a campaign holds, one of several, what one of two alone shows."""
+"""`scaloft-fi status`, `merge`, `compare`, `diff`: what a campaign holds, one of several, what one of two shows."""
 
 from __future__ import annotations
 

@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import json
 import logging
 import math
 import time
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow.parquet
 import pytest
-from hypothesis import given, settings
+from builders import GRID, KINDS, ROSTER, outcome, pool
+from hypothesis import assume, event, example, given, settings
 from hypothesis import strategies as st
 from options import usually
 
+from scaloft_fi.analysis.detection import tallies
+from scaloft_fi.analysis.margin import margins
+from scaloft_fi.analysis.score import score
+from scaloft_fi.hazop.load import load_matrix
+from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.judge.stl import (
+    BINDING,
     LARGEST,
     SAMPLE_MS,
     Formula,
@@ -27,10 +42,16 @@ from scaloft_fi.judge.stl import (
     inside_always,
     mean,
     parse,
+    parts,
     tokenize,
     written,
 )
-from tests.support.stl_trees import EDGES, ZEROS, Column, agrees, all_trees, bracketed, defined, traces
+from scaloft_fi.stack.reference.declaration import REFERENCE
+from scaloft_fi.verbs.export.dossier import columns, export_rows, parquet, to_csv, to_json
+from scaloft_fi.verbs.first_screen import requirement_table
+from scaloft_fi.verbs.margin import Margins, margin_tables
+from tests.support.rtamt_oracle import rtamt_robustness, rtamt_tree
+from tests.support.stl_trees import EDGES, NAMES, ZEROS, Column, agrees, all_trees, bracketed, defined, traces, trees
 
 SIGNALS = ("a", "b", "speed_mps", "person_sight_m")
 
@@ -387,3 +408,170 @@ def test_a_mean_moves_and_grows_with_its_samples(values: Any, last: int, shift: 
 def test_the_robustness_of_a_limit_on_a_mean_is_how_far_the_mean_is_from_it(a: list[float], limit: float, last: int):
     found = rho(f"mean[0:{last / 20:g}](a) <= {limit!r}", a=a)
     assert found == (limit - mean(np.array(a), last)).tolist()
+
+
+SENTINEL = 24.0
+HUMAN = "T0O0W0D0H1"
+
+
+def untested(flown: Outcome, name: str = "SR2") -> Outcome:
+    """The flight in which the condition of a requirement never came true."""
+    return replace(
+        flown,
+        readings=tuple(replace(r, rho=SENTINEL, triggered=0) if r.requirement == name else r for r in flown.readings),
+    )
+
+
+@pytest.mark.parametrize(
+    ("reading", "compliance", "told"),
+    [
+        (Reading("SR2", Kind.SAFETY, 0.3, None, 1, open=False), Compliance.HELD, 0.3),
+        (Reading("SR2", Kind.SAFETY, 0.3, None, 1, open=True), Compliance.OPEN, 0.3),
+        (Reading("SR2", Kind.SAFETY, SENTINEL, None, 0, open=False), Compliance.VACUOUS, None),
+        (Reading("SR2", Kind.SAFETY, SENTINEL, None, 0, open=True), Compliance.OPEN, None),
+        (Reading("SR2", Kind.SAFETY, -0.1, 5.0, 0, open=False), Compliance.VIOLATED, -0.1),
+    ],
+)
+def test_robustness_is_told_of_what_was_put_to_the_test_or_violated(
+    reading: Reading, compliance: Compliance, told: float | None
+):
+    assert reading.compliance is compliance
+    assert measured_rho(reading) == told
+
+
+def test_a_row_of_the_export_has_nothing_there_in_every_format():
+    rows = export_rows([untested(outcome())], ROSTER, GRID)
+    (as_json,) = json.loads(to_json(rows))
+    (as_csv,) = csv.DictReader(io.StringIO(to_csv(rows, columns(rows))))
+    assert (as_json["rho_SR1"], as_json["rho_SR2"]) == (0.3, None)
+    assert (as_csv["rho_SR1"], as_csv["rho_SR2"]) == ("0.3", "")
+    assert as_json["held"] == list(KINDS)
+
+
+def test_a_column_of_nothing_is_still_one_of_numbers_in_parquet():
+    rows = export_rows([untested(outcome())], ROSTER, GRID)
+    table = pyarrow.parquet.read_table(io.BytesIO(parquet(rows, columns(rows))))
+    assert str(table.schema.field("rho_SR2").type) == "double"
+    assert table.column("rho_SR2").to_pylist() == [None]
+
+
+def test_the_least_robustness_is_that_of_the_flights_that_put_it_to_the_test():
+    flights = [outcome(seed=0), untested(outcome(seed=1)), untested(outcome(seed=1), "OP1")]
+    assert {t.requirement: t.least_rho for t in tallies(flights)}["SR2"] == 0.3
+    alone = [untested(outcome())]
+    assert {t.requirement: t.least_rho for t in tallies(alone)}["SR2"] is None
+    rows = {row[0]: row[-1] for row in requirement_table(tallies(alone)).rows}
+    assert (rows["SR1"], rows["SR2"]) == ("0.300", "n/a")
+
+
+def test_an_end_of_a_margin_that_tests_nothing_has_no_robustness():
+    matrix = load_matrix(Path(__file__).parents[2] / "hazop", REFERENCE.by_name)
+    kills = [outcome("LATE-human@3s", HUMAN, seed, violated={"SR2": 8.0}) for seed in range(3)]
+    flights = [*pool(HUMAN), untested(outcome("LATE-human@1s", HUMAN)), *kills]
+    found = margins(flights, score(flights, ROSTER, GRID), matrix)
+    (table,) = margin_tables(found, (), 1)
+    assert table.rows[0][6] == "SR2 ? / -0.1"
+    assert ["SR2" in tried.rho for tried in Margins.of(found).tried] == [False, True]
+
+
+INTERVALS = ["", "", "[0:0.1]", "[.05:2.]"]
+joins = st.builds(
+    lambda operator, interval: operator + (interval if operator in ("since", "until") else ""),
+    st.sampled_from([operator for operators in BINDING for operator in operators]),
+    st.sampled_from(INTERVALS),
+)
+befores = st.builds(
+    lambda word, interval: word + ("" if word in ("", "not") else interval),
+    st.sampled_from(["", "", "", "not", "historically", "once", "always", "eventually"]),
+    st.sampled_from(INTERVALS),
+)
+operands = st.recursive(
+    st.sampled_from([*NAMES, "2", "-0.5", "1e3"]),
+    lambda inner: st.one_of(
+        st.builds("{} ({} {} {})".format, befores, inner, joins, inner),
+        st.builds("{} {}".format, befores, inner),
+        st.builds("{}({} {} {})".format, st.sampled_from(["abs", "sqrt", "rise", "fall", "prev"]), inner, joins, inner),
+    ),
+    max_leaves=4,
+)
+chains = st.lists(st.tuples(operands, joins), min_size=1, max_size=6).map(
+    lambda pairs: " ".join(word for pair in pairs for word in pair) + " a"
+)
+"""Operands and operators in turn, with few brackets, so that the texts ask for precedence."""
+words = st.lists(
+    st.sampled_from([*NAMES, *"+-*/()[]:", "2", "<", "->", "not", "and", "once", "since", "abs", "[0:0.1]"]), max_size=9
+).map(" ".join)
+
+
+def ours(text: str) -> Node | str:
+    try:
+        return parse(tokenize(text))
+    except FormulaError as error:
+        return str(error)
+
+
+def theirs(text: str) -> Node | None:
+    try:
+        return rtamt_tree(text, NAMES)
+    except Exception:  # noqa: BLE001 - RTAMT raises what its parser happens to meet
+        return None
+
+
+@settings(deadline=None, max_examples=usually(25, release=250))
+@given(chains)
+@example("a - 2 - b + c > 0")
+@example("a / 2 * b > 0")
+@example("a < b <= c")
+@example("a -> b implies c")
+def test_a_chain_of_operators_has_the_tree_of_rtamt_or_needs_brackets(text: str):
+    mine = ours(text)
+    if isinstance(mine, str):
+        assert mine.startswith("needs brackets")
+        event("needs brackets")
+    else:
+        assert mine == theirs(text)
+
+
+@settings(deadline=None, max_examples=usually(25, release=250))
+@given(words)
+@example("a - - 2")
+@example("- a")
+@example("not not - 2 < a")
+@example("once [ 0 : 0.1 ] a since [0:0.1] b")
+def test_any_words_have_the_tree_of_rtamt_or_are_refused_by_both(text: str):
+    mine = ours(text)
+    if not isinstance(mine, str):
+        assert mine == theirs(text)
+        event("a formula")
+    elif not mine.startswith("needs brackets"):
+        assert theirs(text) is None
+
+
+@settings(deadline=None, max_examples=usually(25, release=150))
+@given(trees)
+def test_a_text_in_brackets_has_the_tree_it_was_written_from_of_as_rtamt(tree: Node):
+    text = bracketed(tree)
+    assert repr(ours(text)) == repr(tree) == repr(theirs(text))
+
+
+def overwrites(node: Node) -> bool:
+    """Whether RTAMT appends to the samples of a signal, which it then reads elsewhere in the formula."""
+    if isinstance(node, Prefix) and isinstance(node.of, Signal):
+        return node.word in ("always", "eventually") and node.interval is not None
+    return any(map(overwrites, parts(node)))
+
+
+def as_rtamt(tree: Node, signals: Mapping[str, Column]) -> Column:
+    return rtamt_robustness(bracketed(tree), {name: list(column) for name, column in signals.items()})
+
+
+@settings(deadline=None, max_examples=usually(25, release=200))
+@given(trees, traces(2))
+def test_robustness_is_to_the_bit_that_of_rtamt(tree: Node, signals: dict[str, Column]):
+    assume(not overwrites(tree))
+    agrees(tree, signals, as_rtamt)
+
+
+@pytest.mark.parametrize("edge", EDGES)
+def test_an_edge_is_to_the_bit_that_of_rtamt(edge: str):
+    agrees(EDGES[edge], ZEROS, as_rtamt)

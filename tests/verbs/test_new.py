@@ -11,13 +11,17 @@ from typing import Any
 
 import pytest
 from jsonschema import Draft202012Validator
-from printed import of_form, run
-from processes import install_project, printed
+from printed import no_terms, of_form, run
+from processes import ROOT, called, install, install_project, printed
+from studies import edit_in
 
+from scaloft_fi.cli import command_of
 from scaloft_fi.document import load
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.study import Study
-from scaloft_fi.verbs import new
+from scaloft_fi.verbs import VERBS, new
+from scaloft_fi.verbs.names import example_names
+from scaloft_fi.verbs.new import BLOCK, example_files
 from scaloft_fi.verbs.schema import DOCUMENTS
 
 KEY = re.compile(r"^[ -]*([\w-]+):(?=\s|$)")
@@ -320,3 +324,188 @@ def test_a_changed_program_or_parameter_of_a_firmware_means_other_flights(tmp_pa
     parameters.write_text(parameters.read_text() + "param set MPC_XY_P 1\n")
     inputs.append(Study.open(folder).inputs)
     assert len({one["sim"] for one in inputs}) == 3
+
+
+STUDIES = ("own_simulator", "outside_planner")
+"""The examples that are studies, which leave documents to the reference study."""
+CALL = re.compile(r"scaloft-fi ([^&#\n]+)")
+
+
+def test_every_folder_of_the_examples_is_one():
+    assert example_names() == tuple(sorted(path.name for path in (ROOT / "examples").iterdir() if path.is_dir()))
+
+
+def test_each_is_listed_with_one_sentence(capsys: pytest.CaptureFixture[str]):
+    assert run("example", "--format", "json") == 0
+    told = of_form("example", capsys.readouterr().out)["examples"]
+    assert [one["name"] for one in told] == list(example_names())
+    assert [one["about"] for one in told if not re.fullmatch(r"[^.]{20,140}\.", one["about"])] == []
+    assert {one["folder"] for one in told} == {None}
+    assert run("example") == 0
+    listed = " ".join(capsys.readouterr().out.split())
+    assert all(name in listed for name in example_names())
+    assert run("example", "--format", "markdown") == 0
+    assert no_terms(capsys.readouterr().out) == []
+
+
+@pytest.mark.parametrize("name", example_names())
+def test_a_copy_has_the_files_of_the_example_and_says_what_to_do_in_its_folder(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    assert run("example", name, "--format", "json") == 0
+    (told,) = of_form("example", capsys.readouterr().out)["examples"]
+    copy = tmp_path / name
+    assert told["folder"] == name
+    assert told["files"] == sorted(str(path.relative_to(copy)) for path in copy.rglob("*") if path.is_file())
+    for path in (path for path in (ROOT / "examples" / name).rglob("*") if path.is_file()):
+        if "__pycache__" not in path.parts:
+            below = path.relative_to(ROOT / "examples" / name)
+            assert (copy / below).read_bytes() == path.read_bytes()
+            assert os.access(copy / below, os.X_OK) == os.access(path, os.X_OK), below
+    assert told["next"][0] == f"cd {name}"
+    assert len(told["next"]) > 1
+    assert any(line.startswith(("scaloft-fi ", "pip ")) for line in told["next"][1:])
+
+
+@pytest.mark.parametrize("name", example_names())
+def test_its_readme_names_no_file_that_a_wheel_lacks_and_verbs_that_there_are(name: str):
+    text = (ROOT / "examples" / name / "README.md").read_text()
+    assert re.findall(r"(?:\.\./|docs/|examples/|scaloft_fi/\w+/)\S*", text) == []
+    for block in BLOCK.findall(text):
+        for call in CALL.findall(block):
+            verb, *words = shlex.split(call)
+            assert verb in VERBS
+            command_of(verb).make_context(verb, words)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_study_that_lacks_documents_gets_those_of_the_reference_study(name: str, tmp_path: Path):
+    assert run("example", name, tmp_path / "copy") == 0
+    assert run("mutants", "--check", "--study", tmp_path / "copy") == 0
+    Study.open(tmp_path / "copy").check()
+    files, own = example_files(name), ROOT / "examples" / name
+    lent = [path for path in files if not (own / path).is_file()]
+    assert "sim/world.yaml" in lent
+    assert all(files[path] == (ROOT / path).read_bytes() for path in lent)
+    assert not any(path.startswith("sim/grids") or path == "sim/found.yaml" for path in lent)
+
+
+def test_what_is_in_the_folder_already_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    (tmp_path / "mine").write_text("mine")
+    assert run("example", "own_tests", tmp_path) == 2
+    assert "is not empty; only an empty or a new folder is written into" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["mine"]
+
+
+def test_a_miss_is_told_the_nearest_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    assert run("example", "own_stck") == 2
+    assert capsys.readouterr().err == "error: no example 'own_stck'; did you mean 'own_stack'?\n"
+    assert list(tmp_path.iterdir()) == []
+
+
+STACK = """
+from dataclasses import replace
+
+from scaloft_fi.api import declare_stack
+from scaloft_fi.stack.reference.declaration import REFERENCE
+
+def make(task, wire):
+    raise LookupError("no licence")
+
+declare_stack(replace(REFERENCE, name="dear", make=make))
+"""
+OPERATOR = """
+from scaloft_fi.api import Example, messages, operator
+
+@operator("break", example=Example(messages.Stamps, {}, (), ()))
+def broken(context):
+    '''Break.'''
+    return lambda t_s, sample: sample.nothing
+"""
+SENSOR = """
+from scaloft_fi.api import SENSORS, SensorKind, messages
+
+class Blind:
+    def __init__(self, config, flight): ...
+
+    def measure(self, moment):
+        raise LookupError("no light")
+
+SENSORS.declare("blind", SensorKind(Blind, messages.Fix, required=True))
+"""
+FORMAT = """
+from scaloft_fi.api import export_format
+
+@export_format("broken", "nothing")
+def broken(dossier):
+    return dossier.nothing
+"""
+STACK_OF_BAD_OPERATORS = STACK.replace("make=make", "operators=('no_such_module',)")
+
+
+def _plugins_told(tmp_path: Path, study: Path, source: str, *verbs: tuple[str, ...]) -> list[tuple[int, str]]:
+    """Exit code and last line of each verb, with one module as the plugin 'odd' of package 'odd-ware'."""
+    site = tmp_path / "site"
+    install(site, "odd-ware", {"odd": "odd_ware"})
+    (site / "odd_ware.py").write_text(source)
+    done = called(site, *((*words, "--study", str(study)) for words in verbs), cwd=tmp_path)
+    return [(code, said.strip().splitlines()[-1]) for code, said in done]
+
+
+ODD = "error: plugin 'odd' of package 'odd-ware'"
+
+
+@pytest.mark.parametrize(
+    ("source", "why"),
+    [
+        ("import nowhere", "ModuleNotFoundError: No module named 'nowhere'"),
+        ("import sys; sys.exit('no')", "SystemExit: no"),
+    ],
+)
+def test_a_plugin_that_cannot_be_imported_is_named(source: str, why: str, tmp_path: Path, copy: Path):
+    sentence = f"{ODD} cannot be loaded: {why}; mend or uninstall it"
+    assert _plugins_told(tmp_path, copy, source, ("mutants", "--check")) == [(2, sentence)]
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(("source", "why"), [(STACK, "no licence"), (SENSOR, "no light")])
+def test_a_stack_or_a_sensor_that_raises_is_named(source: str, why: str, tmp_path: Path, copy: Path):
+    if source == STACK:
+        edit_in(copy / "sim" / "stack.yaml", "name: reference", "name: dear")
+    told = _plugins_told(tmp_path, copy, source, ("replay", "baseline/T0O0W0D0H0/0"))
+    assert told == [(70, f"{ODD}: LookupError: {why} (SCALOFT_DEBUG=1 shows where)")]
+
+
+def test_the_operators_of_a_stack_that_cannot_be_imported_are_named(tmp_path: Path, copy: Path):
+    edit_in(copy / "sim" / "stack.yaml", "name: reference", "name: dear")
+    ((code, line),) = _plugins_told(tmp_path, copy, STACK_OF_BAD_OPERATORS, ("mutants", "--check"))
+    assert code == 2
+    assert "stack 'dear': its operators in 'no_such_module' cannot be loaded: ModuleNotFoundError" in line
+
+
+@pytest.mark.flight
+@pytest.mark.release
+def test_an_operator_that_raises_is_named(tmp_path: Path, copy: Path):
+    cells = copy / "hazop" / "matrix" / "clock.yaml"
+    cells.write_text(
+        cells.read_text().replace("operator: scale\n      arguments: {field: all, factor: 0}", "operator: break")
+    )
+    here = ("--situation", "T0O0W0D0H0", "--baseline-seeds", "1", "--jobs", "1")
+    verbs = (("mutants", "--write"), ("replay", "NO-clock/T0O0W0D0H0/0"), ("run", "--mutant", "NO-clock", *here))
+    written, replayed, run = _plugins_told(tmp_path, copy, OPERATOR, *verbs)
+    tapped = "tap on stamps at 0.000 s: AttributeError: 'Stamps' object has no attribute 'nothing'"
+    assert written[0] == 0
+    assert replayed == (70, f"{ODD}: {tapped}")
+    assert run[0] == 4
+    assert f"plugin 'odd' of package 'odd-ware': TapError: {tapped}" in run[1]
+
+
+def test_an_export_format_that_raises_is_named(folder: Path, tmp_path: Path):
+    words = ("export", "--format", "broken", "--campaign", str(folder))
+    ((code, line),) = _plugins_told(tmp_path, ROOT, FORMAT, words)
+    assert code == 70
+    assert line.startswith(f"{ODD}: AttributeError: 'Dossier' object has no attribute 'nothing'")

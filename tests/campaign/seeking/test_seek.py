@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -10,13 +12,32 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from finding import Ruled, everywhere, fast, never
+from finding import BAR, Ruled, everywhere, fast, found, never, small_study
+from options import usually
+from paper_flyer import Whole
 from running import PowerError, dying, quiet
 
+from scaloft_fi.analysis.seeking import POOL, SEEDS
+from scaloft_fi.campaign.flights.fly import Flight
+from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Budget
 from scaloft_fi.campaign.seeking import finds
-from scaloft_fi.campaign.seeking.finds import OTHER_SEEDS, SEEN_ON, Allowance, SeekReport, anew, interrupted
+from scaloft_fi.campaign.seeking.finds import (
+    BLOCK,
+    FRESH,
+    OTHER_SEEDS,
+    SEEN_ON,
+    Allowance,
+    SeekReport,
+    anew,
+    break_saver,
+    holding,
+    interrupted,
+    keep,
+    replicate,
+    saver,
+)
 from scaloft_fi.campaign.seeking.seek import (
     EACH,
     GENERATION,
@@ -32,11 +53,15 @@ from scaloft_fi.campaign.seeking.seek import (
     seek,
 )
 from scaloft_fi.campaign.store.archive import STORE_NAME
+from scaloft_fi.campaign.workers import Interrupted
 from scaloft_fi.errors import InputError
+from scaloft_fi.judge.outcome import Outcome, Violation
+from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.sim.grid import Find, load_grid
+from scaloft_fi.sim.grid import Find, load_grid, read_finds
 from scaloft_fi.sim.situation import Situation
+from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 
 STUDY = Study.open(Path(__file__).parents[3], "search")
@@ -417,3 +442,188 @@ def test_draws_go_on_after_the_opening_and_end_where_no_more_are_found():
     assert len({*drawn}) == OPENING + 8
     assert drawn[:OPENING] == [one.situation for one in opening(GRID, 0, anything)]
     assert list(draws(GRID, 0, lambda one: one in drawn[:3])) == list(islice(draws(GRID, 0, anything), 3))
+
+
+SEARCHES, MOST = usually(4, release=1_000), 0.01
+FLIGHTS = 200
+"""Budget of a search."""
+PLANTED_LATE = "LATE-human@3s"
+
+
+@dataclass(frozen=True)
+class Planted(Whole):
+    """Flies without physics; search: the number of the search, which draws its own rates."""
+
+    search: int
+
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        readings, violations = [], []
+        for name in ("SR1", "SR2"):
+            rate = self._chance("rate", name, flight.situation.key) / 2
+            own = ("flight", name, flight.situation.key, flight.subject.id, flight.seed)
+            violated = self._chance("violated", *own) < rate
+            rho = (-0.3 if violated else 0.3) * (0.1 + 0.9 * self._chance("rho", *own))
+            readings.append(Reading(name, Kind.SAFETY, rho, 7.0 if violated else None, 1, open=False))
+            violations += [Violation(name, Kind.SAFETY, 7.0, 0.0, 1.0, 1.6, "")] * violated
+        readings.append(Reading("OP1", Kind.OPERABILITY, 0.5, None, 1, open=False))
+        mutated = flight.mutant is not None
+        return Outcome(
+            flight.subject,
+            flight.situation.key,
+            flight.seed,
+            ending="landed",
+            readings=tuple(readings),
+            violations=tuple(violations),
+            carried=10 * mutated,
+            altered=3 * mutated,
+            infected_at_s=1.0 if mutated else None,
+            duration_s=40.0,
+            digest=flight.name,
+            perceived_digest="p",
+            realised=() if mutated else tuple((axis.id, True) for axis in study.grid.axes),
+        )
+
+    def _chance(self, *words: object) -> float:
+        return key_words("planted", self.search, *words)[0] / 2**64
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
+    return small_study(tmp_path_factory.mktemp("planted"))
+
+
+def searched(study: Study, folder: Path, number: int) -> SeekReport:
+    return seek(
+        study,
+        [realise(study.matrix, PLANTED_LATE)],
+        folder,
+        RunOptions(jobs=1),
+        seed=number,
+        allowance=Allowance(flights=FLIGHTS),
+        progress=Progress(stream=io.StringIO()),
+        save=lambda _finds: None,
+        flyer=Planted(number),
+    )
+
+
+def test_at_most_one_search_in_a_hundred_finds_something_for_a_fault_that_does_nothing(study: Study, tmp_path: Path):
+    reports = []
+    for number in range(SEARCHES):
+        reports.append(searched(study, tmp_path / str(number), number))
+        shutil.rmtree(tmp_path / str(number))
+    tested = sum(report.sought[0].candidates for report in reports)
+    false = sum(bool(report.finds) for report in reports)
+    assert tested >= SEARCHES // 4, "the confirmation is put to the test"
+    assert false <= MOST * SEARCHES
+
+
+REPLICATE_LATE, REPLICATE_MORE = "LATE-human@3s", "MORE-goal@1m"
+SITUATION = "T0D0H1Cs=0.9"
+
+
+@pytest.fixture
+def study_of_replicate(tmp_path: Path) -> Study:
+    return small_study(tmp_path / "study")
+
+
+@pytest.fixture
+def flyer_of_replicate(tmp_path: Path) -> Ruled:
+    return Ruled(tmp_path / "flown.txt", {REPLICATE_LATE: fast, REPLICATE_MORE: never})
+
+
+def again(
+    study_of_replicate: Study, flyer_of_replicate: Ruled, *finds: Find, progress: Progress | None = None
+) -> SeekReport:
+    ask = {find.name: list(find.shows) for find in finds}
+    return replicate(
+        study_of_replicate,
+        finds,
+        ask,
+        study_of_replicate.folder / "c",
+        progress=progress or quiet(),
+        flyer_of_replicate=flyer_of_replicate,
+    )
+
+
+def seeds(flyer_of_replicate: Ruled, subject: str) -> set[int]:
+    return {int(name.rsplit("/", 1)[1]) for name in flyer_of_replicate.flown if name.startswith(subject)}
+
+
+def test_each_pair_flies_on_ten_seeds_beside_thirty_baselines_that_nothing_used(
+    study_of_replicate: Study, flyer_of_replicate: Ruled
+):
+    report = again(study_of_replicate, flyer_of_replicate, found(REPLICATE_LATE, SITUATION, others=(REPLICATE_MORE,)))
+    assert [(one.mutant, one.holds) for one in report.replicas] == [(REPLICATE_LATE, True), (REPLICATE_MORE, False)]
+    assert (
+        seeds(flyer_of_replicate, REPLICATE_LATE)
+        == seeds(flyer_of_replicate, REPLICATE_MORE)
+        == set(range(FRESH, FRESH + SEEDS))
+    )
+    assert seeds(flyer_of_replicate, "baseline") == set(range(FRESH, FRESH + POOL))
+    assert (report.used, report.first) == (POOL + 2 * SEEDS, FRESH)
+
+
+def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_another(
+    study_of_replicate: Study, flyer_of_replicate: Ruled
+):
+    find = found(REPLICATE_LATE, SITUATION)
+    first, second = (
+        again(study_of_replicate, flyer_of_replicate, find),
+        again(study_of_replicate, flyer_of_replicate, find),
+    )
+    assert (first.first, second.first) == (FRESH, FRESH + BLOCK)
+    (kept,) = holding([find], first.replicas)
+    elsewhere = replicate(
+        study_of_replicate,
+        [kept],
+        {kept.name: [REPLICATE_LATE]},
+        study_of_replicate.folder / "d",
+        progress=quiet(),
+        flyer_of_replicate=flyer_of_replicate,
+    )
+    assert elsewhere.first == FRESH + BLOCK
+
+
+def test_an_interrupted_replication_goes_on_with_its_seeds(study_of_replicate: Study, flyer_of_replicate: Ruled):
+    with pytest.raises(Interrupted):
+        again(
+            study_of_replicate,
+            flyer_of_replicate,
+            found(REPLICATE_LATE, SITUATION),
+            progress=dying(7, Interrupted("stopped")),
+        )
+    report = again(study_of_replicate, flyer_of_replicate, found(REPLICATE_LATE, SITUATION))
+    assert report.first == FRESH
+    assert report.flown < report.used
+
+
+def test_what_does_not_hold_leaves_and_the_find_takes_the_name_of_what_does(
+    study_of_replicate: Study, flyer_of_replicate: Ruled
+):
+    find, left = found(REPLICATE_MORE, SITUATION, others=(REPLICATE_LATE,)), found("NO-depth@3s", "T0D0H0Cs=0.9")
+    saver(study_of_replicate.folder / "sim", "small")([find, left])
+    break_saver(study_of_replicate.folder / "sim", "small")([BAR])
+    report = again(study_of_replicate, flyer_of_replicate, find, left)
+    kept = holding([find, left], report.replicas)
+    keep(study_of_replicate.folder / "sim", "small", kept)
+    written = read_finds(study_of_replicate.folder / "sim")
+    assert [(one.name, one.mutant, list(one.shows)) for one in written.finds] == [
+        (f"shows-{REPLICATE_LATE}", REPLICATE_LATE, [REPLICATE_LATE])
+    ]
+    assert written.breaks == (BAR,)
+    told = written.finds[0].shows[REPLICATE_LATE].again
+    assert (told.seed, told.violated, told.flights, told.baselines) == (FRESH, SEEDS, SEEDS, POOL)
+    assert told.p == pytest.approx(report.replicas[1].again.p, rel=1e-3)
+
+
+def test_what_was_not_replicated_stays_and_a_name_that_is_taken_is_not_given_twice(
+    study_of_replicate: Study, flyer_of_replicate: Ruled
+):
+    find, other = found(REPLICATE_MORE, SITUATION, others=(REPLICATE_LATE,)), found(REPLICATE_LATE, "T0D1H1Cs=0.9")
+    report = again(study_of_replicate, flyer_of_replicate, find)
+    kept = holding([find, other], report.replicas)
+    assert [(one.name, one.mutant) for one in kept] == [
+        (f"shows-{REPLICATE_LATE}", REPLICATE_LATE),
+        (f"shows-{REPLICATE_MORE}", REPLICATE_LATE),
+    ]
+    assert kept[0] == other
