@@ -11,6 +11,8 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 from scaloft_fi.defaults import __version__
 
 TYPE_CHECKING = False
@@ -52,8 +54,6 @@ def __getattr__(name: str) -> object:
     Raises:
         AttributeError: there is none.
     """
-    from importlib import import_module
-
     if name not in _LATE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(_LATE[name]), "open_study" if name == "open" else name)

@@ -451,13 +451,11 @@ class Ros2Border(TopicsBorder):
         write_whole(self.folder / "profile.xml", PROFILE.encode())
         os.environ.update(self.environment)
         try:
-            import rclpy
-            from rclpy.signals import SignalHandlerOptions
+            import rclpy.signals
 
             self._context = rclpy.Context()
-            rclpy.init(
-                context=self._context, domain_id=self._domain.number, signal_handler_options=SignalHandlerOptions.NO
-            )
+            silent = rclpy.signals.SignalHandlerOptions.NO
+            rclpy.init(context=self._context, domain_id=self._domain.number, signal_handler_options=silent)
             self._node = rclpy.create_node("scaloft_fi", context=self._context, start_parameter_services=False)
             self._executor = rclpy.executors.SingleThreadedExecutor(context=self._context)
             self._executor.add_node(self._node)

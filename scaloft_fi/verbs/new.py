@@ -23,11 +23,17 @@ from typing import Annotated, Literal
 
 from scaloft_fi.document import is_file, is_folder, is_there, read_bytes
 from scaloft_fi.errors import InputError, did_you_mean, shown
+from scaloft_fi.firmware.kind import ATTITUDE, KINDS, MOTORS, POSITION, FirmwareConfig
 from scaloft_fi.hazop.load import FOLDERS, reference_study, shipped
+from scaloft_fi.mutants.catalogue import derive, write_catalogue
 from scaloft_fi.output import write_whole
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.sim.grid import FOUND_FILE
 from scaloft_fi.sim.load import DOCUMENTS
+from scaloft_fi.sim.stacks import STACKS
+from scaloft_fi.stack.declaration import Declaration
+from scaloft_fi.stack.reference.declaration import SEAMS
+from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import example_names, examples
 from scaloft_fi.verbs.options import LineFormat, Option, answer, verb
 from scaloft_fi.views.output import Answer, Output
@@ -112,8 +118,6 @@ def firmware_files(kind: str, program: Path) -> Files:
     Raises:
         InputError: the firmware lacks a seam of the HAZOP.
     """
-    from scaloft_fi.firmware.kind import ATTITUDE, KINDS, POSITION
-
     seams, reference = KINDS[kind].seams, reference_study()
     position, owner = ("position", "firmware") if POSITION in seams else ("fix", "companion")
     orders, units = ("attitude", "rad, rad/s, 0..1") if ATTITUDE in seams else ("velocity", "m/s, rad")
@@ -158,9 +162,6 @@ def _filled(files: Files, words: Mapping[str, str]) -> dict[str, bytes]:
 
 def _catalogue(files: Files) -> bytes:
     """The catalogue of the mutants of a study with these files."""
-    from scaloft_fi.mutants.catalogue import derive, write_catalogue
-    from scaloft_fi.study import Study
-
     with TemporaryDirectory() as made:
         folder = Path(made)
         _write(folder, files)
@@ -318,7 +319,6 @@ def new_command(
     The first line of each document names its JSON Schema in schemas/, with which an editor completes keys; in a
     package, `scaloft-fi schema --write` makes that folder once the package is installed.
     """
-    from scaloft_fi.sim.stacks import STACKS
     from scaloft_fi.verbs.schema import pointed, schema_files
 
     asked = [way for way, given in (("--plugin", plugin), ("--planner", planner), ("--firmware", firmware)) if given]
@@ -328,17 +328,19 @@ def new_command(
         raise InputError(f"--name={name!r} is the name of a package; give --plugin or --planner, or leave it out")
     if program is not None and firmware is None:
         raise InputError(f"--program={shown(str(program))} is an autopilot's; give --firmware with it, or leave it out")
-    if firmware is not None:
-        files, what = _firmware(firmware, program)
-    elif plugin or planner:
+    if plugin or planner:
         package = folder.absolute().name.replace("-", "_") if name is None else name
         check_package_name(package, "DIR" if name is None else "--name")
         files = pointed(planner_files(package) if planner else plugin_files(package), "study/")
         what = f"the package {package}, and a study that uses it, {len(files)} files"
     else:
-        documents, schemas = pointed(study_files()), schema_files(STACKS["reference"])
+        if firmware is not None:
+            own, stack, what = _firmware(firmware, program)
+        else:
+            own, stack, what = study_files(), STACKS["reference"], "a study of 6 cells and 6 situations"
+        documents, schemas = pointed(own), schema_files(stack)
         files = documents | schemas
-        what = f"a study of 6 cells and 6 situations, {len(documents)} files, and {len(schemas)} schemas for an editor"
+        what += f", {len(documents)} files, and {len(schemas)} schemas for an editor"
     write_new(folder, files)
     chosen = FIRST if firmware else " --mutant LATE-human" if planner else ""
     commands = _next(folder, package=plugin or planner, chosen=chosen)
@@ -350,16 +352,13 @@ FIRST = " --situation 'T0O0W0D0*' --mutant LATE-gyro"
 """What a study of an autopilot flies first: one fault in light, without a person and with one."""
 
 
-def _firmware(kind: str, program: Path | None) -> tuple[Files, str]:
-    """The files of a study of an autopilot, and what they are in words.
+def _firmware(kind: str, program: Path | None) -> tuple[Files, Declaration, str]:
+    """The files of a study of an autopilot, its stack, and what they are in words.
 
     Raises:
         InputError: the kind is unknown, or the program is no file.
     """
-    from scaloft_fi.firmware.kind import KINDS, MOTORS, FirmwareConfig
     from scaloft_fi.firmware.stack import FIRMWARE
-    from scaloft_fi.stack.reference.declaration import SEAMS
-    from scaloft_fi.verbs.schema import pointed, schema_files
 
     load_plugins()
     if kind not in KINDS:
@@ -368,12 +367,11 @@ def _firmware(kind: str, program: Path | None) -> tuple[Files, str]:
         raise InputError(f"--firmware={shown(kind)} needs --program, the path of the autopilot's program")
     if not is_file(program) or not str(program).isprintable():
         raise InputError(f"--program={shown(str(program))} must be the path of a file, in printable characters")
-    documents = pointed(firmware_files(kind, program))
+    files = firmware_files(kind, program)
     config = FirmwareConfig(kind, str(program), "", sensors=SENSORS.get(kind, ()))
-    schemas = schema_files(replace(FIRMWARE, seams=(*SEAMS, *config.seams, MOTORS)))
-    cells = sum(name.startswith("hazop/matrix/") for name in documents) * 12
-    what = f"a study of {kind} with {cells} cells and 32 situations, {len(documents)} files, and {len(schemas)} schemas"
-    return documents | schemas, f"{what} for an editor"
+    stack = replace(FIRMWARE, seams=(*SEAMS, *config.seams, MOTORS))
+    cells = sum(name.startswith("hazop/matrix/") for name in files) * 12
+    return files, stack, f"a study of {kind} with {cells} cells and 32 situations"
 
 
 def _next(folder: Path, *, package: bool, chosen: str) -> tuple[str, ...]:

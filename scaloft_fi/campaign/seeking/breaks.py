@@ -71,21 +71,20 @@ class ListeningWire(PlainWire):
         return sample
 
 
-def recalled(study: Study, flight: Flight, violations: Sequence[Violation]) -> Told:
+def recalled(study: Study, flown: Flight, violations: Sequence[Violation]) -> Told:
     """What the violations of a baseline say, the earliest first; it is flown up to the last of them.
 
     Raises:
         ScaloftError: the flight cannot be flown, or a claim of the stack fails.
     """
-    from scaloft_fi.sim import build
-    from scaloft_fi.sim import flight as flying
+    from scaloft_fi.sim import build, flight
 
     claims = claims_of(study.stack, study.signals)
     wire = ListeningWire(claim.seam for claim in claims if claim.seam)
-    scenario = study.scenario(flight.situation)
+    scenario = study.scenario(flown.situation)
     ticks = round(TICK_HZ * max(violation.t_s for violation in violations))
     with build.physics_server() as client:
-        loop = flying.FlightLoop(client, study.sim, scenario, flight.seed, wire)
+        loop = flight.FlightLoop(client, study.sim, scenario, flown.seed, wire)
         while loop.ticks <= ticks and loop.tick():
             loop.advance()
         return breaches(loop.log(), violations, study.requirements, scenario.world, claims, wire.kept)
