@@ -247,7 +247,7 @@ def test_every_head_and_legend_is_a_term_that_leads_to_its_meaning(visit: Opened
 @pytest.mark.release
 def test_on_paper_stands_what_is_behind_a_click_on_the_screen(visit: Opened, told: dict[str, Any]):
     page = visit(color_scheme="dark").page
-    page.wait_for_selector("#details[data-drawn]", state="attached")
+    page.wait_for_selector("#details[data-ready]", state="attached")
     assert page.locator("#details").is_hidden()
     page.emulate_media(media="print")
     page.evaluate("dispatchEvent(new Event('beforeprint'))")

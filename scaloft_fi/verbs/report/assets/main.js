@@ -42,9 +42,11 @@ async function follow() {
   tip.hide();
   if (!sheet.open) {
     returned = document.activeElement;
+    document.body.classList.add("sheet-open");
+    // where a click left the caret nothing can be selected now, and a browser would search all that is behind for another place
+    getSelection().removeAllRanges();
     sheet.showModal();
   }
-  document.body.classList.add("sheet-open");
   sheet.scrollTop = 0;
   reachable(sheet);
   (sheet.querySelector(`[data-step="${stepped}"]`) ?? close).focus({ preventScroll: true });

@@ -15,22 +15,26 @@ function onPaper() {
   return section;
 }
 
-/** Draw the flights of that section, one at a time while nothing else is to do. */
+/** The flights of that section, drawn when it is printed; nothing can be unpacked then, so they are unpacked before, while nothing else is to do. */
 async function drawOnPaper() {
   const section = document.getElementById("details");
   if (!section || !CAN_INFLATE) return;
+  const drawings = [];
   for (const place of section.querySelectorAll(".drawn")) {
-    await new Promise((resolve) => { (globalThis.requestIdleCallback ?? setTimeout)(resolve); });
     const { id, first } = MUTANTS.get(place.dataset.mutant);
     if (!first) continue;
+    await new Promise((resolve) => { (globalThis.requestIdleCallback ?? setTimeout)(resolve); });
     const flights = await flightsIn(first.situation);
     const of = (name) => flights?.find((one) => one.mutant === name && one.seed === first.seed) ?? null;
-    const flight = of(id);
-    if (!flight?.rows) continue;
-    const { map, plots } = drawn(first.situation, flight, of("baseline"));
-    place.append(
-      h("p", { class: "small" }, `The flight ${id}/${first.situation}/${first.seed}: ${wordsOf(first.situation)}.`),
-      h("div", { class: "flight" }, h("figure", {}, map?.root, key(flight, of("baseline"))), h("div", {}, plots.map((picture) => h("figure", {}, h("figcaption", {}, picture.caption), picture.root)))));
+    drawings.push(() => place.replaceChildren(...onPaperFlight(id, first, of(id), of("baseline"))));
   }
-  section.dataset.drawn = "yes";
+  addEventListener("beforeprint", () => drawings.splice(0).forEach((draw) => draw()));
+  section.dataset.ready = "yes";
+}
+
+function onPaperFlight(id, { situation, seed }, flight, clean) {
+  if (!flight?.rows) return [];
+  const { map, plots } = drawn(situation, flight, clean);
+  return [h("p", { class: "small" }, `The flight ${id}/${situation}/${seed}: ${wordsOf(situation)}.`),
+    h("div", { class: "flight" }, h("figure", {}, map?.root, key(flight, clean)), h("div", {}, plots.map((picture) => h("figure", {}, h("figcaption", {}, picture.caption), picture.root))))];
 }
