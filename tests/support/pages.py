@@ -21,6 +21,9 @@ from scaloft_fi.verbs.report.analyses import Evidence
 OPEN = {"flight": "#sheet .map", "mutant": "#sheet .sheet-body", "cell": "#sheet .mutant"}
 """What shows that a sheet is open, by its kind."""
 
+BEHIND = "Rendering was performed in a subtree hidden by content-visibility."
+"""What Chromium says where somebody, as axe-core, measures what is behind a sheet."""
+
 
 class Visit:
     """One page opened from disk; remembers what the console said and what was asked of a network."""
@@ -30,15 +33,16 @@ class Visit:
         self.page = self.context.new_page()
         self.said: list[str] = []
         self.asked: list[str] = []
-        self.page.on("console", lambda message: self.said.append(message.text))
+        self.page.on("console", lambda message: message.text.startswith(BEHIND) or self.said.append(message.text))
         self.page.on("pageerror", lambda error: self.said.append(str(error)))
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.goto(path.as_uri() + fragment)
-        self.page.wait_for_selector("#kills td.state", state="attached")
+        self.page.wait_for_selector("#glossary")
         if whole:
             self.page.evaluate(
                 "() => document.querySelectorAll('details.whole').forEach((one) => { one.open = true; })"
             )
+            self.page.wait_for_function("document.querySelector('#kills td.state') !== null")
         if fragment:
             self.page.wait_for_selector(OPEN[fragment[1:].partition("=")[0]])
 

@@ -36,7 +36,7 @@ def test_both_matrices_are_drawn_whole(visit: Opened, text: str):
         row = page.locator(f'#kills tr[data-mutant="{mutant["id"]}"]')
         states = row.locator("td.state").evaluate_all("cells => cells.map((cell) => cell.dataset.state)")
         assert states == [told["signs"][result[0]] for result in mutant["results"]]
-        said = row.locator("td.rate").inner_text()
+        said = row.locator("td.rate").text_content().strip()
         if mutant["control"]:
             assert said == "shows itself by SR1"
         else:
@@ -137,7 +137,7 @@ def test_a_click_on_a_kill_shows_a_flight_that_has_it_and_back_returns(visit: Op
     page = seen.page
     for mutant, seed in (("LATE-human@3s", 0), ("LATE-human@1s", 1)):
         cell = page.locator(f'#kills tr[data-mutant="{mutant}"] td.state[data-state="kill"]').first
-        assert cell.inner_text() == "2"
+        assert cell.text_content() == "2"
         key = told["situations"][int(cell.get_attribute("data-column"))]["key"]
         cell.click()
         page.wait_for_selector("#sheet .map")
@@ -162,7 +162,7 @@ def test_what_is_no_test_says_why(visit: Opened, told: dict[str, Any]):
     for key, letter, why in ((BAR, "r", "SR1 red, SR2 vacuous"), (SHAKY, "u", "SR1 unsteady, SR2 vacuous")):
         row = page.locator('#kills tr[data-mutant="MORE-goal@0.6m"]')
         cell = row.locator(f'td.state[data-column="{keys.index(key)}"]')
-        assert (cell.get_attribute("data-state"), cell.inner_text()) == ("no_test", letter)
+        assert (cell.get_attribute("data-state"), cell.text_content()) == ("no_test", letter)
         assert f"no test: {why}" in cell.get_attribute("aria-label")
 
 
@@ -274,7 +274,7 @@ def test_filters_and_order_of_the_kill_matrix(visit: Opened):
     assert "2 of 6 mutants" in page.locator("#kills output").inner_text()
     page.get_by_label("text in id or condition").fill("")
     page.locator("#kills select").nth(0).select_option("rate")
-    whole = [one.split("/") for one in rows.locator("td.rate .number").all_inner_texts() if one]
+    whole = [one.split("/") for one in rows.locator("td.rate .number").all_text_contents() if one]
     shares = [int(part) / int(all_) for part, all_ in whole]
     assert shares == sorted(shares, reverse=True)
     page.locator("#kills select").nth(3).select_option("detected")

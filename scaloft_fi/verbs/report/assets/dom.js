@@ -39,8 +39,24 @@ function part(id, title, lead, ...children) {
     children);
 }
 
+/** What is behind a click, made when it is first opened: in the page it would cost each look at anything else. */
+const UNMADE = new Map();
+function fold(attributes, says, make) {
+  const details = h("details", attributes, h("summary", {}, says));
+  UNMADE.set(details, make);
+  details.addEventListener("toggle", () => { made(details); reachable(details); });
+  if (attributes.open) made(details);
+  return details;
+}
+
+function made(details) {
+  if (!UNMADE.has(details)) return;
+  furnished(details, {}, [UNMADE.get(details)()]);
+  UNMADE.delete(details);
+}
+
 /** What a section has behind a click; a link to the section opens it. */
-const folded = (says, ...children) => h("details", { class: "fold whole" }, h("summary", {}, says), children);
+const folded = (says, make) => fold({ class: "fold whole" }, says, make);
 
 /** One tab stop for a grid of cells; arrows, Home and End move in it, Enter and Space open. */
 function roving(grid, selector, rowsOf, open) {

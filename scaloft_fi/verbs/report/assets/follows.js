@@ -2,11 +2,11 @@
 function whatKillsWhat() {
   return part("what", "What kills what", "Of the default mutants that have a kill: how many axes must be right, which situations are enough, which mutants say the same.",
     unkilled(),
-    folded("Show how many axes, which situations, which mutants",
+    folded("Show how many axes, which situations, which mutants", () => [
       h("div", { class: "columns" },
         !OF_TESTS && h("div", {}, h("h3", {}, "How many axes a kill depends on"), orderChart(), orderNote()),
         h("div", {}, h("h3", {}, "The fewest situations that keep every kill"), suite())),
-      h("h3", { class: "sub" }, "Which mutants say the same"), subsumption()));
+      h("h3", { class: "sub" }, "Which mutants say the same"), subsumption()]));
 }
 
 /** Detected mutants that no situation kills are in none of these analyses. */

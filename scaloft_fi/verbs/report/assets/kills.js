@@ -11,6 +11,13 @@ const place = (kind, id) => DATA[kind].findIndex((entry) => entry.id === id);
 const grade = ({ severity }) => (severity ? place("severities", severity) : DATA.severities.length);
 
 function killMatrix() {
+  const whole = DATA.coverage.situations.whole;
+  const columns = DATA.situations.length < whole ? `a situation that was flown, of ${whole} in the grid` : "a situation; neighbouring columns differ in one axis";
+  return part("kills", "The kill matrix", `Each line is a fault, each column ${columns}.  A result opens a flight that has what it says, a fault's name the map of where it is killed.`,
+    folded(`Show ${plural(DATA.mutants.length, "fault")} x ${plural(DATA.situations.length, "situation")}`, killBoard));
+}
+
+function killBoard() {
   const body = h("tbody");
   const board = h("table", { class: "kills", role: "grid", "aria-label": "Kill matrix: mutants down, situations across", "aria-rowcount": DATA.mutants.length }, strip(), body, tallies());
   const rows = new Map(DATA.mutants.map((mutant) => [mutant.id, mutantRow(mutant)]));
@@ -40,17 +47,14 @@ function killMatrix() {
   arrange();
   tip.on(board, "td.state", (cell) => cell.getAttribute("aria-label"));
   light(board);
-  const whole = DATA.coverage.situations.whole;
-  const columns = DATA.situations.length < whole ? `a situation that was flown, of ${whole} in the grid` : "a situation; neighbouring columns differ in one axis";
-  return part("kills", "The kill matrix", `Each line is a fault, each column ${columns}.  A result opens a flight that has what it says, a fault's name the map of where it is killed.`,
-    folded(`Show ${plural(DATA.mutants.length, "fault")} x ${plural(DATA.situations.length, "situation")}`, controls.node,
+  return [controls.node,
     h("ul", { class: "legend" },
       h("li", {}, swatch("kill", "1"), h("b", {}, term("kill")), `most flights of a detected fault violate ${SAFETY.map((name, number) => `${name} (${number + 1})`).join(" or ")}, which the unmutated drone holds in nine of ten`),
       ["seen", "tested", "masked", "not_infected", "not_reached", "not_flown"].map((state) => h("li", {}, swatch(state), legendOf(SIGNS[state][0]))),
       h("li", {}, swatch("no_test", "r"), h("b", {}, term("no test")), h("span", {}, "no safety requirement is steady: ", Object.entries(STATES).filter(([, [letter]]) => letter).map(([state, [letter]], number) => [number ? ", " : "", `${letter} `, term(stateWord(state))])))),
     h("div", { class: "matrix-box", tabindex: "-1" }, board),
     h("p", { class: "small faint" }, "At the top: the values of each situation that are not benign, its alias, the axes (black: not benign).  Below the axes: where the unmutated drone holds each safety requirement steadily (filled), else the letter of what it does.  Right: the verdict, and situations with a kill of those that put the fault to the test; of a control what shows it.  Below: default mutants with a kill in each situation.  Arrow keys move, Enter opens."),
-    situationList()));
+    situationList()];
 }
 
 /** A sign in words, whose first is a term. */

@@ -17,8 +17,8 @@ async function follow() {
   const hash = location.hash;
   if (!SHEETS.test(hash)) {
     const named = document.getElementById(hash.slice(1));
-    const fold = named?.tagName === "DETAILS" ? named : named?.querySelector("details.whole");
-    if (fold) fold.open = true;
+    const whole = named?.tagName === "DETAILS" ? named : named?.querySelector("details.whole");
+    if (whole) whole.open = true;
     if (sheet.open) {
       left = true;
       sheet.close();
@@ -92,9 +92,9 @@ function bar(sections) {
 
 /** On paper nothing is folded away. */
 function unfold() {
-  const folded = [...document.querySelectorAll("main details:not([open])")];
-  folded.forEach((fold) => { fold.open = true; });
-  addEventListener("afterprint", () => folded.forEach((fold) => { fold.open = false; }), { once: true });
+  const opened_ = [];
+  for (let shut; (shut = [...document.querySelectorAll("main details:not([open])")]).length; opened_.push(...shut)) shut.forEach((one) => { made(one); one.open = true; });
+  addEventListener("afterprint", () => opened_.forEach((one) => { one.open = false; }), { once: true });
 }
 
 /** Mark in the bar which section is being read. */

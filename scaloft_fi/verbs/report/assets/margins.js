@@ -67,6 +67,11 @@ function ladder(entry) {
 
 /** One fault: its margin, the limit, a line a situation. */
 function margins(entry, open) {
+  const says = [h("h3", { class: "inline" }, entry.fault), h("span", {}, ` margin ${entry.least ? bounds(entry.least) : "not known"}, against ${listed(entry.against)}`)];
+  return fold({ class: "fold", open }, says, () => thresholdsOf(entry));
+}
+
+function thresholdsOf(entry) {
   const range = magnitudes(entry);
   const rows = entry.situations.map((found) => [
     withKey(found.key),
@@ -75,12 +80,10 @@ function margins(entry, open) {
     found.again.length > 0 && `survives again at ${found.again.map((value) => ended(value, entry.unit)).join(", ")}`,
   ]);
   const untold = entry.situations_flown - entry.situations.length;
-  return h("details", { class: "fold", open },
-    h("summary", {}, h("h3", { class: "inline" }, entry.fault), h("span", {}, ` margin ${entry.least ? bounds(entry.least) : "not known"}, against ${listed(entry.against)}`)),
-    h("p", { class: "small" }, limitLines(entry.against)),
+  return [h("p", { class: "small" }, limitLines(entry.against)),
     table(["situation", { text: "magnitude", after: `${entry.unit ? ` [${UNITS[entry.unit] ?? entry.unit}]` : ""}, ${trimmed(range[0], 3)} to ${trimmed(range[1], 3)}` }, { text: "survives", number: true }, { text: "seen", number: true }, { text: "killed", number: true }, "by", { text: "robustness", after: ": survives / violates" }, "again"], rows, { stack: false }),
     h("p", { class: "small faint" }, `Open disc: the strongest magnitude that survives; filled: the mildest that is killed; grey: the mildest of which most flights violate, too few for a verdict; the threshold lies between.  ${entry.worse > 0 ? "Larger" : "Smaller"} is worse.  Robustness below 0 is a violation; its unit: ${entry.against.map((name) => `${name} ${requirementOf(name)?.unit ?? ""}`).join("; ")}.`,
-      untold > 0 && `  ${plural(untold, "further situation")} flown ${untold === 1 ? "tells" : "tell"} nothing of it: the fault changes nothing there, or no requirement that it puts at risk is steady.`));
+      untold > 0 && `  ${plural(untold, "further situation")} flown ${untold === 1 ? "tells" : "tell"} nothing of it: the fault changes nothing there, or no requirement that it puts at risk is steady.`)];
 }
 
 /** A robustness as `margin` prints it: near a threshold it is small, and its sign is what counts. */

@@ -9,11 +9,11 @@ function unmutated() {
     table(["pair", ...names.map((text) => ({ text, number: true }))],
       Object.entries(STATES).map(([state, [, says]]) => [[state, h("span", { class: "faint small" }, ` \u2013 ${says}`)], ...names.map((name) => String(DATA.pairs.filter((pair) => pair.requirement === name && pair.state === state).length))]), { stack: false }),
     h("p", { class: "note" }, lost.length ? [h("b", {}, `${plural(lost.length, "situation")} of ${pooled.length} put no fault to the safety test`), ", because no safety requirement is steady there: ", lost.map((key, number) => [number ? "; " : "", wordsOf(key)]), "."] : pooled.length ? "Every situation with a pool puts faults to the safety test." : "There is no pool: no situation has ten flights of the unmutated drone."),
-    folded("Show each situation and requirement", ill.length > 0 && table(["situation", ...names, "tests", "first"], ill.map((key) => pairRow(key, names, firsts.get(key))), { caption: "Situations with a red, unsteady or open pair: flights that violate, of those judged to their ends." }),
+    folded("Show each situation and requirement", () => [ill.length > 0 && table(["situation", ...names, "tests", "first"], ill.map((key) => pairRow(key, names, firsts.get(key))), { caption: "Situations with a red, unsteady or open pair: flights that violate, of those judged to their ends." }),
     !OF_TESTS && [h("h3", { class: "sub" }, "Requirements over the flights of the unmutated drone"),
     table(["requirement", "kind", ...compliances().map((text) => ({ text, number: true })), { text: "triggered", number: true }, { text: "least robustness", number: true }, "unit"],
       DATA.tallies.map((tally) => [tally.requirement, tally.kind, ...compliances().map((compliance) => String(tally.compliances[compliance] ?? 0)), String(tally.triggered), signed(tally.least_rho), h("span", { class: "faint small unit" }, requirementOf(tally.requirement)?.unit ?? "")]), { stack: false }),
-    h("p", { class: "small faint" }, "Flights by verdict.  Open: the flight was cut short before the requirement could be held to the end.  Vacuous: never triggered in the flight, so not passed.")]));
+    h("p", { class: "small faint" }, "Flights by verdict.  Open: the flight was cut short before the requirement could be held to the end.  Vacuous: never triggered in the flight, so not passed.")]]));
 }
 
 /** A situation where the unmutated drone leaves a pair that does not test: the pairs, what that takes, the first violation. */
