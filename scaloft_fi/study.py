@@ -28,19 +28,8 @@ from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import write_own
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.setup import Setup
+from scaloft_fi.sim import grid as grids
 from scaloft_fi.sim.events import events_in
-from scaloft_fi.sim.grid import (
-    FOLDER,
-    FOUND_FILE,
-    WITH_FOUND,
-    Break,
-    Find,
-    Grid,
-    grid_names,
-    own_name,
-    read_finds,
-    searched_grid,
-)
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import SIGNALS
 from scaloft_fi.sim.situation import Situation
@@ -60,11 +49,11 @@ class KnownFinds:
         breaks: situations that break the unmutated drone, in the file's order; misfits are told as those of finds.
     """
 
-    finds: tuple[Find, ...] = ()
+    finds: tuple[grids.Find, ...] = ()
     misfits: Mapping[str, str] = field(default_factory=dict)
     grid: str = ""
-    searched: Grid | None = None
-    breaks: tuple[Break, ...] = ()
+    searched: grids.Grid | None = None
+    breaks: tuple[grids.Break, ...] = ()
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -73,11 +62,11 @@ class KnownFinds:
         for name, why in self.misfits.items():
             names.setdefault(why, []).append(name)
         return tuple(
-            f"sim/{FOUND_FILE}: left out, because the study has changed since: {', '.join(some)}: {why}"
+            f"sim/{grids.FOUND_FILE}: left out, because the study has changed since: {', '.join(some)}: {why}"
             for why, some in names.items()
         )
 
-    def of(self, mutant: str) -> tuple[Find, ...]:
+    def of(self, mutant: str) -> tuple[grids.Find, ...]:
         """The finds that show a mutant, the one that it was found for first."""
         shown_in = [find for find in self.finds if mutant in find.shows]
         return tuple(sorted(shown_in, key=lambda find: find.mutant != mutant))
@@ -97,16 +86,16 @@ def known_finds(folder: Path, matrix: Matrix, requirements: Collection[str]) -> 
     Raises:
         InputError: as `read_finds`.
     """
-    found = read_finds(folder)
+    found = grids.read_finds(folder)
     if found is None:
         return NO_FINDS
-    grid = own_name(folder) + WITH_FOUND
+    grid = grids.own_name(folder) + grids.WITH_FOUND
     try:
-        searched = searched_grid(folder, found)
+        searched = grids.searched_grid(folder, found)
     except InputError as error:
         return KnownFinds((), dict.fromkeys(found.named, str(error)), grid)
     misfits: dict[str, str] = {}
-    named: tuple[Find | Break, ...] = (*found.finds, *found.breaks)
+    named: tuple[grids.Find | grids.Break, ...] = (*found.finds, *found.breaks)
     for one in named:
         try:
             _check(one, searched, matrix, requirements)
@@ -121,17 +110,17 @@ def known_finds(folder: Path, matrix: Matrix, requirements: Collection[str]) -> 
     )
 
 
-def _check(one: Find | Break, searched: Grid, matrix: Matrix, requirements: Collection[str]) -> None:
+def _check(one: grids.Find | grids.Break, searched: grids.Grid, matrix: Matrix, requirements: Collection[str]) -> None:
     """Refuse what has a situation, mutants or requirements that the study does not have.
 
     Raises:
         InputError: it has them.
     """
     searched.situation(one.situation)
-    shows = one.shows if isinstance(one, Find) else {}
+    shows = one.shows if isinstance(one, grids.Find) else {}
     for mutant in shows:
         realise(matrix, mutant)
-    judged = [evidence.requirement for evidence in shows.values()] if isinstance(one, Find) else [one.requirement]
+    judged = [evidence.requirement for evidence in shows.values()] if isinstance(one, grids.Find) else [one.requirement]
     for requirement in judged:
         if requirement not in requirements:
             raise InputError(f"no requirement {shown(requirement)}{did_you_mean(requirement, requirements)}")
@@ -296,7 +285,7 @@ class Study(Setup):
         found = find_study(folder)
         if grid is None:
             return cls(found)
-        names = grid_names(found / "sim")
+        names = grids.grid_names(found / "sim")
         if grid not in names:
             raise InputError(f"--grid={shown(grid)} must be the name of a grid of the study{did_you_mean(grid, names)}")
         return cls(found, grid if grid != names[0] else None)
@@ -396,7 +385,7 @@ class Study(Setup):
         others = {
             path.as_posix(): digest(file)
             for path, file in files.items()
-            if self.grid_name is not None or path.parts[0] != FOLDER
+            if self.grid_name is not None or path.parts[0] != grids.FOLDER
         }
         others |= {f"../{name}": digest(self.folder / name) for name in (self.command.inputs if self.command else ())}
         for name in self.stack.files:  # an archive has no programs, and its flights count without them
@@ -494,7 +483,7 @@ class SituationKeys(Collection[str]):
 
     def _studies(self) -> Iterator[Study]:
         yield self.study
-        _, *further = grid_names(self.study.folder / "sim")
+        _, *further = grids.grid_names(self.study.folder / "sim")
         names = [None, *further]
         yield from (replace(self.study, grid_name=name) for name in names if name != self.study.grid_name)
 

@@ -18,24 +18,9 @@ from jsonschema import Draft202012Validator
 from options import usually
 from studies import build, item_of
 
-from scaloft_fi import document
+from scaloft_fi import document, marks
 from scaloft_fi.document import Item, UnreadableError, digest, read_bytes, read_text
 from scaloft_fi.errors import FaultsError, InputError
-from scaloft_fi.marks import (
-    Bounds,
-    ByName,
-    Called,
-    Choices,
-    Count,
-    Either,
-    Key,
-    Pattern,
-    Place,
-    Positive,
-    Scalar,
-    Share,
-    Size,
-)
 from scaloft_fi.model import read, schema
 
 
@@ -52,10 +37,10 @@ class Inner:
         name: what it is called.
     """
 
-    id: Key
+    id: marks.Key
     name: str
     size_m: float = 1.0
-    place: Place = ""
+    place: marks.Place = ""
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
         if self.size_m == 13:
@@ -65,13 +50,13 @@ class Inner:
 @dataclass(frozen=True)
 class Round:
     shape: Literal["round"]
-    radius_m: Positive
+    radius_m: marks.Positive
 
 
 @dataclass(frozen=True)
 class Flat:
     shape: Literal["flat"]
-    edges_m: tuple[Positive, Annotated[float, Bounds(most=1e12)]]
+    edges_m: tuple[marks.Positive, Annotated[float, marks.Bounds(most=1e12)]]
 
 
 @dataclass(frozen=True)
@@ -87,16 +72,16 @@ class Far:
 
 @dataclass(frozen=True)
 class Outer:
-    parts: Annotated[tuple[Inner, ...], ByName(), Pattern("[a-z]+", "small letters")]
-    count: Count
-    share: Share
-    words: Annotated[tuple[str, ...], Size(1, 3)]
-    shape: Annotated[Round | Flat, Either(by="shape")]
-    stands: Annotated[Near | Far, Either("{at_s: NUMBER} or {topic: NAME}")]
-    kind: Annotated[str, Choices({"a": "the first", "b": "the second"})] = "a"
-    seam: Annotated[str, Choices(named="seams")] = ""
-    from_: Annotated[float | None, Called("from")] = None
-    quality: Mapping[str, Scalar] = field(default_factory=dict)
+    parts: Annotated[tuple[Inner, ...], marks.ByName(), marks.Pattern("[a-z]+", "small letters")]
+    count: marks.Count
+    share: marks.Share
+    words: Annotated[tuple[str, ...], marks.Size(1, 3)]
+    shape: Annotated[Round | Flat, marks.Either(by="shape")]
+    stands: Annotated[Near | Far, marks.Either("{at_s: NUMBER} or {topic: NAME}")]
+    kind: Annotated[str, marks.Choices({"a": "the first", "b": "the second"})] = "a"
+    seam: Annotated[str, marks.Choices(named="seams")] = ""
+    from_: Annotated[float | None, marks.Called("from")] = None
+    quality: Mapping[str, marks.Scalar] = field(default_factory=dict)
     point: Point = field(default_factory=lambda: Point(1.0))
     rest: Mapping[str, Any] = field(default_factory=dict)
 

@@ -26,7 +26,6 @@ from printed import obeyed
 from processes import ROOT, marked
 
 from scaloft_fi import output
-from scaloft_fi import output as console
 from scaloft_fi.campaign.processes import HANGUP
 from scaloft_fi.errors import InputError
 from scaloft_fi.output import (
@@ -247,25 +246,25 @@ class Failing(io.StringIO):
 
 
 def test_a_result_is_told_without_what_a_terminal_obeys(capsys: pytest.CaptureFixture[str]):
-    console.tell("a\x1b[2J\nb\n")
-    console.tell_line("one\nline\x07")
-    console.tell(Marked("\x1b[1mours\x1b[0m\n"))
+    output.tell("a\x1b[2J\nb\n")
+    output.tell_line("one\nline\x07")
+    output.tell(Marked("\x1b[1mours\x1b[0m\n"))
     assert capsys.readouterr().out == "a\\x1b[2J\nb\none line\\x07\n\x1b[1mours\x1b[0m\n"
 
 
 def test_bytes_are_those_of_a_file(capfdbinary: pytest.CaptureFixture[bytes]):
-    console.tell("\N{LATIN SMALL LETTER U WITH DIAERESIS}\r\n".encode())
+    output.tell("\N{LATIN SMALL LETTER U WITH DIAERESIS}\r\n".encode())
     assert capfdbinary.readouterr().out == b"\xc3\xbc\r\n"
 
 
 def test_a_terminal_gets_bytes_as_printable_text(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
-    console.tell(b"a\x1b[2J\xff\n")
+    output.tell(b"a\x1b[2J\xff\n")
     assert capsys.readouterr().out == "a\\x1b[2J\\xff\n"
 
 
 def test_a_message_is_one_line(capsys: pytest.CaptureFixture[str]):
-    console.say("warning: a\nb \x1b[1m")
+    output.say("warning: a\nb \x1b[1m")
     assert capsys.readouterr().err == "warning: a b \\x1b[1m\n"
 
 
@@ -273,18 +272,18 @@ def test_a_message_is_one_line(capsys: pytest.CaptureFixture[str]):
 def test_a_result_that_cannot_be_written_is_an_error(monkeypatch: pytest.MonkeyPatch, number: int):
     monkeypatch.setattr("sys.stdout", Failing(number))
     with pytest.raises(InputError, match=r"standard output cannot be written: (no room|it is closed)"):
-        console.tell("a")
+        output.tell("a")
 
 
 def test_a_reader_that_left_is_no_error(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("sys.stdout", Failing(errno.EPIPE))
-    console.tell("a")
+    output.tell("a")
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EPIPE])
 def test_a_message_that_cannot_be_written_stops_nothing(monkeypatch: pytest.MonkeyPatch, number: int):
     monkeypatch.setattr("sys.stderr", Failing(number))
-    console.say("a")
+    output.say("a")
 
 
 class Screen(io.StringIO):
@@ -343,7 +342,7 @@ def test_colours_are_where_a_terminal_is_or_the_user_wants_them(
 def test_marks_are_kept_where_texts_are_joined():
     assert isinstance(joined([Marked("a"), "b"]), Marked)
     assert type(joined(["a", "b"])) is str
-    assert console.styled("", console.Style.BAD) == ""
+    assert output.styled("", output.Style.BAD) == ""
 
 
 WORDS = st.lists(st.sampled_from(["NO-depth@3s", "a", "`scaloft-fi run --seeds 3`", "p/" * 30]), max_size=20)

@@ -15,16 +15,7 @@ from scaloft_fi.campaign.flights.check_stack import polls_of
 from scaloft_fi.campaign.flights.command import check_command, mapping_of
 from scaloft_fi.campaign.runs.request import STRATEGIES, hint
 from scaloft_fi.checks import Finding, Findings, Severity, finding_of
-from scaloft_fi.checks.parts import (
-    KnownSignals,
-    RouteCheck,
-    check_matrix,
-    check_predicate,
-    check_requirements,
-    check_vehicle,
-    check_world,
-    kinds_in,
-)
+from scaloft_fi.checks import parts as pieces
 from scaloft_fi.document import Item, is_file, is_there, load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.load import SHEETS
@@ -37,18 +28,7 @@ from scaloft_fi.outside.border import BORDERS
 from scaloft_fi.outside.exchange import OutsideConfig
 from scaloft_fi.outside.records import load_record_map
 from scaloft_fi.registry import PLUGIN_GROUP, load_plugin
-from scaloft_fi.sim.grid import (
-    FILE,
-    FOLDER,
-    FOUND_FILE,
-    WITH_FOUND,
-    Grid,
-    assembled,
-    contradictions,
-    grid_names,
-    impossible_worlds,
-    is_grid_name,
-)
+from scaloft_fi.sim import grid as grids_of
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.load import DOCUMENTS
 from scaloft_fi.sim.load import load as load_sim
@@ -83,7 +63,9 @@ class GridCheck:
     legs: int = 0
 
 
-def check_grid(study: Study, grid: Grid | None, known: KnownSignals | None, findings: Findings) -> GridCheck:
+def check_grid(
+    study: Study, grid: grids_of.Grid | None, known: pieces.KnownSignals | None, findings: Findings
+) -> GridCheck:
     """Check one grid of a study.
 
     Args:
@@ -92,14 +74,14 @@ def check_grid(study: Study, grid: Grid | None, known: KnownSignals | None, find
         known: its signals; None where they are unknown, which leaves the predicates unchecked.
         findings: takes the findings.
     """
-    name = study.grid_name or (grid.name if grid else FILE)
-    if grid is None and name.endswith(WITH_FOUND):
+    name = study.grid_name or (grid.name if grid else grids_of.FILE)
+    if grid is None and name.endswith(grids_of.WITH_FOUND):
         return GridCheck(name)
     axes = grid.axes if grid else _axes(study, findings)
     predicates = [(axis, value) for axis in axes for value in (*axis.values, *axis.extremes) if value.realised]
     # the situations of a search are in the axes of another grid, which has been checked
     agreed = grid is not None and (
-        grid.listed is not None or findings.all_of((*contradictions(grid), *impossible_worlds(grid)))
+        grid.listed is not None or findings.all_of((*grids_of.contradictions(grid), *grids_of.impossible_worlds(grid)))
     )
     if known is not None:
         passing = grid.passing_signals if grid and agreed else _thinkable(study)
@@ -115,20 +97,20 @@ def check_grid(study: Study, grid: Grid | None, known: KnownSignals | None, find
     return GridCheck(name, situations, built, pairs, len(predicates), legs)
 
 
-def grid_of(study: Study, findings: Findings) -> Grid | None:
+def grid_of(study: Study, findings: Findings) -> grids_of.Grid | None:
     """The grid of a study, without a check that its axes agree; None where it cannot be read."""
     folder, name = study.folder / "sim", study.grid_name
     with findings.collecting():
-        if name is not None and name.endswith(WITH_FOUND):
+        if name is not None and name.endswith(grids_of.WITH_FOUND):
             return study.grid
         documents = {part: load(folder / f"{part}.yaml") for part in PARTS}
-        return assembled(_file(study), documents, name)
+        return grids_of.assembled(_file(study), documents, name)
     return None
 
 
 def _file(study: Study) -> Item:
     folder, name = study.folder / "sim", study.grid_name
-    return load(folder / FILE if name is None else folder / FOLDER / f"{name}.yaml")
+    return load(folder / grids_of.FILE if name is None else folder / grids_of.FOLDER / f"{name}.yaml")
 
 
 def _axes(study: Study, findings: Findings) -> tuple[Axis, ...]:
@@ -153,16 +135,16 @@ def _thinkable(study: Study) -> list[str]:
 
 
 def _check_predicate(
-    axis: Axis, value: AxisValue, known: KnownSignals, passing: Collection[str], findings: Findings
+    axis: Axis, value: AxisValue, known: pieces.KnownSignals, passing: Collection[str], findings: Findings
 ) -> None:
     name = f"{axis.id}{value.id}"
     try:
-        check_predicate(value.realised, value.place, name, known, passing, findings)
+        pieces.check_predicate(value.realised, value.place, name, known, passing, findings)
     except FormulaError as error:
         findings.error(InputError(f"{value.place}: realised of {name} {error}"))
 
 
-def _check_choice(grid: Grid) -> None:
+def _check_choice(grid: grids_of.Grid) -> None:
     """Refuse a `choose` that is no choice.
 
     Raises:
@@ -172,17 +154,17 @@ def _check_choice(grid: Grid) -> None:
         raise InputError(f"{grid.chosen_at}={grid.choose!r} must be {hint()}")
 
 
-def _chosen(grid: Grid) -> tuple[tuple[str, ...], int]:
+def _chosen(grid: grids_of.Grid) -> tuple[tuple[str, ...], int]:
     """The situations to build, all of a small grid; and how many pairs of values they have."""
     keys = tuple(grid.by_key)
     array, pairs = greedy_array(Space.of(grid), keys, min(2, len(grid.axes)))
     return (keys if len(keys) <= MOST_LISTED else array), pairs
 
 
-def _build(study: Study, grid: Grid, keys: Iterable[str], findings: Findings) -> tuple[int, int]:
+def _build(study: Study, grid: grids_of.Grid, keys: Iterable[str], findings: Findings) -> tuple[int, int]:
     """Build the situations and look at their routes; the same reason in several situations is told once."""
     sim = load_sim(study.folder / "sim", grid=grid)
-    routes, built, told = RouteCheck(findings), 0, set[str]()
+    routes, built, told = pieces.RouteCheck(findings), 0, set[str]()
     for key in keys:
         try:
             scenario = sim.scenario(grid.by_key[key])
@@ -249,7 +231,7 @@ def _check_processes(study: Study, document: Item, settings: OutsideConfig, find
                 findings.wrong(item.place, f"the study has no file {word.removeprefix('{study}/')!r}", "add it")
 
 
-def known_signals(study: Study, stack: Declaration | None, world: World | None) -> KnownSignals | None:
+def known_signals(study: Study, stack: Declaration | None, world: World | None) -> pieces.KnownSignals | None:
     """The signals of the study in one of its worlds; None where its stack is unknown.
 
     Where the world cannot be read, the bodies are known by their names alone.
@@ -263,15 +245,15 @@ def known_signals(study: Study, stack: Declaration | None, world: World | None) 
         entries = load(study.folder / "sim" / "world.yaml").mapping()
         bodies = entries["bodies"].value if "bodies" in entries else {}
         surfaces = (WALL, GROUND, *(bodies if isinstance(bodies, dict) else ()))
-        return KnownSignals(dict.fromkeys(signal_names(surfaces, stack.beliefs, list(SIGNALS)), ANY), stack.caps)
+        return pieces.KnownSignals(dict.fromkeys(signal_names(surfaces, stack.beliefs, list(SIGNALS)), ANY), stack.caps)
     ours = signal_names(world.surfaces, stack.beliefs, world.signals)
     optional = {name: SIGNALS[name].most for name in world.signals if math.isfinite(SIGNALS[name].most)}
     ranges = dict(ranges_of(world, stack.beliefs, ours))
     if study.command is not None:
         measured = {name: ANY if cap_of(name, stack.caps) else spans for name, spans in ranges.items()}
-        return KnownSignals({**dict.fromkeys(_recorded(study), ANY), **measured}, None)
+        return pieces.KnownSignals({**dict.fromkeys(_recorded(study), ANY), **measured}, None)
     ranges |= {**without(world), **_rock(study, world), "elapsed_s": ((0.0, _longest_s(study)),)}
-    return KnownSignals(ranges, {**stack.caps, **optional})
+    return pieces.KnownSignals(ranges, {**stack.caps, **optional})
 
 
 def _longest_s(study: Study) -> float:
@@ -294,7 +276,7 @@ def _recorded(study: Study) -> tuple[str, ...]:
 def _rock(study: Study, world: World) -> Ranges:
     """Where the rock ends, unless an axis changes the mine."""
     sim = study.folder / "sim"
-    for path in (sim / FILE, *sorted((sim / FOLDER).glob("*.yaml"))):
+    for path in (sim / grids_of.FILE, *sorted((sim / grids_of.FOLDER).glob("*.yaml"))):
         if any(_CHANGES_MINE.search(place) for place, _ in leaves(load(path))):
             return {}
     return within_rock(world)
@@ -322,7 +304,7 @@ def check_command_of(study: Study, findings: Findings) -> None:
 NEEDED = {"hazop": ("guidewords", "parameters"), "sim": (*DOCUMENTS, "requirements")}
 OPTIONAL = {
     "hazop": ("score", "severities", "dispositions"),
-    "sim": ("sources", Path(FOUND_FILE).stem, "flyer", "record"),
+    "sim": ("sources", Path(grids_of.FOUND_FILE).stem, "flyer", "record"),
 }
 
 
@@ -340,8 +322,8 @@ def check_documents(folder: Path, findings: Findings) -> int:
     for path in _stray(folder, paths):
         near = did_you_mean(path.stem, (*NEEDED[path.parent.name], *OPTIONAL[path.parent.name]))
         findings.note(f"{path}:1", "no verb reads this file", f"name it as one that is read{near}")
-    for path in sorted((folder / "sim" / FOLDER).glob("*.y*ml")):
-        if path.suffix != ".yaml" or not is_grid_name(path.stem):
+    for path in sorted((folder / "sim" / grids_of.FOLDER).glob("*.y*ml")):
+        if path.suffix != ".yaml" or not grids_of.is_grid_name(path.stem):
             allowed = "letters, digits, - and _, and end it in .yaml"
             findings.wrong(f"{path}:1", "no verb reads this grid", f"name the file with {allowed}")
     for path in sorted((folder / "hazop" / SHEETS).glob("*.yml")):
@@ -355,7 +337,9 @@ def _read_by_verbs(folder: Path) -> Iterator[Path]:
     for part, names in OPTIONAL.items():
         yield from (path for name in names if (path := folder / part / f"{name}.yaml").exists())
     yield from sorted((folder / "hazop" / SHEETS).glob("*.yaml"))
-    yield from sorted(path for path in (folder / "sim" / FOLDER).glob("*.yaml") if is_grid_name(path.stem))
+    yield from sorted(
+        path for path in (folder / "sim" / grids_of.FOLDER).glob("*.yaml") if grids_of.is_grid_name(path.stem)
+    )
 
 
 def _stray(folder: Path, known: list[Path]) -> Iterator[Path]:
@@ -388,7 +372,7 @@ def check_seams(study: Study, findings: Findings, allow: Callable[[Study], None]
 
 def check_found(study: Study, findings: Findings) -> int:
     """The finds and breaks of the study; returns how many there are.  Those that no longer fit are notes."""
-    path = study.folder / "sim" / FOUND_FILE
+    path = study.folder / "sim" / grids_of.FOUND_FILE
     if not is_there(path):
         return 0
     count = 0
@@ -510,12 +494,12 @@ def check_study(folder: Path, *, fly: bool = False, allow: Callable[[Study], Non
     plugins = check_plugins(findings)
     documents = check_documents(folder, findings)
     stack = check_stack_choice(study, findings)
-    world = check_world(sim / "world.yaml", findings)
-    check_vehicle(sim, findings)
+    world = pieces.check_world(sim / "world.yaml", findings)
+    pieces.check_vehicle(sim, findings)
     known = _known(study, stack, world, findings)
-    requirements = check_requirements(sim / "requirements.yaml", known, findings) if known else None
+    requirements = pieces.check_requirements(sim / "requirements.yaml", known, findings) if known else None
     grids = (check_grid(study, grid_of(study, findings), known, findings), *_further(study, stack, world, findings))
-    matrix = check_matrix(study, stack, kinds_in(sim / "requirements.yaml"), findings)
+    matrix = pieces.check_matrix(study, stack, pieces.kinds_in(sim / "requirements.yaml"), findings)
     found = accepted = 0
     if matrix.matrix is not None:
         found = check_found(study, findings)
@@ -542,7 +526,9 @@ def check_study(folder: Path, *, fly: bool = False, allow: Callable[[Study], Non
     return Check(folder, errors, len(ordered) - errors, tuple(ordered), checked, grids)
 
 
-def _known(study: Study, stack: Declaration | None, world: World | None, findings: Findings) -> KnownSignals | None:
+def _known(
+    study: Study, stack: Declaration | None, world: World | None, findings: Findings
+) -> pieces.KnownSignals | None:
     with findings.collecting():
         return known_signals(study, stack, world)
     return None
@@ -552,9 +538,9 @@ def _further(study: Study, stack: Declaration | None, world: World | None, findi
     """The check of each further grid, with the world that it makes of the study's by what it adds."""
     names: tuple[str, ...] = ()
     with findings.collecting():
-        names = grid_names(study.folder / "sim")[1:]
+        names = grids_of.grid_names(study.folder / "sim")[1:]
     for name in names:
-        if name.endswith(WITH_FOUND) and _has_misfits(study):
+        if name.endswith(grids_of.WITH_FOUND) and _has_misfits(study):
             continue  # the finds are told one by one
         other = replace(study, grid_name=name)
         grid, own = grid_of(other, findings), None

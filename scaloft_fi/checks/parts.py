@@ -16,33 +16,9 @@ import numpy as np
 from scaloft_fi.checks import Finding, Findings, Severity, finding_of
 from scaloft_fi.document import Item, is_there, load
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.hazop import matrix as matrices
 from scaloft_fi.hazop.load import SHEETS, load_guidewords, load_parameters, misnamed_cells, misnamed_sheets, read_cell
-from scaloft_fi.hazop.matrix import (
-    SEVERITIES,
-    Cell,
-    CellStatus,
-    Guideword,
-    Matrix,
-    Parameter,
-    SeverityClass,
-    load_severities,
-)
-from scaloft_fi.judge.requirement import (
-    ANY,
-    MOST,
-    TRIGGER,
-    Check,
-    Kind,
-    Ranges,
-    Requirement,
-    Spans,
-    bounds_of,
-    constants,
-    read_definition,
-    read_requirement,
-    verdict,
-    within_caps,
-)
+from scaloft_fi.judge import requirement as bounds
 from scaloft_fi.judge.stl import Formula, inside_always, tokenize
 from scaloft_fi.model import read
 from scaloft_fi.mutants.catalogue import derive
@@ -408,13 +384,13 @@ class KnownSignals:
         caps: the cap of each belief and optional signal that has one; None = not even the simulator's signals have any.
     """
 
-    ranges: Ranges
+    ranges: bounds.Ranges
     caps: Mapping[str, float] | None = field(default_factory=dict)
 
     @property
-    def check(self) -> Check:
+    def check(self) -> bounds.Check:
         """The check of a formula: thresholds within caps, and the grammar."""
-        return Formula.parse if self.caps is None else within_caps(Formula.parse, self.caps)
+        return Formula.parse if self.caps is None else bounds.within_caps(Formula.parse, self.caps)
 
 
 KEYS = ("definitions", "requirements")
@@ -438,42 +414,44 @@ def check_requirements(path: Path, known: KnownSignals, findings: Findings) -> i
         known: the signals.
         findings: takes the findings.
     """
-    read: list[Requirement] = []
+    read: list[bounds.Requirement] = []
     entries: Mapping[str, Item] = {}
     with findings.collecting():
         document = load(path)
         definitions = document.get("definitions")
         ranges, texts = dict(known.ranges), dict[str, str]()
-        for name, item in (definitions.mapping(most=MOST) if definitions else {}).items():
+        for name, item in (definitions.mapping(most=bounds.MOST) if definitions else {}).items():
             with findings.collecting():
-                texts[name] = read_definition(name, item, set(ranges), known.check)
+                texts[name] = bounds.read_definition(name, item, set(ranges), known.check)
                 formula = Formula.parse(texts[name], set(ranges))
                 _tell_constants(formula, ranges, item.place, f"definition {name!r}", findings)
-                ranges[name] = bounds_of(formula, ranges)
-            ranges.setdefault(name, ANY)  # its name is known, whatever it says
+                ranges[name] = bounds.bounds_of(formula, ranges)
+            ranges.setdefault(name, bounds.ANY)  # its name is known, whatever it says
             texts.setdefault(name, str(item.value))
-        entries = document.need("requirements").mapping(most=MOST)
+        entries = document.need("requirements").mapping(most=bounds.MOST)
         for item in entries.values():
             with findings.collecting():
-                read.append(read_requirement(item, texts, set(ranges), known.check))
+                read.append(bounds.read_requirement(item, texts, set(ranges), known.check))
                 _check_bounds(read[-1], item, ranges, findings)
         for key, item in document.mapping().items():
             if key not in KEYS:
                 hint = did_you_mean(key, KEYS)
                 raise InputError(f"{item.place}: unknown key {key!r} in {document.name}{hint}")
-        if len(read) == len(entries) and not any(one.kind is Kind.SAFETY for one in read):
+        if len(read) == len(entries) and not any(one.kind is bounds.Kind.SAFETY for one in read):
             what = "no requirement is of kind safety, so no mutant can be detected"
             findings.wrong(document.need("requirements").place, what, "give one of them `kind: safety`")
     return len(entries)
 
 
-def _check_bounds(requirement: Requirement, item: Item, ranges: Mapping[str, Spans], findings: Findings) -> None:
+def _check_bounds(
+    requirement: bounds.Requirement, item: Item, ranges: Mapping[str, bounds.Spans], findings: Findings
+) -> None:
     known = dict(ranges)
     trigger = item.get("trigger")
     if trigger is not None:
         formula = Formula.parse(requirement.trigger, set(known))
-        known[TRIGGER] = bounds_of(formula, known)
-        always = verdict(known[TRIGGER])
+        known[bounds.TRIGGER] = bounds.bounds_of(formula, known)
+        always = bounds.verdict(known[bounds.TRIGGER])
         if always is False:
             what = f"the trigger of {requirement.name} comes true in no flight, so the requirement is vacuous in all"
             findings.wrong(trigger.place, what, _reads(formula, known))
@@ -486,7 +464,7 @@ def _check_bounds(requirement: Requirement, item: Item, ranges: Mapping[str, Spa
     body = inside_always(requirement.text)
     assert body is not None
     formula = Formula.parse(body, set(known))
-    always, place = verdict(bounds_of(formula, known)), item.need("formula").place
+    always, place = bounds.verdict(bounds.bounds_of(formula, known)), item.need("formula").place
     if always is not None:
         what = f"{requirement.name} is {'held' if always else 'violated'} by every flight, whatever the drone does"
         findings.wrong(place, what, _reads(formula, known))
@@ -510,9 +488,9 @@ def check_predicate(
     Raises:
         FormulaError: it is no formula over the signals, or compares one beyond its cap.
     """
-    ranges = {**dict.fromkeys(passing, ANY), **known.ranges}
+    ranges = {**dict.fromkeys(passing, bounds.ANY), **known.ranges}
     formula = known.check(text, set(ranges))
-    always = verdict(bounds_of(formula, ranges))
+    always = bounds.verdict(bounds.bounds_of(formula, ranges))
     if always is not None:
         what = f"realised of {name} comes true in {'every' if always else 'no'} flight: {text}"
         findings.wrong(place, what, _reads(formula, ranges))
@@ -520,13 +498,13 @@ def check_predicate(
         _tell_constants(formula, ranges, place, f"realised of {name}", findings)
 
 
-def _tell_constants(formula: Formula, ranges: Ranges, place: str, about: str, findings: Findings) -> None:
-    for comparison, true in constants(formula, ranges):
+def _tell_constants(formula: Formula, ranges: bounds.Ranges, place: str, about: str, findings: Findings) -> None:
+    for comparison, true in bounds.constants(formula, ranges):
         what = f"'{comparison}' in the {about} is {str(true).lower()} at every sample of every flight"
         findings.note(place, what, _reads(formula, ranges, tokenize(comparison)))
 
 
-def _reads(formula: Formula, ranges: Mapping[str, Spans], words: Collection[str] = ()) -> str:
+def _reads(formula: Formula, ranges: Mapping[str, bounds.Spans], words: Collection[str] = ()) -> str:
     """What the signals of a formula can read, as advice."""
     names = [name for name in formula.names if not words or name in " ".join(words)]
     spans = [f"{name} {' or '.join(_span(*span) for span in ranges[name])}" for name in names if name in ranges]
@@ -551,9 +529,9 @@ class MatrixCheck:
         matrix: the whole matrix; None where a part of it cannot be read.
     """
 
-    cells: tuple[Cell, ...] = ()
+    cells: tuple[matrices.Cell, ...] = ()
     mutants: int | None = None
-    matrix: Matrix | None = None
+    matrix: matrices.Matrix | None = None
 
 
 def check_matrix(study: Study, stack: Declaration | None, kinds: Mapping[str, str], findings: Findings) -> MatrixCheck:
@@ -566,24 +544,24 @@ def check_matrix(study: Study, stack: Declaration | None, kinds: Mapping[str, st
         findings: takes the findings.
     """
     before, hazop = findings.errors, study.folder / "hazop"
-    words: tuple[Guideword, ...] = ()
-    parameters: tuple[Parameter, ...] = ()
+    words: tuple[matrices.Guideword, ...] = ()
+    parameters: tuple[matrices.Parameter, ...] = ()
     places: dict[str, str] = {}
     with findings.collecting():
         path = hazop / "guidewords.yaml"
-        words = tuple(Guideword(name, name, "") for name in load(path).mapping())  # where one of them is wrong
+        words = tuple(matrices.Guideword(name, name, "") for name in load(path).mapping())  # where one of them is wrong
         words = load_guidewords(path)
     with findings.collecting():
         path = hazop / "parameters.yaml"
         places = {name: item.place for name, item in load(path).mapping().items()}
-        parameters = tuple(Parameter(name, name, "", "", "") for name in places)
+        parameters = tuple(matrices.Parameter(name, name, "", "", "") for name in places)
         parameters, places = load_parameters(path)
-    classes: tuple[SeverityClass, ...] = ()
+    classes: tuple[matrices.SeverityClass, ...] = ()
     with findings.collecting():
-        path = hazop / SEVERITIES
+        path = hazop / matrices.SEVERITIES
         names = load(path).mapping() if is_there(path) else {}
-        classes = tuple(SeverityClass(rank, name, name, "") for rank, name in enumerate(names))
-        classes = load_severities(path)
+        classes = tuple(matrices.SeverityClass(rank, name, name, "") for rank, name in enumerate(names))
+        classes = matrices.load_severities(path)
     if not words or not parameters:
         return MatrixCheck()
     findings.all_of(misnamed_sheets(hazop / SHEETS, places))
@@ -600,7 +578,7 @@ def check_matrix(study: Study, stack: Declaration | None, kinds: Mapping[str, st
         _check_severities(study, classes, read, findings)
     if not whole or stack is None:
         return MatrixCheck(tuple(cells))
-    matrix: Matrix | None = None
+    matrix: matrices.Matrix | None = None
     mutants: int | None = None
     with findings.collecting():
         matrix = study.matrix
@@ -613,12 +591,12 @@ def check_matrix(study: Study, stack: Declaration | None, kinds: Mapping[str, st
 
 def _cells(
     study: Study,
-    parameter: Parameter,
-    words: Iterable[Guideword],
+    parameter: matrices.Parameter,
+    words: Iterable[matrices.Guideword],
     stack: Declaration | None,
-    classes: tuple[SeverityClass, ...],
+    classes: tuple[matrices.SeverityClass, ...],
     findings: Findings,
-) -> Iterator[tuple[Cell, SeverityClass | None]]:
+) -> Iterator[tuple[matrices.Cell, matrices.SeverityClass | None]]:
     path, ids = study.folder / "hazop" / SHEETS / f"{parameter.id}.yaml", [word.id for word in words]
     if not is_there(path):
         return
@@ -629,13 +607,13 @@ def _cells(
         yield from findings.each(lambda word: read_cell(sheet, word, parameter.id, seams, classes), ids)
 
 
-def _check_requirements(cell: Cell, kinds: Mapping[str, str], findings: Findings) -> None:
+def _check_requirements(cell: matrices.Cell, kinds: Mapping[str, str], findings: Findings) -> None:
     for name in cell.requirements if kinds else ():
         if name not in kinds:
             hint = did_you_mean(name, kinds).removeprefix("; ")
             findings.wrong(cell.requirements_place, f"{name!r} of {cell.name} is no requirement", hint)
     deciding = [name for name in cell.requirements if kinds.get(name, "safety") != "reported"]
-    if cell.status is CellStatus.CONTROL and not deciding:
+    if cell.status is matrices.CellStatus.CONTROL and not deciding:
         findings.wrong(
             cell.requirements_place,
             f"the control {cell.name} names no requirement of kind safety or operability, so it can never show itself",
@@ -643,24 +621,31 @@ def _check_requirements(cell: Cell, kinds: Mapping[str, str], findings: Findings
         )
 
 
-def _check_faults(cell: Cell, words: Iterable[Guideword], parameters: Iterable[Parameter], findings: Findings) -> None:
+def _check_faults(
+    cell: matrices.Cell,
+    words: Iterable[matrices.Guideword],
+    parameters: Iterable[matrices.Parameter],
+    findings: Findings,
+) -> None:
     """Derive the mutants of each fault alone: operator, seam, arguments and every magnitude must fit."""
     word = next(one for one in words if one.id == cell.guideword)
     parameter = next(one for one in parameters if one.id == cell.parameter)
     for fault in cell.faults:
         alone = {(cell.guideword, cell.parameter): replace(cell, faults=(fault,))}
         try:
-            derive(Matrix((word,), (parameter,), alone))
+            derive(matrices.Matrix((word,), (parameter,), alone))
         except InputError as error:
             found = finding_of(str(error))
             takes = f"`scaloft-fi operators {fault.operator}` shows what it takes"
             findings.add(replace(found, remedy=found.remedy or takes))
 
 
-def _check_controls(study: Study, cells: Sequence[Cell], stack: Declaration | None, findings: Findings) -> None:
-    controls = [cell for cell in cells if cell.status is CellStatus.CONTROL]
+def _check_controls(
+    study: Study, cells: Sequence[matrices.Cell], stack: Declaration | None, findings: Findings
+) -> None:
+    controls = [cell for cell in cells if cell.status is matrices.CellStatus.CONTROL]
     place = str(study.folder / "hazop" / SHEETS)
-    if to_do := [cell.name for cell in cells if cell.status is CellStatus.TO_DO]:
+    if to_do := [cell.name for cell in cells if cell.status is matrices.CellStatus.TO_DO]:
         what = f"cells to do, without a mutant: {_some(to_do)}"
         remedy = "give each faults and requirements with status credible, or a reason with status not_meaningful"
         findings.add(Finding(Severity.NOTE, place, None, what, remedy=remedy))
@@ -675,7 +660,7 @@ def _check_controls(study: Study, cells: Sequence[Cell], stack: Declaration | No
         findings.add(Finding(Severity.NOTE, place, None, what, remedy=remedy))
 
 
-def _check_seams(study: Study, cells: Iterable[Cell], stack: Declaration | None, findings: Findings) -> None:
+def _check_seams(study: Study, cells: Iterable[matrices.Cell], stack: Declaration | None, findings: Findings) -> None:
     used = {fault.seam for cell in cells for fault in cell.faults}
     seams = list(stack.by_name) if stack else []
     idle = [name for name in seams if name not in used]
@@ -687,17 +672,21 @@ def _check_seams(study: Study, cells: Iterable[Cell], stack: Declaration | None,
 
 def _check_severities(
     study: Study,
-    classes: Iterable[SeverityClass],
-    read: Iterable[tuple[Cell, SeverityClass | None]],
+    classes: Iterable[matrices.SeverityClass],
+    read: Iterable[tuple[matrices.Cell, matrices.SeverityClass | None]],
     findings: Findings,
 ) -> None:
     """Name the credible cells without a class, where the study has classes."""
-    lacking = [cell.name for cell, severity in read if cell.status is CellStatus.CREDIBLE and severity is None]
+    lacking = [cell.name for cell, severity in read if cell.status is matrices.CellStatus.CREDIBLE and severity is None]
     names = [one.id for one in classes]
     if names and lacking:
         what = f"severity is missing in {len(lacking)} credible cells: {_some(lacking)}"
-        remedy = f"give each a class, `severity: {names[0]}` or another of {SEVERITIES}; without one it stands last"
-        findings.add(Finding(Severity.NOTE, str(study.folder / "hazop" / SEVERITIES), None, what, remedy=remedy))
+        remedy = (
+            f"give each a class, `severity: {names[0]}` or another of {matrices.SEVERITIES}; without one it stands last"
+        )
+        findings.add(
+            Finding(Severity.NOTE, str(study.folder / "hazop" / matrices.SEVERITIES), None, what, remedy=remedy)
+        )
 
 
 def _some(names: Sequence[str]) -> str:

@@ -13,21 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from scaloft_fi.document import Item, is_folder, is_there, load
 from scaloft_fi.errors import Faults, InputError, did_you_mean
-from scaloft_fi.hazop.matrix import (
-    MOST_ENTRIES,
-    NO_TEAM,
-    SEVERITIES,
-    SEVERITY,
-    Cell,
-    CellStatus,
-    Fault,
-    Guideword,
-    Matrix,
-    Parameter,
-    SeverityClass,
-    Team,
-    load_severities,
-)
+from scaloft_fi.hazop import matrix as matrices
 from scaloft_fi.marks import ByName, Choices, Either, Examples, Pattern, Size
 from scaloft_fi.model import value_of
 
@@ -106,8 +92,12 @@ Seams = Mapping[str, "Seam"]
 SHEETS = "matrix"
 """Folder of the files of cells, one for each parameter."""
 GUIDEWORD, PARAMETER = "[A-Z][A-Z0-9]*", "[a-z][a-z0-9_]*"
-Guidewords = Annotated[tuple[Guideword, ...], ByName(), Pattern(GUIDEWORD, "capital letters, as in a mutant's id")]
-Parameters = Annotated[tuple[Parameter, ...], ByName(), Pattern(PARAMETER, "small letters, as in a mutant's id")]
+Guidewords = Annotated[
+    tuple[matrices.Guideword, ...], ByName(), Pattern(GUIDEWORD, "capital letters, as in a mutant's id")
+]
+Parameters = Annotated[
+    tuple[matrices.Parameter, ...], ByName(), Pattern(PARAMETER, "small letters, as in a mutant's id")
+]
 
 
 @dataclass(frozen=True)
@@ -122,7 +112,7 @@ class NotMeaningful:
 
     status: Literal["not_meaningful"]
     reason: str
-    team: Team = NO_TEAM
+    team: matrices.Team = matrices.NO_TEAM
 
 
 @dataclass(frozen=True)
@@ -142,11 +132,11 @@ class ToDo:
 
     status: Literal["to_do"]
     deviation: str = ""
-    causes: Annotated[tuple[str, ...], Size(0, MOST_ENTRIES)] = ()
+    causes: Annotated[tuple[str, ...], Size(0, matrices.MOST_ENTRIES)] = ()
     effect: str = ""
     severity: str = ""
-    faults: Annotated[tuple[Fault, ...], Size(0, MOST_ENTRIES)] = ()
-    team: Team = NO_TEAM
+    faults: Annotated[tuple[matrices.Fault, ...], Size(0, matrices.MOST_ENTRIES)] = ()
+    team: matrices.Team = matrices.NO_TEAM
     source: str = ""
 
 
@@ -169,15 +159,15 @@ class Tested:
 
     status: Literal["credible", "control"]
     deviation: Annotated[str, Examples("Detection delivered late.")]
-    causes: Annotated[tuple[str, ...], Size(1, MOST_ENTRIES)]
+    causes: Annotated[tuple[str, ...], Size(1, matrices.MOST_ENTRIES)]
     effect: str
-    requirements: Annotated[tuple[Annotated[str, Examples("SR1")], ...], Size(1, MOST_ENTRIES)]
-    faults: Annotated[tuple[Fault, ...], Size(1, MOST_ENTRIES)]
-    severity: Annotated[str, Choices(named="classes"), Pattern(SEVERITY, "the name of a class"), Examples("injury")] = (
-        ""
-    )
+    requirements: Annotated[tuple[Annotated[str, Examples("SR1")], ...], Size(1, matrices.MOST_ENTRIES)]
+    faults: Annotated[tuple[matrices.Fault, ...], Size(1, matrices.MOST_ENTRIES)]
+    severity: Annotated[
+        str, Choices(named="classes"), Pattern(matrices.SEVERITY, "the name of a class"), Examples("injury")
+    ] = ""
     predicted: str = ""
-    team: Team = NO_TEAM
+    team: matrices.Team = matrices.NO_TEAM
     source: str = ""
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
@@ -195,7 +185,7 @@ class Tested:
 CellModel = Annotated[NotMeaningful | Tested | ToDo, Either(by="status")]
 
 
-def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
+def load_matrix(hazop: Path, seams: Seams | None = None) -> matrices.Matrix:
     """Read the matrix of a study folder's `hazop/`.
 
     Args:
@@ -210,9 +200,9 @@ def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
     guidewords = load_guidewords(hazop / "guidewords.yaml")
     parameters, places = load_parameters(hazop / "parameters.yaml")
     faults.add(*misnamed_sheets(hazop / SHEETS, places))
-    classes = load_severities(hazop / SEVERITIES)
-    cells: dict[tuple[str, str], Cell] = {}
-    severities: dict[str, SeverityClass] = {}
+    classes = matrices.load_severities(hazop / matrices.SEVERITIES)
+    cells: dict[tuple[str, str], matrices.Cell] = {}
+    severities: dict[str, matrices.SeverityClass] = {}
     for path in (hazop / SHEETS / f"{parameter.id}.yaml" for parameter in parameters):
         with faults.collecting():
             for cell, severity in load_cells(path, guidewords, seams, classes) if is_there(path) else ():
@@ -220,7 +210,7 @@ def load_matrix(hazop: Path, seams: Seams | None = None) -> Matrix:
                 if severity:
                     severities[cell.name] = severity
     faults.end()
-    return Matrix(guidewords, parameters, cells, classes, severities)
+    return matrices.Matrix(guidewords, parameters, cells, classes, severities)
 
 
 def misnamed_sheets(folder: Path, parameters: Mapping[str, str]) -> Iterator[InputError]:
@@ -239,17 +229,17 @@ def misnamed_sheets(folder: Path, parameters: Mapping[str, str]) -> Iterator[Inp
             yield InputError(f"{place}: parameter {name!r} has no cells: {path} is missing")
 
 
-def load_guidewords(path: Path) -> tuple[Guideword, ...]:
+def load_guidewords(path: Path) -> tuple[matrices.Guideword, ...]:
     """Read the guidewords of one file, in the order of the file.
 
     Raises:
         InputError: a guideword is not in capitals, an extension gives no reason, a key is missing or unknown.
     """
-    words: tuple[Guideword, ...] = value_of(Guidewords, load(path))
+    words: tuple[matrices.Guideword, ...] = value_of(Guidewords, load(path))
     return words
 
 
-def load_parameters(path: Path) -> tuple[tuple[Parameter, ...], dict[str, str]]:
+def load_parameters(path: Path) -> tuple[tuple[matrices.Parameter, ...], dict[str, str]]:
     """Read the parameters of one file, in the order of the file, and the place of each by id.
 
     Raises:
@@ -260,14 +250,17 @@ def load_parameters(path: Path) -> tuple[tuple[Parameter, ...], dict[str, str]]:
 
 
 def load_cells(
-    path: Path, guidewords: tuple[Guideword, ...], seams: Seams | None = None, classes: tuple[SeverityClass, ...] = ()
-) -> tuple[tuple[Cell, SeverityClass | None], ...]:
+    path: Path,
+    guidewords: tuple[matrices.Guideword, ...],
+    seams: Seams | None = None,
+    classes: tuple[matrices.SeverityClass, ...] = (),
+) -> tuple[tuple[matrices.Cell, matrices.SeverityClass | None], ...]:
     """Read the cells of one parameter with their severity, one for each guideword; the parameter names the file.
 
     Raises:
         InputError: a guideword is unknown, a guideword has no cell, a key of a cell is missing or not allowed.
     """
-    sheet, faults, cells = load(path), Faults(), list[tuple[Cell, SeverityClass | None]]()
+    sheet, faults, cells = load(path), Faults(), list[tuple[matrices.Cell, matrices.SeverityClass | None]]()
     faults.add(*misnamed_cells(sheet, [word.id for word in guidewords]))
     for word in guidewords:
         with faults.collecting():
@@ -284,8 +277,12 @@ def misnamed_cells(sheet: Item, guidewords: Collection[str]) -> Iterator[InputEr
 
 
 def read_cell(
-    sheet: Item, guideword: str, parameter: str, seams: Seams | None = None, classes: tuple[SeverityClass, ...] = ()
-) -> tuple[Cell, SeverityClass | None]:
+    sheet: Item,
+    guideword: str,
+    parameter: str,
+    seams: Seams | None = None,
+    classes: tuple[matrices.SeverityClass, ...] = (),
+) -> tuple[matrices.Cell, matrices.SeverityClass | None]:
     """Read one cell of the file of a parameter, and its severity.
 
     Raises:
@@ -299,16 +296,18 @@ def read_cell(
         )
     names = {"classes": [one.id for one in classes], **({"seams": sorted(seams)} if seams else {})}
     model: NotMeaningful | Tested | ToDo = value_of(CellModel, item, names)
-    status, team = CellStatus(model.status), model.team
+    status, team = matrices.CellStatus(model.status), model.team
     if isinstance(model, NotMeaningful):
-        return Cell(guideword, parameter, status, reason=model.reason, team=team, place=item.place), None
+        return matrices.Cell(guideword, parameter, status, reason=model.reason, team=team, place=item.place), None
     severity = next((one for one in classes if one.id == model.severity), None)
     if isinstance(model, ToDo):
         drafted, said = "" if severity else model.severity, (model.deviation, model.causes, model.effect)
-        draft = Cell(guideword, parameter, status, *said, team=team, drafted=drafted, proposed=model.faults)
+        draft = matrices.Cell(guideword, parameter, status, *said, team=team, drafted=drafted, proposed=model.faults)
         return replace(draft, place=item.place), severity
     if model.severity and severity is None:
-        raise item.need("severity").error(f"left out in a study without classes: hazop/{SEVERITIES} lists them")
+        raise item.need("severity").error(
+            f"left out in a study without classes: hazop/{matrices.SEVERITIES} lists them"
+        )
     faults = model.faults
     if seams is not None:
         if faults and not seams:
@@ -317,5 +316,5 @@ def read_cell(
         faults = tuple(replace(fault, message=seams[fault.seam].message) for fault in faults)
     told = model.deviation, model.causes, model.effect, model.requirements, faults, "", model.predicted, team
     place, requirements_place = item.place, item.need("requirements").place
-    cell = Cell(guideword, parameter, status, *told, place=place, requirements_place=requirements_place)
+    cell = matrices.Cell(guideword, parameter, status, *told, place=place, requirements_place=requirements_place)
     return cell, severity

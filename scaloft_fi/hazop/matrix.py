@@ -16,22 +16,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal, TypeVar
 
+from scaloft_fi import marks
 from scaloft_fi.document import Item, is_there, load
 from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.marks import (
-    About,
-    Bounds,
-    ByName,
-    Choices,
-    Examples,
-    Given,
-    Key,
-    Needed,
-    Otherwise,
-    Pattern,
-    Place,
-    Size,
-)
 from scaloft_fi.model import attributes_of, value_of
 
 _CELL = re.compile(r"(?P<guideword>[A-Z][A-Z0-9]*)-(?P<parameter>[a-z][a-z0-9_]*)")
@@ -133,9 +120,9 @@ class Guideword:
         reason: why the study has this guideword beside those of IEC 61882; empty for one of them.
     """
 
-    id: Key
-    title: Annotated[str, Examples("late")]
-    meaning: Annotated[str, Examples("later than intended")]
+    id: marks.Key
+    title: Annotated[str, marks.Examples("late")]
+    meaning: Annotated[str, marks.Examples("later than intended")]
     extension: bool = False
     reason: str = ""
     CONDITIONS: ClassVar[Mapping[str, object]] = {
@@ -168,11 +155,11 @@ class Parameter:
         unit: unit of the parameter, or what one of its samples is.
     """
 
-    id: Key
-    title: Annotated[str, Examples("human detection")]
+    id: marks.Key
+    title: Annotated[str, marks.Examples("human detection")]
     intent: str
     node: str
-    unit: Annotated[str, Examples("m/s")]
+    unit: Annotated[str, marks.Examples("m/s")]
 
 
 SEVERITIES = "severities.yaml"
@@ -194,14 +181,14 @@ class SeverityClass:
         meaning: which consequences belong to the class.
     """
 
-    rank: Annotated[int, Given(lambda _item: 0)]
-    id: Key
-    title: Annotated[str, Examples("a person may be hurt")]
+    rank: Annotated[int, marks.Given(lambda _item: 0)]
+    id: marks.Key
+    title: Annotated[str, marks.Examples("a person may be hurt")]
     meaning: str
 
 
 SEVERITY = "[a-z][a-z0-9_]*"
-Classes = Annotated[tuple[SeverityClass, ...], ByName(), Pattern(SEVERITY, "small letters, digits and _")]
+Classes = Annotated[tuple[SeverityClass, ...], marks.ByName(), marks.Pattern(SEVERITY, "small letters, digits and _")]
 
 
 def load_severities(path: Path) -> tuple[SeverityClass, ...]:
@@ -233,13 +220,13 @@ Rung = float | str
 MOST_ENTRIES = 100
 """Most causes, requirements or faults of a cell, and most magnitudes of a ladder."""
 _UNIT = r"[A-Za-z%][A-Za-z0-9%]*|"
-_ANY_NUMBER = Bounds(least=-1e12, most=1e12, infinite=True)
+_ANY_NUMBER = marks.Bounds(least=-1e12, most=1e12, infinite=True)
 """A magnitude or an argument; an operator may allow `.inf`, such as a hold that never ends."""
-ValueText = Annotated[Value, _ANY_NUMBER, About("a value; an infinite number is the text inf")]
+ValueText = Annotated[Value, _ANY_NUMBER, marks.About("a value; an infinite number is the text inf")]
 RungText = Annotated[
-    Rung, _ANY_NUMBER, Pattern(r"[A-Za-z][A-Za-z0-9_.]*", "a number, or a name of letters, digits, _ and .")
+    Rung, _ANY_NUMBER, marks.Pattern(r"[A-Za-z][A-Za-z0-9_.]*", "a number, or a name of letters, digits, _ and .")
 ]
-_NOTHING = Given(lambda _item: {})
+_NOTHING = marks.Given(lambda _item: {})
 
 
 def _places(item: Item) -> dict[str, str]:
@@ -303,14 +290,16 @@ class Magnitude:
         place: file:line.
     """
 
-    argument: Annotated[str, Examples("delay_s")]
-    unit: Annotated[str, Otherwise(""), Pattern(_UNIT, "a unit of letters, digits and %, as in a mutant's id")]
-    ladder: Annotated[tuple[RungText, ...], Size(1, MOST_ENTRIES), Examples((0.5, 1, 3, 5))]
+    argument: Annotated[str, marks.Examples("delay_s")]
+    unit: Annotated[
+        str, marks.Otherwise(""), marks.Pattern(_UNIT, "a unit of letters, digits and %, as in a mutant's id")
+    ]
+    ladder: Annotated[tuple[RungText, ...], marks.Size(1, MOST_ENTRIES), marks.Examples((0.5, 1, 3, 5))]
     default: RungText
-    scale: Annotated[float, Examples(0.001, 0.01)] = 1.0
-    worse: Annotated[str, Choices(_WORSE)] = ""
+    scale: Annotated[float, marks.Examples(0.001, 0.01)] = 1.0
+    worse: Annotated[str, marks.Choices(_WORSE)] = ""
     neutral: float | None = None
-    place: Place = field(default="", compare=False)
+    place: marks.Place = field(default="", compare=False)
     KEYS = ("argument", "unit", "scale", "ladder=rungs", "default=default_rung")
 
     @property
@@ -372,9 +361,9 @@ class Expected:
     """
 
     reason: str
-    magnitudes: Annotated[tuple[RungText, ...], Size(1, MOST_ENTRIES)] = ()
-    status: Annotated[Literal["not_infected"], Needed()] = "not_infected"
-    place: Place = field(default="", compare=False)
+    magnitudes: Annotated[tuple[RungText, ...], marks.Size(1, MOST_ENTRIES)] = ()
+    status: Annotated[Literal["not_infected"], marks.Needed()] = "not_infected"
+    place: marks.Place = field(default="", compare=False)
     KEYS = ("status", "reason", "magnitudes")
 
 
@@ -396,16 +385,16 @@ class Fault:
         places: file:line of `seam`, `operator`, `phases` and each argument.
     """
 
-    seam: Annotated[str, Choices(named="seams"), Examples("person", "velcmd")]
-    operator: Annotated[str, Choices(named="operators")]
+    seam: Annotated[str, marks.Choices(named="seams"), marks.Examples("person", "velcmd")]
+    operator: Annotated[str, marks.Choices(named="operators")]
     arguments: Mapping[str, ValueText] = field(default_factory=dict)
     magnitude: Magnitude | None = None
     phases: bool = False
     events: Annotated[Mapping[str, str], _NOTHING] = field(default_factory=dict, compare=False)
     expected: Expected | None = None
-    message: Annotated[type | None, Given(lambda _item: None)] = field(default=None, compare=False)
-    place: Place = field(default="", compare=False)
-    places: Annotated[Mapping[str, str], Given(_places)] = field(default_factory=dict, compare=False, repr=False)
+    message: Annotated[type | None, marks.Given(lambda _item: None)] = field(default=None, compare=False)
+    place: marks.Place = field(default="", compare=False)
+    places: Annotated[Mapping[str, str], marks.Given(_places)] = field(default_factory=dict, compare=False, repr=False)
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
         """Refuse an argument that is set twice, an expectation off the ladder, and phases of what has no period."""

@@ -22,29 +22,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import Faults, InputError
-from scaloft_fi.judge.stl import (
-    CHANGES,
-    COMPARATORS,
-    EXTREMES,
-    FUTURE,
-    LONGEST,
-    MEAN,
-    WORDS,
-    Formula,
-    FormulaError,
-    Infix,
-    Node,
-    Number,
-    Prefix,
-    RootError,
-    Signal,
-    Signals,
-    inside_always,
-    parse,
-    parts,
-    tokenize,
-    written,
-)
+from scaloft_fi.judge import stl
+from scaloft_fi.judge.stl import parse, tokenize
 from scaloft_fi.marks import Called, Choices, Examples, Given, Key, Reads, Size
 from scaloft_fi.model import Schema, read, schema
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, truth_signals
@@ -182,7 +161,7 @@ def judge(requirement: Requirement, log: FlightLog) -> Reading:
     return judge_signals(requirement, log.signals, cut_short=log.ending.cut_short).reading
 
 
-def judge_signals(requirement: Requirement, signals: Signals, *, cut_short: bool) -> Judgement:
+def judge_signals(requirement: Requirement, signals: stl.Signals, *, cut_short: bool) -> Judgement:
     """Judge recorded signals, (T,) each at 20 Hz, `elapsed_s` included.
 
     Raises:
@@ -199,7 +178,7 @@ def judge_signals(requirement: Requirement, signals: Signals, *, cut_short: bool
             known[TRIGGER] = trigger.robustness(known)
             triggered = episodes(known[TRIGGER])
         robustness = body.robustness(known)
-    except (ZeroDivisionError, RootError) as error:
+    except (ZeroDivisionError, stl.RootError) as error:
         raise InputError(f"requirement {requirement.name} cannot be judged: {error}") from error
     least = min(robustness)
     first = next(sample for sample, value in enumerate(robustness) if value < 0) if least < 0 else None
@@ -221,11 +200,11 @@ def episodes(robustness: Sequence[float]) -> int:
 MOST = 100
 """Most requirements, and most definitions, of a study."""
 
-Check = Callable[[str, Collection[str]], Formula]
+Check = Callable[[str, Collection[str]], stl.Formula]
 """`Formula.parse`, or an extension of it."""
 
 
-_DEFINITION = {"type": "string", "minLength": 1, "maxLength": LONGEST, "examples": ["person_sight_m / 3 <= 1"]}
+_DEFINITION = {"type": "string", "minLength": 1, "maxLength": stl.LONGEST, "examples": ["person_sight_m / 3 <= 1"]}
 
 
 @dataclass(frozen=True)
@@ -243,7 +222,9 @@ class RequirementsModel:
     ] = field(default_factory=dict)
 
 
-def load_requirements(path: Path, signals: Collection[str], check: Check = Formula.parse) -> tuple[Requirement, ...]:
+def load_requirements(
+    path: Path, signals: Collection[str], check: Check = stl.Formula.parse
+) -> tuple[Requirement, ...]:
     """Read the study's requirements, and check them against the names of the log's signals.
 
     Args:
@@ -289,7 +270,7 @@ def read_definition(name: str, item: Item, names: Collection[str], check: Check)
     Raises:
         InputError: the name is taken, or the formula is wrong.
     """
-    if name in names or name in WORDS or name == TRIGGER:
+    if name in names or name in stl.WORDS or name == TRIGGER:
         raise InputError(f"{item.place}: definition {name!r} must not be named like a signal or a word of formulas")
     _check(item, item.text(), names, check)
     return item.text()
@@ -329,8 +310,8 @@ def read_requirement(item: Item, definitions: Mapping[str, str], names: Collecti
 def _inside(item: Item) -> str:
     """What a formula says always holds."""
     try:
-        body = inside_always(item.text())
-    except FormulaError as error:
+        body = stl.inside_always(item.text())
+    except stl.FormulaError as error:
         raise InputError(f"{item.place}: {item.name} {error}") from error
     if body is None:
         raise InputError(f"{item.place}: formula must be always( ... ), so that the moment of a violation is final")
@@ -352,15 +333,15 @@ def _needed(definitions: Mapping[str, str], texts: Sequence[str]) -> tuple[tuple
 def _check(item: Item, text: str, names: Collection[str], check: Check) -> None:
     """Refuse a `text` that is no formula over the present and the past."""
     try:
-        future = [token for token in tokenize(text) if token in FUTURE]
+        future = [token for token in tokenize(text) if token in stl.FUTURE]
         if future:
-            raise FormulaError(f"refers to the future with {future[0]!r}; use historically, once or since")
+            raise stl.FormulaError(f"refers to the future with {future[0]!r}; use historically, once or since")
         check(text, names)
-    except FormulaError as error:
+    except stl.FormulaError as error:
         raise InputError(f"{item.place}: {item.name} {error}") from error
 
 
-_Parsed = tuple[Formula, tuple[tuple[str, Formula], ...], Formula | None]
+_Parsed = tuple[stl.Formula, tuple[tuple[str, stl.Formula], ...], stl.Formula | None]
 _PARSED: dict[tuple[Requirement, frozenset[str]], _Parsed] = {}
 
 
@@ -371,15 +352,15 @@ def _parsed(requirement: Requirement, signals: frozenset[str]) -> _Parsed:
         names = set(signals)
         definitions = []
         for name, text in requirement.definitions:
-            definitions.append((name, Formula.parse(text, names)))
+            definitions.append((name, stl.Formula.parse(text, names)))
             names.add(name)
-        trigger = Formula.parse(requirement.trigger, names) if requirement.trigger else None
+        trigger = stl.Formula.parse(requirement.trigger, names) if requirement.trigger else None
         if trigger:
             names.add(TRIGGER)
-        body = inside_always(requirement.text)
+        body = stl.inside_always(requirement.text)
         if body is None:
-            raise FormulaError("must be always( ... )")
-        _PARSED[key] = (Formula.parse(body, names), tuple(definitions), trigger)
+            raise stl.FormulaError("must be always( ... )")
+        _PARSED[key] = (stl.Formula.parse(body, names), tuple(definitions), trigger)
     return _PARSED[key]
 
 
@@ -431,7 +412,7 @@ def cap_of(signal: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> Cap | None
 def within_caps(check: Check, beliefs: Mapping[str, float] = NO_BELIEFS) -> Check:
     """Extend `check`: first compare the thresholds of the text with the caps of its signals."""
 
-    def checked(text: str, signals: Collection[str]) -> Formula:
+    def checked(text: str, signals: Collection[str]) -> stl.Formula:
         check_caps(text, beliefs)
         return check(text, signals)
 
@@ -449,47 +430,47 @@ def check_caps(text: str, beliefs: Mapping[str, float] = NO_BELIEFS) -> None:
     tokens = tokenize(text)
     try:
         tree = parse(tokens)
-    except FormulaError:
+    except stl.FormulaError:
         return
     for shown, signal, _, threshold in comparisons(tree):
         cap = cap_of(signal, beliefs)
         if cap and (threshold > cap.most_m or (threshold == cap.most_m and not cap.itself)):
             allowed = f"{'at most' if cap.itself else 'less than'} {cap.most_m:g} m"
-            raise FormulaError(
+            raise stl.FormulaError(
                 f"compares {signal} with {threshold:g} m in '{shown}', but it is measured up to {cap.most_m:g} m and"
                 f" reads {cap.beyond}; it must be compared with {allowed}"
             )
 
 
-def comparisons(tree: Node) -> Iterator[tuple[str, str, str, float]]:
+def comparisons(tree: stl.Node) -> Iterator[tuple[str, str, str, float]]:
     """Yield each comparison of one signal with a number: its text, and as in `a <= 3.0`, in the signal's unit.
 
     >>> list(comparisons(parse(tokenize("always(a / 3 <= 1 and 2 > b - 0.5)"))))
     [('a / 3 <= 1', 'a', '<=', 3.0), ('2 > b - 0.5', 'b', '<', 2.5)]
     """
-    if isinstance(tree, Infix) and tree.operator in COMPARATORS:
-        line = _line(Infix("-", tree.left, tree.right)) or {}
+    if isinstance(tree, stl.Infix) and tree.operator in stl.COMPARATORS:
+        line = _line(stl.Infix("-", tree.left, tree.right)) or {}
         factors = [(name, factor) for name, factor in line.items() if name and factor]
         if len(factors) == 1:
             ((name, factor),) = factors
             for operator in ("<=", ">=") if tree.operator == "==" else (tree.operator,):
                 sense = operator if factor > 0 else operator.translate(_TURNED)
-                yield written(tree), name, sense, round(-line.get("", 0.0) / factor, 9) + 0.0  # never -0.0
-    for part in parts(tree):
+                yield stl.written(tree), name, sense, round(-line.get("", 0.0) / factor, 9) + 0.0  # never -0.0
+    for part in stl.parts(tree):
         yield from comparisons(part)
 
 
 _TURNED = str.maketrans("<>", "><")
 
 
-def _line(node: Node) -> Mapping[str, float] | None:
+def _line(node: stl.Node) -> Mapping[str, float] | None:
     """A part as a linear expression, factor by signal, with its constant under ""; None for any other part."""
-    if isinstance(node, Signal):
+    if isinstance(node, stl.Signal):
         return {node.name: 1.0}
-    if isinstance(node, Number):
+    if isinstance(node, stl.Number):
         return {"": node.value}
-    left, right = (_line(node.left), _line(node.right)) if isinstance(node, Infix) else (None, None)
-    if not isinstance(node, Infix) or left is None or right is None:
+    left, right = (_line(node.left), _line(node.right)) if isinstance(node, stl.Infix) else (None, None)
+    if not isinstance(node, stl.Infix) or left is None or right is None:
         return None
     if node.operator in ("+", "-"):
         sign = 1.0 if node.operator == "+" else -1.0
@@ -582,7 +563,7 @@ def verdict(spans: Spans) -> bool | None:
     return False if all(high < 0.0 for _, high in spans) else None
 
 
-def bounds_of(formula: Formula, ranges: Ranges) -> Spans:
+def bounds_of(formula: stl.Formula, ranges: Ranges) -> Spans:
     """What the robustness of a formula can be at a sample; wider than it is where one signal occurs twice.
 
     Args:
@@ -592,38 +573,38 @@ def bounds_of(formula: Formula, ranges: Ranges) -> Spans:
     return _bounds(formula.tree, ranges)
 
 
-def constants(formula: Formula, ranges: Ranges) -> Iterator[tuple[str, bool]]:
+def constants(formula: stl.Formula, ranges: Ranges) -> Iterator[tuple[str, bool]]:
     """The comparisons in a formula that are true, or false, at every sample of every flight."""
     waiting = [formula.tree]
     while waiting:
         node = waiting.pop()
-        if isinstance(node, Infix) and node.operator in COMPARATORS:
+        if isinstance(node, stl.Infix) and node.operator in stl.COMPARATORS:
             always = verdict(_bounds(node, ranges))
             if always is not None:
-                yield written(node), always
+                yield stl.written(node), always
         else:
-            waiting += reversed(parts(node))
+            waiting += reversed(stl.parts(node))
 
 
-def _bounds(node: Node, ranges: Ranges) -> Spans:
-    if isinstance(node, Signal):
+def _bounds(node: stl.Node, ranges: Ranges) -> Spans:
+    if isinstance(node, stl.Signal):
         return ranges.get(node.name, ANY)
-    if isinstance(node, Number):
+    if isinstance(node, stl.Number):
         return ((node.value, node.value),)
-    if isinstance(node, Prefix):
+    if isinstance(node, stl.Prefix):
         of = _bounds(node.of, ranges)
-        if node.word in CHANGES:
+        if node.word in stl.CHANGES:
             low, high = of[0][0], max(high for _, high in of)
             return ((min(low, -high), high if node.word == "rise" else -low),)
-        if node.word in EXTREMES:
+        if node.word in stl.EXTREMES:
             first = node.interval.first if node.interval is not None else 0
             return _window(node.word, of, first, ranges.get("elapsed_s", ANY)[-1][1])
-        if node.word == MEAN:
+        if node.word == stl.MEAN:
             return ((min(low for low, _ in of), max(high for _, high in of)),)
         return _few([_FUNCTION[node.word](span) for span in of])
-    if node.operator in COMPARATORS:
+    if node.operator in stl.COMPARATORS:
         sides = (node.right, node.left) if node.operator in ("<", "<=") else (node.left, node.right)
-        spans = _bounds(Infix("-", *sides), ranges)
+        spans = _bounds(stl.Infix("-", *sides), ranges)
         return spans if node.operator != "==" else _few([_against(span) for span in spans])
     line = _line(node)
     if line is not None:  # each signal once, however often it is written

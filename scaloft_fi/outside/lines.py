@@ -26,17 +26,7 @@ from pathlib import Path
 from typing import Any
 
 from scaloft_fi.output import line as inert
-from scaloft_fi.outside.border import (
-    Arrival,
-    BorderError,
-    MisfitError,
-    Topic,
-    TopicsBorder,
-    from_plain,
-    given,
-    taken,
-    to_plain,
-)
+from scaloft_fi.outside import border
 from scaloft_fi.outside.client import VARIABLE
 
 LONGEST_LINE = 1 << 20
@@ -48,14 +38,14 @@ STALL_S = 10.0
 """How long a process may leave its messages unread before it counts as gone [s, wall]."""
 
 
-def plain_of(topic: Topic, sample: Any) -> Any:
+def plain_of(topic: border.Topic, sample: Any) -> Any:
     """What stands in a line for a sample."""
-    return given(to_plain(sample), topic.fields)
+    return border.given(border.to_plain(sample), topic.fields)
 
 
-def sample_of(topic: Topic, data: Any, _clock_s: float) -> Any:
+def sample_of(topic: border.Topic, data: Any, _clock_s: float) -> Any:
     """The sample that a line has; raises MisfitError."""
-    return from_plain(topic.message, taken(data, topic.fields))
+    return border.from_plain(topic.message, border.taken(data, topic.fields))
 
 
 @dataclass(frozen=True)
@@ -67,8 +57,8 @@ class Codec:
         read: (topic, what stands in the line, clock [s]) -> sample; raises MisfitError.
     """
 
-    written: Callable[[Topic, Any], Any] = plain_of
-    read: Callable[[Topic, Any, float], Any] = sample_of
+    written: Callable[[border.Topic, Any], Any] = plain_of
+    read: Callable[[border.Topic, Any, float], Any] = sample_of
 
 
 @dataclass(eq=False)
@@ -82,7 +72,7 @@ class _Peer:
 
 
 @dataclass(eq=False)
-class LinesBorder(TopicsBorder):
+class LinesBorder(border.TopicsBorder):
     """A border over a Unix socket."""
 
     codec: Codec = field(default_factory=Codec)
@@ -95,7 +85,7 @@ class LinesBorder(TopicsBorder):
         self._strange = ""
 
     @staticmethod
-    def misfit(topic: Topic) -> str:
+    def misfit(topic: border.Topic) -> str:
         """What of a topic's settings JSON lines cannot carry; "" if all of it."""
         unused = [name for name, value in (("type", topic.type), ("qos", topic.qos)) if value]
         return f"{unused[0]} is nothing that border=lines has" if unused else ""
@@ -125,7 +115,7 @@ class LinesBorder(TopicsBorder):
             listener.listen(MOST_PROCESSES)
         except OSError as error:
             listener.close()
-            raise BorderError(f"{self._path}: the socket cannot be opened: {error.strerror or error}") from error
+            raise border.BorderError(f"{self._path}: the socket cannot be opened: {error.strerror or error}") from error
         listener.setblocking(False)
         self._listener = listener
 
@@ -159,7 +149,7 @@ class LinesBorder(TopicsBorder):
             peer.read = 0
         self._write({"clock": t_s})
 
-    def take(self, seam: str) -> Arrival:
+    def take(self, seam: str) -> border.Arrival:
         """What came, the newest sample last; where none was refused, a strange line is."""
         arrival, strange, self._strange = super().take(seam), self._strange, ""
         return replace(arrival, refused=arrival.refused or strange)
@@ -233,8 +223,8 @@ class LinesBorder(TopicsBorder):
                 return
             name = message.get("topic")
             if not isinstance(name, str) or name not in self._by_name:
-                raise MisfitError(f"topic={inert(repr(name))[:100]} is none of {', '.join(self._by_name)}")
-        except MisfitError as error:
+                raise border.MisfitError(f"topic={inert(repr(name))[:100]} is none of {', '.join(self._by_name)}")
+        except border.MisfitError as error:
             self._strange = self._strange or str(error)
             return
         box = self._by_name[name]
@@ -243,7 +233,7 @@ class LinesBorder(TopicsBorder):
             stamp_s = message.get("stamp_s", 0.0)
             self._check_stamp(f"stamp_s={stamp_s!r}", stamp_s)
             box.sample = self.codec.read(box.topic, message.get("data"), self.clock_s)
-        except (MisfitError, TypeError) as error:
+        except (border.MisfitError, TypeError) as error:
             box.refuse(str(error))
             return
         box.fresh = True
@@ -258,11 +248,11 @@ def _json(line: bytes) -> dict[str, Any]:
     try:
         message = json.loads(line, parse_constant=_refuse)
     except (ValueError, RecursionError) as error:
-        raise MisfitError(f"a line is not JSON: {inert(str(error))[:200]}") from error
+        raise border.MisfitError(f"a line is not JSON: {inert(str(error))[:200]}") from error
     if not isinstance(message, dict):
-        raise MisfitError("a line must be a mapping")
+        raise border.MisfitError("a line must be a mapping")
     return message
 
 
 def _refuse(constant: str) -> float:
-    raise MisfitError(f"{constant} is no number of JSON")
+    raise border.MisfitError(f"{constant} is no number of JSON")

@@ -27,22 +27,8 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.marks import MOST, Bounds, Examples, Given, Size
 from scaloft_fi.mutants.mutant import EVERY_SEAM, Mutant
 from scaloft_fi.mutants.wire import SeamCount
+from scaloft_fi.outside import command as commands
 from scaloft_fi.outside.border import BorderError
-from scaloft_fi.outside.command import (
-    FAULT,
-    FLIGHT_FOLDER,
-    MOST_LIMIT_S,
-    PYTHON,
-    SEED,
-    ClockTopic,
-    Relay,
-    Relays,
-    Told,
-    Word,
-    finished,
-    said_last,
-    told,
-)
 from scaloft_fi.outside.exchange import DONE, FlightFolder
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.stack.declaration import Declaration, Wire
@@ -68,11 +54,11 @@ class SuiteCommand:
         seams: the seams whose faults the command injects itself, as it gets them in {fault}.
     """
 
-    run: Annotated[tuple[Word, ...], Size(1, MOST, "a list that begins with a program"), _RUN]
+    run: Annotated[tuple[commands.Word, ...], Size(1, MOST, "a list that begins with a program"), _RUN]
     inputs: Annotated[tuple[str, ...], Size(), Examples(("tests",))] = ()
     red: Annotated[tuple[Annotated[int, Bounds(least=1, most=255)], ...], Size(1, 255, "codes from 1 to 255")] = (1,)
-    limit_s: Annotated[float, Bounds(above=0.0, most=MOST_LIMIT_S)] = 600.0
-    env: Annotated[Mapping[str, Word], Size()] = field(default_factory=dict)
+    limit_s: Annotated[float, Bounds(above=0.0, most=commands.MOST_LIMIT_S)] = 600.0
+    env: Annotated[Mapping[str, commands.Word], Size()] = field(default_factory=dict)
     seams: Annotated[tuple[str, ...], Size()] = ()
 
     @property
@@ -95,8 +81,8 @@ class Suite:
 
     tests: Annotated[Mapping[str, SuiteCommand], Size(1, MOST, "a test, at least")]
     folder: str = "."
-    relays: Annotated[Mapping[str, Relay], Size()] = field(default_factory=dict)
-    clock: ClockTopic | None = None
+    relays: Annotated[Mapping[str, commands.Relay], Size()] = field(default_factory=dict)
+    clock: commands.ClockTopic | None = None
     place: Annotated[str, Given(lambda item: item.place)] = ""
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
@@ -185,21 +171,21 @@ def run_tests(
         beside.mkdir()
         junit, reached = private / "junit.xml", private / "reached.jsonl"
         values: dict[str, Any] = {
-            PYTHON: sys.executable,
+            commands.PYTHON: sys.executable,
             JUNIT: str(junit),
-            FLIGHT_FOLDER: str(private),
-            SEED: seed,
+            commands.FLIGHT_FOLDER: str(private),
+            commands.SEED: seed,
             MUTANT: mutant.id if mutant else "",
-            FAULT: json.dumps(mutant.to_json() if mutant is not None and own else None, sort_keys=True),
+            commands.FAULT: json.dumps(mutant.to_json() if mutant is not None and own else None, sort_keys=True),
         }
         words = [word.filled(values) for word in command.run]
         env = {key: text.filled(values) for key, text in command.env.items()}
         env |= {INJECTED: "" if mutant is None else mutant.id, REACHED: str(reached)}
-        relays = Relays(suite.relays, stack, wire, beside, suite.clock)
+        relays = commands.Relays(suite.relays, stack, wire, beside, suite.clock)
         try:
             env |= relays.begin()
             attend = relays.attend if suite.relays else None
-            how, lines = finished(words, env, folder, command.limit_s, beside, attend, made.lifeline)
+            how, lines = commands.finished(words, env, folder, command.limit_s, beside, attend, made.lifeline)
         except BorderError as error:
             if suite.relays:
                 raise
@@ -208,10 +194,10 @@ def run_tests(
             relays.close()
         counts, failed = _reached(reached)
         counts |= {seam: count for seam, count in getattr(wire, "counts", {}).items() if seam in suite.relays}
-        said = told("".join(lines[-1:])) if own else Told()
+        said = commands.told("".join(lines[-1:])) if own else commands.Told()
         if mutant is not None and said.altered is not None:
             counts[mutant.seam] = SeamCount(max(said.carried or 0, said.altered), said.altered, said.first_altered_s)
-        results, why = ({}, failed) if failed else _results(name, command, how, junit, said_last(lines))
+        results, why = ({}, failed) if failed else _results(name, command, how, junit, commands.said_last(lines))
         if results and own and mutant is not None and mutant.seam not in (*counts, EVERY_SEAM):
             return Ran(
                 {},

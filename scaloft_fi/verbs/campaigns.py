@@ -26,21 +26,9 @@ from scaloft_fi.judge.status import Facts, baseline_status, facts_of, flights_of
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.output import line, say
 from scaloft_fi.study import Study
+from scaloft_fi.verbs import options
 from scaloft_fi.verbs.export.dossier import WAITING, FlightStatus, ordered
 from scaloft_fi.verbs.names import campaigns
-from scaloft_fi.verbs.options import (
-    Campaign,
-    LineFormat,
-    Option,
-    Several,
-    StudyFolder,
-    TableFormat,
-    TablesFolder,
-    answer,
-    check_writable,
-    verb,
-    write,
-)
 from scaloft_fi.verbs.snapshot import Reason, Snapshot, snapshot
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table, counted, said
@@ -170,7 +158,7 @@ def _of_archive(told: CampaignStatus) -> tuple[str, ...]:
     )
 
 
-def status(study: Study, campaign: Campaign) -> Answer:
+def status(study: Study, campaign: options.Campaign) -> Answer:
     """How many flights a campaign holds, by status, and why those are stale that do not count any more.
 
     Raises:
@@ -182,7 +170,7 @@ def status(study: Study, campaign: Campaign) -> Answer:
     return Answer(STATUS, lambda: told, lambda: [said(one, of_tests=of_tests) for one in status_tables(told, then)])
 
 
-status_command = verb(
+status_command = options.verb(
     "status",
     examples=(
         ("Count the flights of the campaign, and say why some are stale", "scaloft-fi status"),
@@ -215,17 +203,19 @@ def merge(study: Study, campaign: str, sources: Sequence[str], *, same_platform:
     return Answer(MERGE, lambda: merged, lambda: tables, told=lambda _: f"{told}\n", warnings=merged.warnings)
 
 
-MergedCampaigns = Annotated[Several, Option("Names of the campaigns.", "", metavar="CAMPAIGN...", complete=campaigns)]
+MergedCampaigns = Annotated[
+    options.Several, options.Option("Names of the campaigns.", "", metavar="CAMPAIGN...", complete=campaigns)
+]
 MergedPlatform = Annotated[
     bool,
-    Option(
+    options.Option(
         "Refuse a campaign of another platform unless flights in both show equal digests.",
         otherwise="refuse it where a flight in both has another status, ending or violation",
     ),
 ]
 
 
-@verb(
+@options.verb(
     "merge",
     examples=(
         ("Join two parts, flown with --shard 1/2 and --shard 2/2", "scaloft-fi merge part1 part2"),
@@ -236,10 +226,10 @@ MergedPlatform = Annotated[
 def merge_command(
     *,
     sources: MergedCampaigns,
-    study_folder: StudyFolder,
-    campaign: Campaign,
+    study_folder: options.StudyFolder,
+    campaign: options.Campaign,
     same_platform: MergedPlatform,
-    style: LineFormat,
+    style: options.LineFormat,
 ) -> None:
     """Join CAMPAIGNs, such as those flown with `run --shard K/N`, into the one named by --campaign.
 
@@ -249,7 +239,7 @@ def merge_command(
     The run's own command, without --shard, then holds the gates over the whole and prints the tables; it flies nothing.
     """
     study = study_of_all(study_folder, [*sources, campaign])
-    answer(merge(study, campaign, sources, same_platform=same_platform), style)
+    options.answer(merge(study, campaign, sources, same_platform=same_platform), style)
 
 
 @dataclass(frozen=True)
@@ -470,9 +460,12 @@ def _flights(named: tuple[str, str], here: Snapshot, there: Snapshot) -> FlightD
 
 
 Compared = Annotated[
-    str, Option("Name of a campaign, or the path of its folder or archive.", "", metavar="CAMPAIGN", complete=campaigns)
+    str,
+    options.Option(
+        "Name of a campaign, or the path of its folder or archive.", "", metavar="CAMPAIGN", complete=campaigns
+    ),
 ]
-Flights = Annotated[bool, Option("List the flights of which the campaigns do not say the same instead.")]
+Flights = Annotated[bool, options.Option("List the flights of which the campaigns do not say the same instead.")]
 
 
 def compare(study: Study, campaign: Compared, other: Compared, *, flights: Flights = False) -> Answer:
@@ -491,7 +484,7 @@ def _answer(told: CampaignComparison, warnings: Sequence[str]) -> Answer:
     return Answer(COMPARE, lambda: told, lambda: tables, rows=rows, warnings=warnings)
 
 
-@verb(
+@options.verb(
     "compare",
     examples=(
         ("See what a new version no longer shows", "scaloft-fi compare default night"),
@@ -507,21 +500,23 @@ def compare_command(
     *,
     campaign: Compared,
     other: Compared,
-    study_folder: StudyFolder,
+    study_folder: options.StudyFolder,
     flights: Flights,
     output: Annotated[
-        Path | None, Option("Also write both matrices beside each other, one HTML page.", metavar="FILE")
+        Path | None, options.Option("Also write both matrices beside each other, one HTML page.", metavar="FILE")
     ],
-    failing: Annotated[bool, Option("Exit with 3 when a fault is lost; an unsure one never fails.", "--fail-on-lost")],
-    style: TableFormat,
-    tables_folder: TablesFolder,
+    failing: Annotated[
+        bool, options.Option("Exit with 3 when a fault is lost; an unsure one never fails.", "--fail-on-lost")
+    ],
+    style: options.TableFormat,
+    tables_folder: options.TablesFolder,
 ) -> int:
     """Say what only the first or only the second campaign of a matrix shows: other stacks, versions or settings."""
-    check_writable(output, ".html")
+    options.check_writable(output, ".html")
     told, matrix, warnings = compared_by(Study.open(study_folder), campaign, other, flights=flights)
     if output is not None:
-        write(output, matrices_page(told.scores, matrix).encode())
-    answer(_answer(told, warnings), style, tables_folder)
+        options.write(output, matrices_page(told.scores, matrix).encode())
+    options.answer(_answer(told, warnings), style, tables_folder)
     if not (failing and told.scores.lost):
         return ExitCode.DONE
     say(f"lost: {', '.join(told.scores.lost)}")
@@ -544,7 +539,7 @@ def diff(study: Study, campaign: Compared, other: Compared) -> Answer:
 
 RENAMED = "`diff` is `compare --flights` now; the old name goes with the next release"
 
-diff_command = verb(
+diff_command = options.verb(
     "diff",
     examples=(
         ("Compare two campaigns", "scaloft-fi diff default night"),

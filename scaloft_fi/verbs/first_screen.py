@@ -10,19 +10,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+from scaloft_fi.analysis import detection
 from scaloft_fi.analysis.coverage import Coverage
-from scaloft_fi.analysis.detection import (
-    LEAST,
-    Firmness,
-    Noise,
-    Pool,
-    SituationBaseline,
-    State,
-    Tally,
-    Verdict,
-    findings,
-    tallies,
-)
+from scaloft_fi.analysis.detection import LEAST, Noise, findings
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import EARLY_S, By, MutantScore, Score, groups
 from scaloft_fi.analysis.survivor import Background, Disposition, backgrounds, score_without
@@ -94,7 +84,7 @@ def _firmly(faults: Sequence[MutantScore]) -> str:
     if detected == 1:
         (firmness,) = known
         return f", {firmness.words if firmness.firm else 'not firmly: ' + firmness.words}"
-    alone = known[Firmness.FIRM_BY_POOL]
+    alone = known[detection.Firmness.FIRM_BY_POOL]
     by_pool = "" if not alone else " by the pool alone" if alone == firm else f", {alone} of these by the pool alone"
     return f", {firm} firmly{by_pool}"
 
@@ -103,9 +93,9 @@ def _not_shown(faults: Sequence[MutantScore]) -> str:
     idle = sum(mutant.without_effect for mutant in faults)
     fates = Counter(mutant.verdict for mutant in faults if not mutant.without_effect)
     parts = {
-        Verdict.NOT_DETECTED: "put to the test, nothing seen",
-        Verdict.UNDECIDED: "undecided: seen or flown too seldom",
-        Verdict.NOT_TESTED: "never put to the test",
+        detection.Verdict.NOT_DETECTED: "put to the test, nothing seen",
+        detection.Verdict.UNDECIDED: "undecided: seen or flown too seldom",
+        detection.Verdict.NOT_TESTED: "never put to the test",
     }
     counts = [f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict]]
     if idle:
@@ -235,7 +225,7 @@ def tables_behind(
     return (
         *first,
         baseline_table(findings(rulings.baselines, space)),
-        requirement_table(tallies(rulings.baselines)),
+        requirement_table(detection.tallies(rulings.baselines)),
         *coverage_tables(covered, space),
     )
 
@@ -262,7 +252,7 @@ def ratios_of(scored: Score) -> list[Printed]:
 def composition_table(scored: Score) -> Table:
     """What the ratio is made of."""
     detected = scored.mutation_score.part
-    firmness = {one: [each.subject.id for each in scored.counted if each.firmness is one] for one in Firmness}
+    firmness = {one: [each.subject.id for each in scored.counted if each.firmness is one] for one in detection.Firmness}
     alike = [" = ".join(group) for group in scored.behaviours if len(group) > 1]
     idle = [f"{mutant.id} (acts in {mutant.acted.short})" for mutant in scored.without_effect]
     rows = (
@@ -281,9 +271,9 @@ def composition_table(scored: Score) -> Table:
     return Table("What the score is made of", ("what", "mutants", "which"), rows, (words, NOT_COMPARED))
 
 
-def pair_table(pool: Pool, space: Space) -> Table:
+def pair_table(pool: detection.Pool, space: Space) -> Table:
     """The pairs of situation and requirement that put no fault to the test."""
-    others = [pair for pair in pool.pairs.values() if pair.state is not State.STEADY]
+    others = [pair for pair in pool.pairs.values() if pair.state is not detection.State.STEADY]
     others.sort(key=lambda pair: (space.rank(pair.situation), pair.requirement))
     rows = tuple(
         (pair.situation, pair.requirement, pair.state.value, f"{pair.violated}/{pair.flights}", pair.open)
@@ -323,7 +313,7 @@ def _stages(name: str, members: Sequence[MutantScore]) -> tuple[str | int, ...]:
     return (name, *(counts[status] for status in Status), counts.total())
 
 
-def baseline_table(findings: Sequence[SituationBaseline]) -> Table:
+def baseline_table(findings: Sequence[detection.SituationBaseline]) -> Table:
     """The situations where the unmutated drone violates a requirement, or leaves one untested."""
     rows = tuple(
         (
@@ -348,7 +338,7 @@ def baseline_table(findings: Sequence[SituationBaseline]) -> Table:
     return Table("Findings about the unmutated drone", headers, rows, notes)
 
 
-def _first(finding: SituationBaseline) -> str:
+def _first(finding: detection.SituationBaseline) -> str:
     if finding.first is None:
         return ""
     violation, seed = finding.first
@@ -358,7 +348,7 @@ def _first(finding: SituationBaseline) -> str:
     return f"{violation.requirement} {violation.t_s:.2f} s {place}{struck}{of_seed}"
 
 
-def requirement_table(tallied: Sequence[Tally]) -> Table:
+def requirement_table(tallied: Sequence[detection.Tally]) -> Table:
     """What the baseline flights say about each requirement."""
     headers = ("requirement", "kind", *(compliance.value for compliance in Compliance), "triggered", "least robustness")
     rows = tuple(
@@ -409,7 +399,12 @@ LEGEND = {
     SHORT[Next.FIND]: "`scaloft-fi kills ID --show survivors` has the command.",
 }
 """What the words of a table say that its reader may not know; the legend has those that are shown."""
-FIRM = {Firmness.FIRM: "yes", Firmness.FIRM_BY_POOL: "pool", Firmness.HANGS: "no", Firmness.TOO_FEW: "too few seeds"}
+FIRM = {
+    detection.Firmness.FIRM: "yes",
+    detection.Firmness.FIRM_BY_POOL: "pool",
+    detection.Firmness.HANGS: "no",
+    detection.Firmness.TOO_FEW: "too few seeds",
+}
 _STOPPED = {
     Status.INVALID: "the harness failed",
     Status.NOT_REACHED: "its seam carries nothing",
@@ -451,7 +446,7 @@ class Screen:
         """The answers, a table a group of mutants, and further findings."""
         scored, groups = self.scored, []
         in_score = Counter(mutant.verdict for mutant in scored.counted)
-        for verdict in Verdict:
+        for verdict in detection.Verdict:
             members = [mutant for mutant in scored.mutants if mutant.flown and mutant.verdict is verdict]
             by_kills = sorted(members, key=lambda mutant: -len(mutant.killing))
             title = f"{verdict.words.capitalize()}: {len(members)}"
@@ -564,30 +559,36 @@ def coverage_line(covered: Coverage) -> str:
     return f"{covered.situations.short} flown{said}; in {covered.realised.short} every value came true."
 
 
-def baseline_line(pool: Pool) -> str:
+def baseline_line(pool: detection.Pool) -> str:
     """What the unmutated drone itself violates, in a sentence."""
     pairs = [pair for pair in pool.pairs.values() if pair.kind is Kind.SAFETY]
-    if not any(pair.state is not State.UNKNOWN for pair in pairs):
+    if not any(pair.state is not detection.State.UNKNOWN for pair in pairs):
         red = sum(pair.violated > 0 for pair in pairs)
         return f"violates a safety requirement in {red} of {len(pairs)} pairs of situation and requirement; no pool."
     held = []
     for name in pool.requirements(Kind.SAFETY):
-        states = Counter(pair.state for pair in pairs if pair.requirement == name and pair.state is not State.UNKNOWN)
-        ill = [f"{states[s]} {s.value}" for s in (State.RED, State.UNSTEADY, State.OPEN, State.VACUOUS) if states[s]]
-        held.append(f"{name} in {states[State.STEADY]}" + (f" ({', '.join(ill)})" if ill else ""))
+        states = Counter(
+            pair.state for pair in pairs if pair.requirement == name and pair.state is not detection.State.UNKNOWN
+        )
+        ill = [
+            f"{states[s]} {s.value}"
+            for s in (detection.State.RED, detection.State.UNSTEADY, detection.State.OPEN, detection.State.VACUOUS)
+            if states[s]
+        ]
+        held.append(f"{name} in {states[detection.State.STEADY]}" + (f" ({', '.join(ill)})" if ill else ""))
     steadily = f"of {len(pool.flown)} situations with a pool it holds steadily {', '.join(held)}."
     return "  ".join([steadily, *mostly_red(pool)])
 
 
-def mostly_red(pool: Pool) -> list[str]:
+def mostly_red(pool: detection.Pool) -> list[str]:
     """A sentence for each requirement that the unmutated drone violates in most situations, and what to do."""
     sentences = []
     for kind in (Kind.SAFETY, Kind.OPERABILITY):
         for name in pool.requirements(kind):
             states = Counter(state for (_, named), state in pool.states.items() if named == name)
-            known = states.total() - states[State.UNKNOWN]
-            if 2 * states[State.RED] > known:
-                where = f"{states[State.RED]} of {counted(known, 'situation')}"
+            known = states.total() - states[detection.State.UNKNOWN]
+            if 2 * states[detection.State.RED] > known:
+                where = f"{states[detection.State.RED]} of {counted(known, 'situation')}"
                 red = f"{name} is red in {where}: most flights without a fault violate it, so it shows no fault there."
                 sentences.append(f"{red}  Mend the drone or {name}; `scaloft-fi score --all` names the situations.")
     return sentences
@@ -633,7 +634,7 @@ def _effect(mutant: MutantScore) -> str:
     if broken := _broken(mutant):
         return broken
     if mutant.infected and not mutant.tested:
-        unknown = mutant.verdict is Verdict.UNDECIDED
+        unknown = mutant.verdict is detection.Verdict.UNDECIDED
         return "no baseline pool where it acts" if unknown else "acts only where no pair is steady"
     return _STOPPED[mutant.status]
 

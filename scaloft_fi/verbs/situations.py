@@ -23,19 +23,9 @@ from scaloft_fi.sim.mine import flaws_of
 from scaloft_fi.sim.situation import Axis, Drawn, FreeAxis, Shape, Situation, number_text
 from scaloft_fi.sim.world import assembled
 from scaloft_fi.study import Study
+from scaloft_fi.verbs import options
 from scaloft_fi.verbs.listing import Entry, Listing
 from scaloft_fi.verbs.names import axes, situations
-from scaloft_fi.verbs.options import (
-    Campaign,
-    GridOfStudy,
-    Option,
-    StudyFolder,
-    TableFormat,
-    answer,
-    check_writable,
-    verb,
-    write,
-)
 from scaloft_fi.verbs.snapshot import Stale, snapshot
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.picture import FloorPlan, Happens, draw_plan, png, scene_of
@@ -227,10 +217,10 @@ def _shape(own: Drawn) -> str:
     return f"{own.shape} (mode {own.mode:g})" if own.shape is Shape.TRIANGULAR else str(own.shape)
 
 
-Names = Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=axes)]
+Names = Annotated[tuple[str, ...], options.Option("", "", metavar="[NAME]...", complete=axes)]
 
 
-@verb(
+@options.verb(
     "axes",
     examples=(
         ("List the axes of the study's own grid", "scaloft-fi axes"),
@@ -238,7 +228,7 @@ Names = Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=
         ("List those of the grid `search`, as Markdown", "scaloft-fi axes --grid search --format markdown"),
     ),
 )
-def axes_command(names: Names = (), *, study_folder: StudyFolder, grid: GridOfStudy) -> Answer:
+def axes_command(names: Names = (), *, study_folder: options.StudyFolder, grid: options.GridOfStudy) -> Answer:
     """List the axes of a grid of situations.
 
     Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: what each value sets, and the
@@ -349,7 +339,7 @@ def _t_way(covered: Coverage, axes: int) -> Table:
     return Table("Combinations of axis values", headers, rows, notes)
 
 
-def coverage(study: Study, campaign: Campaign) -> Answer:
+def coverage(study: Study, campaign: options.Campaign) -> Answer:
     """How much of the situations a campaign covers, number by number.
 
     Raises:
@@ -364,7 +354,7 @@ def coverage(study: Study, campaign: Campaign) -> Answer:
     return Answer(COVERAGE, lambda: told, lambda: tables, warnings=stale.sentences)
 
 
-coverage_command = verb(
+coverage_command = options.verb(
     "coverage",
     examples=(
         ("Ask how much of the grid was flown, pair by pair", "scaloft-fi coverage"),
@@ -584,7 +574,7 @@ def map_table(study: Study, situation: Situation) -> Table:
 PICTURES = (".svg", ".png")
 
 
-@verb(
+@options.verb(
     "map",
     examples=(
         ("Tell what stands and happens in the benign situation", "scaloft-fi map"),
@@ -594,28 +584,28 @@ PICTURES = (".svg", ".png")
 )
 def map_command(
     *,
-    situation: Annotated[str | None, Option("", "", complete=situations)] = None,
-    study_folder: StudyFolder,
-    grid: GridOfStudy,
+    situation: Annotated[str | None, options.Option("", "", complete=situations)] = None,
+    study_folder: options.StudyFolder,
+    grid: options.GridOfStudy,
     output: Annotated[
         Path | None,
-        Option(
+        options.Option(
             "Draw the map: mine, bodies, route, waypoints and happenings with their names and a scale (.svg, .png).",
             metavar="FILE",
         ),
     ],
-    style: TableFormat,
+    style: options.TableFormat,
 ) -> None:
     """Show mine, bodies, route and happenings of one situation, without flying it.
 
     SITUATION is a key or another name of it; by default every axis has its benign value.
     A mesh with flaws is drawn with a ring at each, even where it cannot be flown.
     """
-    check_writable(output, *PICTURES)
+    options.check_writable(output, *PICTURES)
     try:
         study = Study.open(study_folder, grid)
         one = study.grid.situation(situation) if situation else study.grid.situations[0]
-        answer(Answer(MAP, lambda: map_of(study, one), lambda: (map_table(study, one),)), style)
+        options.answer(Answer(MAP, lambda: map_of(study, one), lambda: (map_table(study, one),)), style)
         if output is not None:
             _draw(plan_of(study, one), output, one.key, ", ".join(study.grid.titles(one)))
     except InputError:
@@ -627,5 +617,5 @@ def map_command(
 
 def _draw(plan: FloorPlan, output: Path, title: str, subtitle: str) -> None:
     drawn = draw_plan(plan, title=title, subtitle=subtitle)
-    write(output, png(drawn) if output.suffix.lower() == ".png" else drawn.encode())
+    options.write(output, png(drawn) if output.suffix.lower() == ".png" else drawn.encode())
     say(f"map: {output}")

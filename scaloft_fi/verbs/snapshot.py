@@ -13,19 +13,9 @@ from pathlib import Path
 from scaloft_fi.analysis.detection import LEAST, Spending
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import Score, score_of
+from scaloft_fi.campaign.store import held as holding
 from scaloft_fi.campaign.store.archive import Archive, campaign_folder, opened
-from scaloft_fi.campaign.store.held import (
-    Held,
-    Now,
-    Remembered,
-    grown_in,
-    held_in,
-    latest_in,
-    nothing_to_show,
-    remembered,
-    stale_in,
-    with_tracks,
-)
+from scaloft_fi.campaign.store.held import with_tracks
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.hazop.matrix import cell_of
@@ -37,7 +27,7 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.verdict import MOST_NAMED, in_campaign, next_step
 
 
-def _again(study: Study, now: Now, name: str, stale: Sequence[FlownFlight]) -> str:
+def _again(study: Study, now: holding.Now, name: str, stale: Sequence[FlownFlight]) -> str:
     """The `run` that flies these flights; of what it asks for besides, the campaign holds the flights that count."""
     held = now.flights
     known = {flight.mutant for flight in held}
@@ -67,7 +57,7 @@ def _situations(study: Study, store: Store, stale: Collection[str], held: Collec
     grid = study.grid
     if grid.choose == ALL and set(grid.by_key) <= set(held):
         return []
-    for one in remembered(store):
+    for one in holding.remembered(store):
         if len(stale) > MOST_NAMED and {key for key, _ in one.draws}.issuperset(stale):
             return [f"--choose {shlex.quote(one.text)}", *([f"--choose-seed {one.seed}"] if one.seed else [])]
     return [f"--situation {shlex.quote(key)}" for key in sorted(stale, key=study.space.rank)]
@@ -166,12 +156,12 @@ class Snapshot:
         Raises:
             InputError: there are none.
         """
-        return self.store.standing(self.now.stands) or nothing_to_show(self.study, self.store, self.folder)
+        return self.store.standing(self.now.stands) or holding.nothing_to_show(self.study, self.store, self.folder)
 
     @cached_property
-    def now(self) -> Now:
+    def now(self) -> holding.Now:
         """The study as it is now, beside which stored flights count or are stale."""
-        return Now(self.study, self.store)
+        return holding.Now(self.study, self.store)
 
     @cached_property
     def rulings(self) -> Rulings:
@@ -183,14 +173,14 @@ class Snapshot:
         return rulings_of(self.outcomes)
 
     @cached_property
-    def held(self) -> Held:
+    def held(self) -> holding.Held:
         """The same outcomes, of which there may be none, beside what is stale and what is planned and not flown."""
-        return held_in(self.now, self.folder)
+        return holding.held_in(self.now, self.folder)
 
     @cached_property
     def stale(self) -> Stale:
         """The stored flights that no longer count and were not flown again, with the command that does it."""
-        found, study = stale_in(self.now), self.study
+        found, study = holding.stale_in(self.now), self.study
         if not found.flown:
             return Stale.of(found.why, "")
         return Stale.of(found.why, study.again if study.tests_of else _again(study, self.now, self.name, found.flown))
@@ -198,7 +188,7 @@ class Snapshot:
     @cached_property
     def latest(self) -> tuple[Outcome, ...]:
         """One outcome of each flight: the one that counts, else one that the study has outgrown."""
-        return latest_in(self.study, self.store)
+        return holding.latest_in(self.study, self.store)
 
     @cached_property
     def score(self) -> Score:
@@ -221,7 +211,7 @@ class Snapshot:
     @cached_property
     def spending(self) -> Spending:
         """How alpha is spent on the campaign's mutants."""
-        return Spending(self.study.alpha, grown_in(self.store))
+        return Spending(self.study.alpha, holding.grown_in(self.store))
 
     @cached_property
     def platform(self) -> Mapping[str, str]:
@@ -248,9 +238,9 @@ class Snapshot:
         return self.mixture if self.archive else warning_for(self._platforms, self.outcomes)
 
     @cached_property
-    def choices(self) -> Sequence[Remembered]:
+    def choices(self) -> Sequence[holding.Remembered]:
         """How the campaign's situations were chosen."""
-        return remembered(self.store)
+        return holding.remembered(self.store)
 
     def with_tracks(
         self, outcomes: Iterable[Outcome], wanted: Callable[[Outcome], bool] | None = None

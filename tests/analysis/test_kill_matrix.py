@@ -11,26 +11,9 @@ from builders import GRID, ROSTER, outcome, pool, seeded, thrice
 from hypothesis import given
 from hypothesis import strategies as st
 
+from scaloft_fi.analysis import kill_matrix
 from scaloft_fi.analysis.detection import Verdict
-from scaloft_fi.analysis.kill_matrix import (
-    NOT_FLOWN,
-    Interaction,
-    KillMatrix,
-    Redundancy,
-    Subsumption,
-    cyclic,
-    fold,
-    gray_order,
-    gray_rank,
-    gray_words,
-    interactions,
-    kill_matrix,
-    minimal_suite,
-    order,
-    orders,
-    redundancies,
-    subsumption,
-)
+from scaloft_fi.analysis.kill_matrix import order
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import admits, score
 from scaloft_fi.judge.outcome import PLACEBO_ID, Outcome
@@ -40,8 +23,8 @@ LATE, NO, CONTROL = "LATE-human@3s", "NO-human@100%", "REVERSE-human"
 HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T1O0W0D1H0"
 
 
-def matrix_of(outcomes: list[Outcome]) -> KillMatrix:
-    return kill_matrix(score(outcomes, ROSTER, GRID), ROSTER, GRID)
+def matrix_of(outcomes: list[Outcome]) -> kill_matrix.KillMatrix:
+    return kill_matrix.kill_matrix(score(outcomes, ROSTER, GRID), ROSTER, GRID)
 
 
 CAMPAIGN = [
@@ -60,7 +43,9 @@ CAMPAIGN = [
 
 def test_every_state_has_its_name():
     found = matrix_of(CAMPAIGN)
-    states = {row.id: {e.situation: e.state for e in row.entries if e.state != NOT_FLOWN} for row in found.rows}
+    states = {
+        row.id: {e.situation: e.state for e in row.entries if e.state != kill_matrix.NOT_FLOWN} for row in found.rows
+    }
     assert states[LATE] == {HUMAN: "revealed", NOBODY: "not_reached", DARK: "revealed"}
     assert states[NO] == {HUMAN: "masked", NOBODY: "not_infected"}
     assert [row.kind for row in found.rows] == ["mutant", "mutant", "control", "placebo"]
@@ -93,7 +78,7 @@ def test_a_detected_mutant_without_a_kill_is_named():
 @given(seeded())
 def test_the_matrix_says_what_the_score_says(outcomes: list[Outcome]):
     scored = score(outcomes, ROSTER, GRID)
-    found = kill_matrix(scored, ROSTER, GRID)
+    found = kill_matrix.kill_matrix(scored, ROSTER, GRID)
     assert [row.id for row in found.mutants] == [mutant.subject.id for mutant in scored.mutants]
     for mutant, row in zip(scored.mutants, found.mutants, strict=True):
         assert (row.killing, row.verdict) == (mutant.killing, mutant.verdict)
@@ -111,7 +96,7 @@ radices = st.lists(st.integers(1, 4), min_size=1, max_size=4)
 
 
 def test_neighbouring_situations_of_the_grid_differ_on_one_axis():
-    order = gray_order(GRID)
+    order = kill_matrix.gray_order(GRID)
     assert sorted(order) == sorted(GRID.point)
     assert order[0] == "T0O0W0D0H0"
     for key, following in pairwise(order):
@@ -120,7 +105,7 @@ def test_neighbouring_situations_of_the_grid_differ_on_one_axis():
 
 @given(radices)
 def test_neighbouring_words_differ_in_one_digit_by_one(sizes: list[int]):
-    words = gray_words(sizes)
+    words = kill_matrix.gray_words(sizes)
     assert sorted(words) == sorted(product(*map(range, sizes)))
     for word, following in pairwise(words):
         assert sum(abs(a - b) for a, b in zip(word, following, strict=True)) == 1
@@ -128,13 +113,13 @@ def test_neighbouring_words_differ_in_one_digit_by_one(sizes: list[int]):
 
 @given(radices)
 def test_a_words_rank_is_its_place(sizes: list[int]):
-    assert [gray_rank(word, sizes) for word in gray_words(sizes)] == list(range(prod(sizes)))
+    assert [kill_matrix.gray_rank(word, sizes) for word in kill_matrix.gray_words(sizes)] == list(range(prod(sizes)))
 
 
 def test_a_grid_with_situations_left_out_keeps_the_order_of_the_rest():
     kept = tuple(entry for entry in GRID.points if entry[0] != "T0O0W0D1H1")
     partial = Space(GRID.axes, GRID.values, GRID.words, kept)
-    assert gray_order(partial) == tuple(key for key in gray_order(GRID) if key != "T0O0W0D1H1")
+    assert kill_matrix.gray_order(partial) == tuple(key for key in kill_matrix.gray_order(GRID) if key != "T0O0W0D1H1")
 
 
 CUT = Space(
@@ -146,15 +131,15 @@ CUT = Space(
 
 
 def test_five_axes_make_four_rows_of_eight_and_every_situation_is_on_the_map_once():
-    folded = fold(GRID)
+    folded = kill_matrix.fold(GRID)
     assert [len(keys) for keys in folded.keys] == [8] * 4
     assert sorted(key for keys in folded.keys for key in keys if key) == sorted(GRID.point)
 
 
 def test_neighbours_on_the_map_differ_on_one_axis_also_across_its_edges():
-    folded = fold(GRID)
-    assert cyclic(folded.rows)
-    assert cyclic(folded.columns)
+    folded = kill_matrix.fold(GRID)
+    assert kill_matrix.cyclic(folded.rows)
+    assert kill_matrix.cyclic(folded.columns)
     for r, c in product(range(4), range(8)):
         for other in (folded.keys[(r + 1) % 4][c], folded.keys[r][(c + 1) % 8]):
             here, there = GRID.point[folded.keys[r][c] or ""], GRID.point[other or ""]
@@ -162,12 +147,12 @@ def test_neighbours_on_the_map_differ_on_one_axis_also_across_its_edges():
 
 
 def test_axes_of_three_values_fold_too_and_what_a_constraint_excludes_is_empty():
-    folded = fold(CUT)
+    folded = kill_matrix.fold(CUT)
     assert sorted(key for keys in folded.keys for key in keys if key) == sorted(CUT.point)
     assert sum(key is None for keys in folded.keys for key in keys) == 2
     for side in (folded.rows, folded.columns):
         assert all(sum(a != b for a, b in zip(*pair, strict=True)) == 1 for pair in pairwise(side))
-    assert not cyclic(folded.columns)
+    assert not kill_matrix.cyclic(folded.columns)
 
 
 THREE = Space(
@@ -224,17 +209,17 @@ def test_what_is_not_known_makes_the_order_a_range():
     late = "LATE-human@3s"
     flights = [*pool(human, nobody), *thrice(late, human, violated={"SR2": 9.0}), *thrice(late, nobody)]
     scored = score(flights, ROSTER, GRID)
-    assert interactions(kill_matrix(scored, ROSTER, GRID)) == (
-        Interaction(late, True, "human", order=1, order_at_most=5, killing=1, unknown=30),
+    assert kill_matrix.interactions(kill_matrix.kill_matrix(scored, ROSTER, GRID)) == (
+        kill_matrix.Interaction(late, True, "human", order=1, order_at_most=5, killing=1, unknown=30),
     )
 
 
 def test_the_histogram_counts_default_mutants_only():
-    found = [Interaction(f"m{n}", n != 3, "", n, n, 1, 0) for n in (1, 2, 2, 3)]
-    histogram = orders(found, GRID)
+    found = [kill_matrix.Interaction(f"m{n}", n != 3, "", n, n, 1, 0) for n in (1, 2, 2, 3)]
+    histogram = kill_matrix.orders(found, GRID)
     assert [one.mutants for one in histogram] == [0, 1, 2, 0, 0, 0]
     assert [one.cumulative_percent for one in histogram] == pytest.approx((0, 100 / 3, 100, 100, 100, 100))
-    assert {one.cumulative_percent for one in orders([], GRID)} == {None}
+    assert {one.cumulative_percent for one in kill_matrix.orders([], GRID)} == {None}
 
 
 COLUMNS = "abcdefgh"
@@ -258,7 +243,7 @@ def every_smallest(kills: dict[str, frozenset[str]], columns: str) -> list[tuple
 @given(matrices)
 def test_the_suite_is_the_first_of_all_smallest_ones(kills: dict[str, frozenset[str]]):
     smallest = every_smallest(kills, COLUMNS)
-    found = minimal_suite(kills, COLUMNS)
+    found = kill_matrix.minimal_suite(kills, COLUMNS)
     assert found.situations == smallest[0]
     assert found.exact
     assert found.alternatives == len(smallest)
@@ -273,13 +258,13 @@ def test_where_no_situation_is_forced_it_is_still_the_first_smallest(rows: set[f
     # pairs make it a vertex cover, of which reductions leave most to the search
     kills = {f"m{number}": keys for number, keys in enumerate(sorted(rows, key=sorted))}
     smallest = every_smallest(kills, "abcdefghijk")
-    found = minimal_suite(kills, "abcdefghijk")
+    found = kill_matrix.minimal_suite(kills, "abcdefghijk")
     assert (found.situations, found.alternatives) == (smallest[0], len(smallest))
 
 
 @given(matrices)
 def test_beyond_its_limit_it_is_greedy_still_covers_and_says_so(kills: dict[str, frozenset[str]]):
-    found = minimal_suite(kills, COLUMNS, most_entries=0)
+    found = kill_matrix.minimal_suite(kills, COLUMNS, most_entries=0)
     assert found.exact is not any(kills.values())
     assert found.alternatives is None
     assert all(keys & set(found.situations) for keys in kills.values() if keys)
@@ -290,12 +275,12 @@ def test_beyond_its_limit_it_is_greedy_still_covers_and_says_so(kills: dict[str,
 
 
 def test_without_kills_no_situation_is_needed():
-    assert minimal_suite({"m": frozenset()}, COLUMNS).situations == ()
+    assert kill_matrix.minimal_suite({"m": frozenset()}, COLUMNS).situations == ()
 
 
 def test_a_kill_in_an_unknown_situation_is_refused():
     with pytest.raises(ValueError, match="unknown situations"):
-        minimal_suite({"m": frozenset("z")}, COLUMNS)
+        kill_matrix.minimal_suite({"m": frozenset("z")}, COLUMNS)
 
 
 def test_covers_of_a_cube_by_its_lines_are_still_exact():
@@ -304,12 +289,12 @@ def test_covers_of_a_cube_by_its_lines_are_still_exact():
     lines = ["".join((*p[:axis], "*", *p[axis + 1 :])) for axis in range(3) for p in product("012", repeat=3)]
     columns = sorted(set(lines))
     kills = {"".join(p): frozenset("".join((*p[:axis], "*", *p[axis + 1 :])) for axis in range(3)) for p in points}
-    found = minimal_suite(kills, columns)
+    found = kill_matrix.minimal_suite(kills, columns)
     assert found.exact
     assert len(found.situations) == 9
 
 
-def digraph(found: Subsumption) -> nx.DiGraph:
+def digraph(found: kill_matrix.Subsumption) -> nx.DiGraph:
     graph = nx.DiGraph([(found.nodes[above].name, found.nodes[below].name) for above, below in found.edges])
     graph.add_nodes_from(node.name for node in found.nodes)
     return graph
@@ -317,7 +302,7 @@ def digraph(found: Subsumption) -> nx.DiGraph:
 
 @given(matrices)
 def test_the_graph_says_exactly_which_mutant_subsumes_which(kills: dict[str, frozenset[str]]):
-    found = subsumption(kills)
+    found = kill_matrix.subsumption(kills)
     below = dict(nx.all_pairs_shortest_path_length(digraph(found)))
     node_of = {mutant: node.name for node in found.nodes for mutant in node.mutants}
     killed = [mutant for mutant, keys in kills.items() if keys]
@@ -328,7 +313,7 @@ def test_the_graph_says_exactly_which_mutant_subsumes_which(kills: dict[str, fro
 
 @given(matrices)
 def test_no_edge_follows_from_others(kills: dict[str, frozenset[str]]):
-    graph = digraph(subsumption(kills))
+    graph = digraph(kill_matrix.subsumption(kills))
     for edge in list(graph.edges):
         graph.remove_edge(*edge)
         assert not nx.has_path(graph, *edge)
@@ -338,31 +323,31 @@ def test_no_edge_follows_from_others(kills: dict[str, frozenset[str]]):
 @given(matrices)
 def test_minimal_mutants_are_those_without_a_smaller_kill_set(kills: dict[str, frozenset[str]]):
     sets = {keys for keys in kills.values() if keys}
-    found = subsumption(kills)
+    found = kill_matrix.subsumption(kills)
     assert {node.kills for node in found.minimal} == {keys for keys in sets if not any(s < keys for s in sets)}
 
 
 @given(matrices, st.sets(st.sampled_from(COLUMNS)))
 def test_what_kills_every_minimal_mutant_kills_every_mutant(kills: dict[str, frozenset[str]], chosen: set[str]):
-    score = subsumption(kills).dominator_score(chosen)
+    score = kill_matrix.subsumption(kills).dominator_score(chosen)
     killed = [bool(keys & chosen) for keys in kills.values() if keys]
     assert (score.part == score.whole) == all(killed)
-    assert subsumption(kills).dominator_score(COLUMNS).part == score.whole
+    assert kill_matrix.subsumption(kills).dominator_score(COLUMNS).part == score.whole
 
 
 def test_a_layer_is_below_every_layer_that_subsumes_it():
-    found = subsumption({"m": "ab", "n": "a", "o": "abc", "p": "c"})
+    found = kill_matrix.subsumption({"m": "ab", "n": "a", "o": "abc", "p": "c"})
     assert {node.name: node.layer for node in found.nodes} == {"n": 0, "p": 0, "m": 1, "o": 2}
     assert found.edges == ((0, 2), (1, 0), (3, 2))
 
 
 def test_duplicates_are_counted_within_a_cell():
     kills = {"NO-x@1s": "ab", "NO-x@2s": "ab", "NO-x@3s": "abc", "MORE-y": "ab", "LESS-z@1": "a", "LESS-z@2": "b"}
-    assert redundancies(subsumption(kills)) == (
-        Redundancy("NO-x", 3, (("NO-x@1s", "NO-x@2s"),)),
-        Redundancy("LESS-z", 2, ()),
+    assert kill_matrix.redundancies(kill_matrix.subsumption(kills)) == (
+        kill_matrix.Redundancy("NO-x", 3, (("NO-x@1s", "NO-x@2s"),)),
+        kill_matrix.Redundancy("LESS-z", 2, ()),
     )
-    assert redundancies(subsumption(kills))[0].redundant == Ratio(1, 3)
+    assert kill_matrix.redundancies(kill_matrix.subsumption(kills))[0].redundant == Ratio(1, 3)
 
 
 def test_a_requirement_can_be_told_from_another():
@@ -373,12 +358,12 @@ def test_a_requirement_can_be_told_from_another():
         *thrice("NO-human@100%", human, violated={"SR2": 8.0, "SR1": 12.0}),
         *thrice("MORE-goal@0.6m", human, violated={"OP1": 60.0}),
     ]
-    found = kill_matrix(score(flights, ROSTER, GRID), ROSTER, GRID).kill_sets(by_requirement=True)
+    found = kill_matrix.kill_matrix(score(flights, ROSTER, GRID), ROSTER, GRID).kill_sets(by_requirement=True)
     assert found == {"LATE-human@3s": {f"{human} SR2"}, "NO-human@100%": {f"{human} SR1", f"{human} SR2"}}
 
 
 @pytest.mark.parametrize("kills", [{}, {"m": frozenset()}])
 def test_nothing_killed_is_an_empty_graph(kills: dict[str, frozenset[str]]):
-    found = subsumption(kills)
+    found = kill_matrix.subsumption(kills)
     assert (found.nodes, found.edges, found.minimal) == ((), (), ())
     assert str(found.dominator_score("a")) == "0/0 = n/a"

@@ -15,34 +15,8 @@ from finding import found
 from hypothesis import given
 from hypothesis import strategies as st
 
+from scaloft_fi.analysis import seeking
 from scaloft_fi.analysis.detection import Pool, Sample, Spending, Stratum, detect, p_value
-from scaloft_fi.analysis.seeking import (
-    BEYOND,
-    FEWEST,
-    MOST,
-    POOL,
-    ROOM,
-    SEEDS,
-    WORST,
-    Breach,
-    Effort,
-    Replica,
-    Signature,
-    breaches,
-    breaking,
-    confirmed,
-    distance,
-    does_mission,
-    effort_of,
-    is_of_use,
-    replicas,
-    room,
-    safely_held,
-    seeds_for,
-    share_of,
-    shown_by,
-    shrunk,
-)
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Requirement
@@ -58,53 +32,53 @@ def readings(flown: Outcome, **rhos: float) -> Outcome:
 
 def test_the_least_share_of_the_baselines_robustness_that_the_mutant_keeps_counts():
     mutant = readings(outcome("LATE-human@3s"), SR1=0.2, SR2=0.06)
-    assert distance(mutant, readings(outcome())) == pytest.approx(0.2)
-    assert distance(readings(outcome("LATE-human@3s")), readings(outcome())) == 1.0
-    assert shown_by(mutant, readings(outcome())) == ()
+    assert seeking.distance(mutant, readings(outcome())) == pytest.approx(0.2)
+    assert seeking.distance(readings(outcome("LATE-human@3s")), readings(outcome())) == 1.0
+    assert seeking.shown_by(mutant, readings(outcome())) == ()
 
 
 def test_a_violation_shows_the_fault():
     mutant = readings(outcome("LATE-human@3s"), SR2=-0.2)
-    assert distance(mutant, readings(outcome())) == pytest.approx(-2 / 3)
-    assert shown_by(mutant, readings(outcome())) == ("SR2",)
+    assert seeking.distance(mutant, readings(outcome())) == pytest.approx(-2 / 3)
+    assert seeking.shown_by(mutant, readings(outcome())) == ("SR2",)
 
 
 @pytest.mark.parametrize("rho", [0.019, 0.0, -0.3, -9.0])
 def test_a_baseline_without_room_moves_the_situation_away(rho):
     mutant, baseline = readings(outcome("LATE-human@3s"), SR2=-0.2), readings(outcome(), SR2=rho)
-    assert distance(mutant, baseline) == 1.0  # by SR1, which the mutant holds as the baseline does
+    assert seeking.distance(mutant, baseline) == 1.0  # by SR1, which the mutant holds as the baseline does
     without = [replace(one, readings=one.readings[1:]) for one in (mutant, baseline)]
-    assert distance(*without) == pytest.approx(min(BEYOND, WORST + ROOM - rho))
-    assert shown_by(mutant, readings(outcome(), SR2=rho)) == ()
+    assert seeking.distance(*without) == pytest.approx(min(seeking.BEYOND, seeking.WORST + seeking.ROOM - rho))
+    assert seeking.shown_by(mutant, readings(outcome(), SR2=rho)) == ()
 
 
 def test_operability_and_reported_requirements_do_not_count():
     mutant = readings(outcome("LATE-human@3s"), **{"OP1": -1.0, "SR2-literal": -1.0})
-    assert distance(mutant, readings(outcome())) == 1.0
+    assert seeking.distance(mutant, readings(outcome())) == 1.0
 
 
 def test_what_says_nothing_is_farthest():
     baseline, mutant = outcome(), readings(outcome("LATE-human@3s"), SR1=-0.2, SR2=-0.2)
-    assert distance(None, baseline) == distance(mutant, None) == WORST
-    assert distance(replace(mutant, altered=0), baseline) == WORST
-    assert distance(replace(mutant, invalid="the worker died"), baseline) == WORST
-    assert distance(mutant, outcome(violated={"SR1": 3.0}, struck="wall", vacuous=("SR2",))) > 0.0
+    assert seeking.distance(None, baseline) == seeking.distance(mutant, None) == seeking.WORST
+    assert seeking.distance(replace(mutant, altered=0), baseline) == seeking.WORST
+    assert seeking.distance(replace(mutant, invalid="the worker died"), baseline) == seeking.WORST
+    assert seeking.distance(mutant, outcome(violated={"SR1": 3.0}, struck="wall", vacuous=("SR2",))) > 0.0
 
 
 def test_beside_a_baseline_without_room_no_mutant_need_be_flown():
-    assert is_of_use(readings(outcome()))
-    assert is_of_use(readings(outcome(), SR1=-0.3))
-    assert not is_of_use(readings(outcome(), SR1=0.01, SR2=-0.3))
-    assert not is_of_use(None)
-    assert distance(None, readings(outcome(), SR1=0.01, SR2=-0.3)) == pytest.approx(WORST + 0.01)
+    assert seeking.is_of_use(readings(outcome()))
+    assert seeking.is_of_use(readings(outcome(), SR1=-0.3))
+    assert not seeking.is_of_use(readings(outcome(), SR1=0.01, SR2=-0.3))
+    assert not seeking.is_of_use(None)
+    assert seeking.distance(None, readings(outcome(), SR1=0.01, SR2=-0.3)) == pytest.approx(seeking.WORST + 0.01)
 
 
 def test_the_robustness_of_the_unmutated_drone_counts_requirement_by_requirement():
     baseline = readings(outcome(), SR1=0.2, SR2=-0.05)
-    assert (breaking(baseline, "SR1"), breaking(baseline, "SR2")) == (0.2, -0.05)
-    assert breaking(readings(outcome(), SR2=-9.0), "SR2") == -WORST
+    assert (seeking.breaking(baseline, "SR1"), seeking.breaking(baseline, "SR2")) == (0.2, -0.05)
+    assert seeking.breaking(readings(outcome(), SR2=-9.0), "SR2") == -seeking.WORST
     untested = (None, replace(outcome(), invalid="the worker died"), outcome(vacuous=("SR2",)))
-    assert [breaking(one, "SR2") for one in untested] == [WORST] * 3
+    assert [seeking.breaking(one, "SR2") for one in untested] == [seeking.WORST] * 3
 
 
 HERE, THERE = "T0O0W0D0H1", "T0O0W0D0H0"
@@ -125,28 +99,28 @@ def mutant(violating: int, flights: int):
 
 
 def test_the_shares_of_all_candidates_sum_to_alpha():
-    assert sum(share_of(0.01, candidate) for candidate in range(1, 60)) == pytest.approx(0.01)
+    assert sum(seeking.share_of(0.01, candidate) for candidate in range(1, 60)) == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize("candidate", range(1, 9))
 def test_as_many_seeds_are_flown_as_decide_though_one_flight_does_not_violate(candidate):
-    share, held = share_of(0.01, candidate), Pool.of(pool(HERE))
-    seeds = seeds_for(held, HERE, ("SR2",), share)
-    assert seeds >= FEWEST
+    share, held = seeking.share_of(0.01, candidate), Pool.of(pool(HERE))
+    seeds = seeking.seeds_for(held, HERE, ("SR2",), share)
+    assert seeds >= seeking.FEWEST
     for flights, decides in ((seeds, True), (seeds - 1, False)):
         sample = Sample(HERE, ((), *((("SR2",),) * (flights - 1))), infected=True)
         assert detect("", [sample], held, Spending(share), Kind.SAFETY).detected is decides
 
 
 def test_more_seeds_than_allowed_are_no_candidate():
-    assert seeds_for(Pool.of(pool(HERE)), HERE, ("SR2",), 1e-12) is None
-    assert seeds_for(Pool.of(pool(HERE)), HERE, (), 0.01) is None
-    assert MOST < 100
+    assert seeking.seeds_for(Pool.of(pool(HERE)), HERE, ("SR2",), 1e-12) is None
+    assert seeking.seeds_for(Pool.of(pool(HERE)), HERE, (), 0.01) is None
+    assert seeking.MOST < 100
 
 
 def test_the_evidence_is_the_scores_own_test():
     baselines = with_rho(pool(HERE), [0.3] * 10)
-    told = confirmed(mutant(6, 6), baselines, ("SR2",), 1, 0.005)
+    told = seeking.confirmed(mutant(6, 6), baselines, ("SR2",), 1, 0.005)
     assert (told.requirement, told.violated, told.flights, told.baselines) == ("SR2", 6, 6, 10)
     violated = tuple(("SR2",) for _ in range(6))
     judged = detect("", [Sample(HERE, violated, True)], Pool.of(baselines), Spending(0.005), Kind.SAFETY)
@@ -155,23 +129,23 @@ def test_the_evidence_is_the_scores_own_test():
 
 @pytest.mark.parametrize(("violating", "flights", "good"), [(6, 6, True), (5, 6, True), (2, 6, False), (2, 2, False)])
 def test_too_few_violations_or_flights_confirm_nothing(violating, flights, good):
-    assert (confirmed(mutant(violating, flights), pool(HERE), ("SR2",), 1, 0.005) is not None) is good
+    assert (seeking.confirmed(mutant(violating, flights), pool(HERE), ("SR2",), 1, 0.005) is not None) is good
 
 
 def test_nine_in_ten_baselines_must_be_above_their_own_spread():
     safe = with_rho(pool(HERE), [0.3, 0.31, 0.32, 0.3, 0.29, 0.3, 0.3, 0.31, 0.3, 0.3])
     edge = with_rho(pool(HERE), [0.01, 0.2, 0.02, 0.3, 0.03, 0.3, 0.01, 0.31, 0.02, 0.3])
-    assert room("SR2", safe).enough
-    assert room("SR2", safe).margin == 0.3
-    assert not room("SR2", edge).enough
-    assert room("SR2", edge).held < 9
-    assert safely_held(Pool.of(safe), HERE, ("SR2",), safe) == ("SR2",)
-    assert safely_held(Pool.of(edge), HERE, ("SR2",), edge) == ()
+    assert seeking.room("SR2", safe).enough
+    assert seeking.room("SR2", safe).margin == 0.3
+    assert not seeking.room("SR2", edge).enough
+    assert seeking.room("SR2", edge).held < 9
+    assert seeking.safely_held(Pool.of(safe), HERE, ("SR2",), safe) == ("SR2",)
+    assert seeking.safely_held(Pool.of(edge), HERE, ("SR2",), edge) == ()
 
 
 def test_a_requirement_that_is_not_steady_is_never_tested():
     red = pool(HERE, red=4, violated={"SR2": 5.0})
-    assert safely_held(Pool.of(red), HERE, ("SR2",), red) == ()
+    assert seeking.safely_held(Pool.of(red), HERE, ("SR2",), red) == ()
 
 
 @pytest.mark.parametrize(("missed", "good"), [(0, True), (1, True), (2, False)])
@@ -179,12 +153,12 @@ def test_the_value_of_each_axis_comes_true_in_nine_of_ten_baselines(missed, good
     baselines = [
         replace(one, realised=(("light", True), ("person", number >= missed))) for number, one in enumerate(pool(HERE))
     ]
-    assert does_mission(baselines) is good
+    assert seeking.does_mission(baselines) is good
 
 
 @pytest.mark.parametrize(("red", "good"), [(0, True), (1, True), (2, False)])
 def test_nine_of_ten_baselines_hold_the_operability_requirements(red, good):
-    assert does_mission(pool(HERE, red=red, violated={"OP1": 5.0})) is good
+    assert seeking.does_mission(pool(HERE, red=red, violated={"OP1": 5.0})) is good
 
 
 KEYS = ("T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H0", "T0O0W0D1H1", "T0O0W1D0H0", "T0O0W1D0H1")
@@ -205,22 +179,22 @@ def test_a_fault_stops_at_a_stage_in_each_situation():
         flown("LATE-human@3s", KEYS[4], -0.15, carried=9, altered=4, digest="m"),
         flown("LATE-human@3s", KEYS[5], -9.0, carried=9, altered=4, digest="m"),  # its baseline holds nothing
     ]
-    effort = effort_of(flights, baselines)
+    effort = seeking.effort_of(flights, baselines)
     assert (effort.situations, effort.reached, effort.infected, effort.diverged, effort.showed) == (5, 4, 3, 2, 1)
     assert (effort.nearest, effort.requirement, effort.situation) == (pytest.approx(-0.5), "SR1", KEYS[4])
-    assert effort_of(flights[:4], baselines).nearest == pytest.approx(0.2)
+    assert seeking.effort_of(flights[:4], baselines).nearest == pytest.approx(0.2)
 
 
 def test_what_changes_no_sample_comes_nowhere_near_anything():
     flights = [flown("LATE-human@3s", KEYS[0], -1.0, altered=0)]
-    effort = effort_of(flights, {KEYS[0]: flown("baseline", KEYS[0])})
-    assert (effort.situations, effort.nearest, effort.requirement) == (1, WORST, "")
+    effort = seeking.effort_of(flights, {KEYS[0]: flown("baseline", KEYS[0])})
+    assert (effort.situations, effort.nearest, effort.requirement) == (1, seeking.WORST, "")
 
 
 def test_flights_that_say_nothing_are_left_out():
     invalid = flown("LATE-human@3s", KEYS[0], invalid="the worker died")
-    assert effort_of([invalid], {KEYS[0]: flown("baseline", KEYS[0])}) == Effort()
-    assert effort_of([flown("LATE-human@3s", KEYS[1])], {}) == Effort()
+    assert seeking.effort_of([invalid], {KEYS[0]: flown("baseline", KEYS[0])}) == seeking.Effort()
+    assert seeking.effort_of([flown("LATE-human@3s", KEYS[1])], {}) == seeking.Effort()
 
 
 LATE, LESS = "LATE-human@3s", "LATE-human@1s"
@@ -228,27 +202,35 @@ FINDS = (found(LATE, HERE), found(LESS, THERE))
 
 
 def mutated(name: str, situation: str, violating: int):
-    flown = [outcome(name, situation, seed, violated={"SR2": 7.0} if seed < violating else {}) for seed in range(SEEDS)]
+    flown = [
+        outcome(name, situation, seed, violated={"SR2": 7.0} if seed < violating else {})
+        for seed in range(seeking.SEEDS)
+    ]
     return [replace(one, seed=100_000 + one.seed) for one in flown]
 
 
 def baseline(situation: str, red: int = 0, requirement: str = "SR2"):
     return [
-        outcome("baseline", situation, seed, violated={requirement: 7.0} if seed < red else {}) for seed in range(POOL)
+        outcome("baseline", situation, seed, violated={requirement: 7.0} if seed < red else {})
+        for seed in range(seeking.POOL)
     ]
 
 
-def replicated(violating: tuple[int, int], pools=None, **more) -> tuple[Replica, ...]:
+def replicated(violating: tuple[int, int], pools=None, **more) -> tuple[seeking.Replica, ...]:
     flown = {
         (FINDS[0].name, LATE): mutated(LATE, HERE, violating[0]),
         (FINDS[1].name, LESS): mutated(LESS, THERE, violating[1]),
     }
-    return replicas(FINDS, flown, pools or {HERE: baseline(HERE), THERE: baseline(THERE)}, 100_000, 0.01, **more)
+    return seeking.replicas(
+        FINDS, flown, pools or {HERE: baseline(HERE), THERE: baseline(THERE)}, 100_000, 0.01, **more
+    )
 
 
-@given(st.integers(0, SEEDS), st.integers(0, SEEDS))
+@given(st.integers(0, seeking.SEEDS), st.integers(0, seeking.SEEDS))
 def test_p_is_that_of_the_one_requirement_adjusted_over_all_pairs(first, second):
-    raw = [p_value([Stratum(violated, SEEDS, 0, POOL, POOL // 10)]) for violated in (first, second)]
+    raw = [
+        p_value([Stratum(violated, seeking.SEEDS, 0, seeking.POOL, seeking.POOL // 10)]) for violated in (first, second)
+    ]
     least = min(1.0, 2 * min(raw))
     assert sorted(one.again.p for one in replicated((first, second))) == pytest.approx(
         sorted((least, max(least, max(raw))))
@@ -257,8 +239,13 @@ def test_p_is_that_of_the_one_requirement_adjusted_over_all_pairs(first, second)
 
 def test_a_pair_holds_where_its_p_is_at_most_alpha():
     one, other = replicated((10, 1))
-    assert (one.holds, one.why, one.again.violated, one.again.flights) == (True, "", 10, SEEDS)
-    assert (one.again.held, one.again.baselines, one.again.mission, one.again.seed) == (POOL, POOL, POOL, 100_000)
+    assert (one.holds, one.why, one.again.violated, one.again.flights) == (True, "", 10, seeking.SEEDS)
+    assert (one.again.held, one.again.baselines, one.again.mission, one.again.seed) == (
+        seeking.POOL,
+        seeking.POOL,
+        seeking.POOL,
+        100_000,
+    )
     assert not other.holds
     assert "above alpha=0.01" in other.why
 
@@ -276,7 +263,7 @@ def test_a_pool_that_is_not_steady_or_does_not_do_its_mission_shows_nothing(requ
 
 def test_a_fault_that_changes_no_sample_shows_nothing():
     still = [replace(one, altered=0) for one in mutated(LATE, HERE, 10)]
-    (one,) = replicas(FINDS[:1], {(FINDS[0].name, LATE): still}, {HERE: baseline(HERE)}, 0, 0.01)
+    (one,) = seeking.replicas(FINDS[:1], {(FINDS[0].name, LATE): still}, {HERE: baseline(HERE)}, 0, 0.01)
     assert (one.holds, one.again.p) == (False, 1.0)
 
 
@@ -291,7 +278,7 @@ def shrink(key: str, rule):
         asked.extend(one.key for one in situations)
         return [rule(one) for one in situations]
 
-    return shrunk(SEARCHED.situation(key), SEARCHED, shows).key, asked
+    return seeking.shrunk(SEARCHED.situation(key), SEARCHED, shows).key, asked
 
 
 def test_what_is_not_needed_is_reset():
@@ -345,7 +332,7 @@ def test_a_shrunk_situation_shows_the_fault_with_every_seed():
     def shows(situations, every):
         return [not every or one["H"] == 1 for one in situations]
 
-    found = shrunk(SEARCHED.situation("T1O0W0D0H1"), SEARCHED, shows)
+    found = seeking.shrunk(SEARCHED.situation("T1O0W0D0H1"), SEARCHED, shows)
     assert (found["T"], found["H"]) == (0, 1)
 
 
@@ -381,8 +368,10 @@ def claim(name: str, within: float = 1.0, **more: Any) -> Claim:
     return Claim(name, "m", within, lambda now: now.signals[name][-1], **more)
 
 
-def told(flight: FlightLog, *claims: Claim, of: tuple[Violation, ...] = (violation(),), **samples: Any) -> list[Breach]:
-    return list(breaches(flight, of, (SR1, SR2), WORLD, claims, samples))
+def told(
+    flight: FlightLog, *claims: Claim, of: tuple[Violation, ...] = (violation(),), **samples: Any
+) -> list[seeking.Breach]:
+    return list(seeking.breaches(flight, of, (SR1, SR2), WORLD, claims, samples))
 
 
 def test_the_leg_is_that_of_the_ground_truth_and_near_its_nearer_end():
@@ -407,7 +396,7 @@ def test_a_body_that_is_struck_tells_the_place():
 def test_the_stage_that_is_the_most_wrong_for_what_it_may_be_is_named():
     flight = log(position=0.5, map=0.9)
     (breach,) = told(flight, claim("position", 0.1), claim("map", 0.3))
-    assert breach.signature == Signature("SR1", "bar", "corner to end", "bar", "position")
+    assert breach.signature == seeking.Signature("SR1", "bar", "corner to end", "bar", "position")
     assert (breach.error, breach.unit, breach.t_s, breach.place) == (0.5, "m", 9.0, (-2.0, 7.8, 1.6))
 
 

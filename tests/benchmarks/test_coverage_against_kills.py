@@ -18,17 +18,8 @@ from hypothesis import strategies as st
 from published_flights import PUBLISHED, ROOT, outcomes
 
 import experiments.coverage_against_kills as experiment
+from experiments import coverage_curves
 from experiments.coverage_against_kills import predict
-from experiments.coverage_curves import (
-    MOST_SUBSETS,
-    Trial,
-    curves,
-    relabelled,
-    seed_draws,
-    sub_cube,
-    trial,
-    without_replacement,
-)
 from scaloft_fi.analysis.coverage import covering_array, t_way
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.analysis.score import score
@@ -53,7 +44,7 @@ def small() -> st.SearchStrategy[np.ndarray]:
 @given(small())
 def test_a_random_suite_meets_what_counting_all_suites_gives(found: np.ndarray):
     n = found.shape[1]
-    chances = without_replacement(n)[found.sum(axis=1)]
+    chances = coverage_curves.without_replacement(n)[found.sum(axis=1)]
     for k in range(1, n + 1):
         counted = np.mean([found[:, suite].any(axis=1) for suite in combinations(range(n), k)], axis=0)
         assert np.allclose(chances[:, k - 1], counted)
@@ -63,25 +54,25 @@ def test_a_random_suite_meets_what_counting_all_suites_gives(found: np.ndarray):
 def test_seeds_come_out_as_often_as_in_all_draws_with_replacement(n: int):
     seeds = [10 * number for number in range(n)]
     counted = Counter(tuple(sorted(set(drawn))) for drawn in product(seeds, repeat=n))
-    assert {drawn: chance * n**n for drawn, chance in seed_draws(seeds)} == pytest.approx(counted)
+    assert {drawn: chance * n**n for drawn, chance in coverage_curves.seed_draws(seeds)} == pytest.approx(counted)
 
 
 def test_of_many_seeds_a_fixed_sample_of_the_sets_is_judged():
-    drawn = seed_draws(range(10))
-    assert len(drawn) <= MOST_SUBSETS
+    drawn = coverage_curves.seed_draws(range(10))
+    assert len(drawn) <= coverage_curves.MOST_SUBSETS
     assert sum(chance for _, chance in drawn) == pytest.approx(1)
     # of n draws n (1 - (1 - 1/n)^n) come out
     assert sum(chance * len(seeds) for seeds, chance in drawn) == pytest.approx(10 * (1 - 0.9**10), abs=0.5)
-    assert drawn == seed_draws(range(10))
-    assert len(seed_draws(range(6))) == 63
+    assert drawn == coverage_curves.seed_draws(range(10))
+    assert len(coverage_curves.seed_draws(range(6))) == 63
 
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 KEYS = [key for key, _ in GRID.points]
 
 
-def tried(outcomes: list[Outcome]) -> Trial | None:
-    return trial(score(outcomes, ROSTER, GRID), rulings_of(outcomes), ROSTER, GRID)
+def tried(outcomes: list[Outcome]) -> coverage_curves.Trial | None:
+    return coverage_curves.trial(score(outcomes, ROSTER, GRID), rulings_of(outcomes), ROSTER, GRID)
 
 
 def flown(mutant: str, situations: list[str], killing: list[str], seeds: int = 1) -> list[Outcome]:
@@ -107,7 +98,7 @@ def test_the_trial_takes_the_default_mutants_that_were_flown_together():
 def test_a_campaign_of_one_seed_has_no_seeds_to_resample_and_says_so():
     found = tried(pool(*KEYS[:6]) + flown(LATE, KEYS[:6], KEYS[:3]))
     assert (found.seeds, found.seed_sets) == ((0,), ())
-    said = predict(curves(found)).answer[-1]
+    said = predict(coverage_curves.curves(found)).answer[-1]
     assert "only one in common" in said
     assert "nothing follows beyond this seed" in said
 
@@ -125,7 +116,7 @@ def test_seeds_are_judged_anew_with_the_alpha_that_the_campaign_spends():
     outcomes = pool(*KEYS[:2]) + flown(LATE, KEYS[:2], KEYS[:1], seeds=3)
     for spending, killed in ((Spending(), 1), (Spending(grown=frozenset({LATE})), 0)):
         scored = score(outcomes, ROSTER, GRID, spending)
-        found = trial(scored, rulings_of(outcomes), ROSTER, GRID, spending)
+        found = coverage_curves.trial(scored, rulings_of(outcomes), ROSTER, GRID, spending)
         assert [found.kills.sum(), found.seed_sets[-1].kills.sum()] == [killed, killed]
 
 
@@ -150,10 +141,10 @@ def test_the_kills_of_some_seeds_are_those_of_a_campaign_flown_with_these_beside
 FIVE_KEYS = tuple(keys_of(FIVE))
 
 
-def made(kills: np.ndarray, space: Space = FIVE, keys: tuple[str, ...] | None = None) -> Trial:
+def made(kills: np.ndarray, space: Space = FIVE, keys: tuple[str, ...] | None = None) -> coverage_curves.Trial:
     names = tuple(f"NO-p{number % 4}@{number}s" for number in range(len(kills)))
     keys = keys or tuple(keys_of(space))
-    return Trial(space, keys, names, tuple(name.split("-")[1].split("@")[0] for name in names), kills)
+    return coverage_curves.Trial(space, keys, names, tuple(name.split("-")[1].split("@")[0] for name in names), kills)
 
 
 def blocks() -> np.ndarray:
@@ -175,14 +166,14 @@ def test_mutants_that_die_in_blocks_are_killed_as_combinations_are_covered():
     """The identity: kills at k random situations are expected t-way coverage, for every t and k."""
     for strength in (1, 2, 3, 4):
         kills = np.array([row for row in blocks() if row.sum() == 2 ** (5 - strength)])
-        random = curves(made(kills)).curve("random")
+        random = coverage_curves.curves(made(kills)).curve("random")
         covered = dict(random.t_way)[strength]
         assert np.allclose(np.array(random.kills.mean) / len(kills), covered)
 
 
 def test_a_covering_array_kills_every_block_of_its_strength_and_random_situations_do_not():
     kills = np.array([row for row in blocks() if row.sum() == 8])
-    found = curves(made(kills))
+    found = coverage_curves.curves(made(kills))
     array = found.curve("2-way")
     assert array.kills.mean[-1] == pytest.approx(40)
     assert array.difference.low[-1] > 0
@@ -192,12 +183,12 @@ def test_a_covering_array_kills_every_block_of_its_strength_and_random_situation
 
 def test_mutants_that_die_everywhere_or_nowhere_tell_nothing():
     kills = np.array([[True] * 32, [False] * 32])
-    found = curves(made(kills))
+    found = coverage_curves.curves(made(kills))
     assert all(curve.kills.mean[-1] == pytest.approx(1) for curve in found.curves)
     said = predict(found)
     assert "Not shown here" in said.answer[-1]
     assert all(tau is None for one in said.correlations for tau in one.within)
-    assert "nothing follows" in predict(curves(made(kills[1:]))).answer[-1].lower()
+    assert "nothing follows" in predict(coverage_curves.curves(made(kills[1:]))).answer[-1].lower()
 
 
 def test_an_array_that_kills_fewer_than_random_situations_is_said_to():
@@ -206,7 +197,7 @@ def test_an_array_that_kills_fewer_than_random_situations_is_said_to():
     kills = np.zeros((120, 32), bool)
     for mutant, pair in enumerate(combinations(even, 2)):
         kills[mutant, list(pair)] = True
-    found = curves(made(kills))
+    found = coverage_curves.curves(made(kills))
     array, random = found.curve("4-way"), found.curve("random")
     assert array.kills.mean[-1] == pytest.approx(60)
     assert random.kills.mean[15] == pytest.approx(120 * (1 - 15 * 16 / (31 * 32)))
@@ -220,11 +211,17 @@ def test_arrays_that_differ_in_both_directions_are_said_to():
     even = [number for number, (_, point) in enumerate(FIVE.points) if point.count("1") % 2 == 0]
     pairs = [np.isin(np.arange(32), pair) for pair in combinations(even, 2)]
     kills = np.array([*pairs, *(row for row in blocks() if row.sum() == 8)])
-    assert "Not in one direction: 2 of 3 covering arrays meet more" in predict(curves(made(kills))).answer[-1]
+    assert (
+        "Not in one direction: 2 of 3 covering arrays meet more"
+        in predict(coverage_curves.curves(made(kills))).answer[-1]
+    )
 
 
 def test_the_answer_ends_with_what_the_figures_carry_and_what_not():
-    whole, part = predict(curves(made(scattered()))), predict(curves(made(scattered()[:, :8], keys=FIVE_KEYS[:8])))
+    whole, part = (
+        predict(coverage_curves.curves(made(scattered()))),
+        predict(coverage_curves.curves(made(scattered()[:, :8], keys=FIVE_KEYS[:8]))),
+    )
     for said in (whole.answer[-1], part.answer[-1]):
         assert "mutants of this matrix within their parameter" in said
         assert "do not carry to another grid or another drone" in said
@@ -237,7 +234,7 @@ def test_the_answer_ends_with_what_the_figures_carry_and_what_not():
 def test_every_strategy_keeps_the_laws(space: Space, data: st.DataObject):
     keys = tuple(keys_of(space))
     rows = data.draw(st.lists(st.lists(st.booleans(), min_size=len(keys), max_size=len(keys)), min_size=1, max_size=5))
-    found = curves(made(np.array(rows), space))
+    found = coverage_curves.curves(made(np.array(rows), space))
     killed = np.array(rows).any(axis=1).sum()
     one = np.array(rows).sum() / len(keys)
     for curve in found.curves:
@@ -259,7 +256,7 @@ def test_every_strategy_keeps_the_laws(space: Space, data: st.DataObject):
 
 @pytest.mark.parametrize("strength", [2, 3, 4])
 def test_relabelled_arrays_have_every_situation_equally_often_and_stay_arrays(strength: int):
-    suites = relabelled(FIVE, FIVE_KEYS, covering_array(FIVE, FIVE_KEYS, strength, 0))
+    suites = coverage_curves.relabelled(FIVE, FIVE_KEYS, covering_array(FIVE, FIVE_KEYS, strength, 0))
     assert len(set(np.bincount(suites.ravel(), minlength=32))) == 1
     for suite in suites[:20]:
         assert t_way([FIVE_KEYS[number] for number in suite], FIVE, strength).total.value == 1.0
@@ -268,16 +265,16 @@ def test_relabelled_arrays_have_every_situation_equally_often_and_stay_arrays(st
 def test_blocks_are_told_from_other_sets():
     for row in blocks():
         killing = [key for key, killed in zip(FIVE_KEYS, row, strict=True) if killed]
-        assert sub_cube(FIVE, killing) == 5 - np.log2(row.sum())
-    assert sub_cube(FIVE, [FIVE_KEYS[0], FIVE_KEYS[3]]) is None
-    assert sub_cube(FIVE, []) is None
+        assert coverage_curves.sub_cube(FIVE, killing) == 5 - np.log2(row.sum())
+    assert coverage_curves.sub_cube(FIVE, [FIVE_KEYS[0], FIVE_KEYS[3]]) is None
+    assert coverage_curves.sub_cube(FIVE, []) is None
     three = space_of([3, 2])
-    assert sub_cube(three, ["Aa0Ab0", "Aa1Ab0"]) is None
-    assert sub_cube(three, ["Aa0Ab0", "Aa1Ab0", "Aa2Ab0"]) == 1
+    assert coverage_curves.sub_cube(three, ["Aa0Ab0", "Aa1Ab0"]) is None
+    assert coverage_curves.sub_cube(three, ["Aa0Ab0", "Aa1Ab0", "Aa2Ab0"]) == 1
 
 
 def test_part_of_the_grid_covers_part_of_the_combinations():
-    found = curves(made(scattered()[:, :8], keys=FIVE_KEYS[:8]))
+    found = coverage_curves.curves(made(scattered()[:, :8], keys=FIVE_KEYS[:8]))
     random = found.curve("random")
     assert dict(random.t_way)[1][-1] == pytest.approx(0.8)  # 8 of 10 values: two axes stay benign
     assert len(random.kills.mean) == 8
@@ -285,7 +282,7 @@ def test_part_of_the_grid_covers_part_of_the_combinations():
 
 
 def test_without_an_array_nothing_is_judged():
-    missing = predict(replace(whole := curves(made(scattered())), curves=whole.curves[:4]))
+    missing = predict(replace(whole := coverage_curves.curves(made(scattered())), curves=whole.curves[:4]))
     assert "Not judged" in missing.answer[-1]
 
 

@@ -7,29 +7,7 @@ from dataclasses import replace
 import pytest
 from builders import GRID, outcome
 
-from experiments import PUBLISHED, ROOT
-from experiments.documented import (
-    ACCEPTED,
-    ARMS,
-    ASKED,
-    DOCUMENTED,
-    MUTANTS,
-    NAME,
-    PER_ARM,
-    PRIMARY,
-    SAFETY,
-    SEEDS,
-    SUBJECTS,
-    TUNED,
-    Flown,
-    acceptance,
-    held,
-    is_accepted,
-    names_of,
-    page,
-    rows,
-    told,
-)
+from experiments import PUBLISHED, ROOT, documented
 from experiments.flights import read
 from experiments.operating_point import LIGHT
 from experiments.pages import registered
@@ -40,7 +18,7 @@ from scaloft_fi.study import Study
 def flown(violated: dict[tuple[str, str], str]) -> dict[str, Outcome]:
     """The flights of an arm; those of a subject in a situation violate a requirement where they are named."""
     made = {}
-    for name in names_of(SUBJECTS, SEEDS):
+    for name in documented.names_of(documented.SUBJECTS, documented.SEEDS):
         subject, key, seed = name.split("/")
         broken = {violated[subject, key]: 9.0} if (subject, key) in violated else {}
         made[name] = outcome(subject, key, int(seed), violated=broken)
@@ -48,58 +26,67 @@ def flown(violated: dict[tuple[str, str], str]) -> dict[str, Outcome]:
 
 
 def test_the_plan_tells_the_numbers_of_arms_flights_and_tests():
-    plan = registered(NAME)
+    plan = registered(documented.NAME)
     ladders = {
         m.id for m in Study.open(ROOT).catalogue if m.cell in ("LATE-human", "UNINTENDED-collision", "MORE-goal")
     }
-    assert {mutant for mutant in ladders if "#" not in mutant} == set(MUTANTS)
-    assert f"= {PER_ARM * len(ARMS):,}." in plan
-    assert f"11 x 12 x 2 - 1 = {len(ARMS) * len(MUTANTS) * len(SAFETY) - 1}:" in plan
-    assert len({*TUNED, *ASKED, *SEEDS}) == 30
+    assert {mutant for mutant in ladders if "#" not in mutant} == set(documented.MUTANTS)
+    assert f"= {documented.PER_ARM * len(documented.ARMS):,}." in plan
+    assert f"11 x 12 x 2 - 1 = {len(documented.ARMS) * len(documented.MUTANTS) * len(documented.SAFETY) - 1}:" in plan
+    assert len({*documented.TUNED, *documented.ASKED, *documented.SEEDS}) == 30
 
 
 def test_an_arm_differs_from_the_documented_drone_in_one_thing_or_is_the_reference_drone():
-    for name, numbers in ARMS.items():
-        differing = {key for key in {*numbers, *DOCUMENTED} if numbers.get(key) != DOCUMENTED.get(key)}
+    for name, numbers in documented.ARMS.items():
+        differing = {
+            key for key in {*numbers, *documented.DOCUMENTED} if numbers.get(key) != documented.DOCUMENTED.get(key)
+        }
         assert name == "documented" or name.startswith("turning") or len(differing) == 1
 
 
 def test_the_published_acceptance_is_what_its_flights_say():
-    flights = read(PUBLISHED / ACCEPTED)
-    assert acceptance(flights) in registered(NAME)
+    flights = read(PUBLISHED / documented.ACCEPTED)
+    assert documented.acceptance(flights) in registered(documented.NAME)
     (outcomes,) = flights.values()
-    assert set(outcomes) == set(names_of([BASELINE], ASKED))
-    assert is_accepted(outcomes.values())
-    assert f"{sum(map(held, outcomes.values()))} of {len(outcomes)} hold" in (ROOT / "CHANGELOG.md").read_text()
+    assert set(outcomes) == set(documented.names_of([BASELINE], documented.ASKED))
+    assert documented.is_accepted(outcomes.values())
+    assert (
+        f"{sum(map(documented.held, outcomes.values()))} of {len(outcomes)} hold" in (ROOT / "CHANGELOG.md").read_text()
+    )
 
 
 def test_a_drone_with_a_situation_in_which_two_of_ten_fail_is_not_accepted():
     for failing, accepted in ((1, True), (2, False)):
         made = [
-            outcome(BASELINE, key, seed, violated={"OP1": 9.0} if key == LIGHT[3] and seed < ASKED[failing] else {})
+            outcome(
+                BASELINE,
+                key,
+                seed,
+                violated={"OP1": 9.0} if key == LIGHT[3] and seed < documented.ASKED[failing] else {},
+            )
             for key in LIGHT
-            for seed in ASKED
+            for seed in documented.ASKED
         ]
-        assert is_accepted(made) is accepted
-    assert not held(replace(made[-1], invalid="no simulator"))
-    assert not held(outcome(violated={"SR1": 9.0}, struck="wall"))  # which leaves SR2 open
+        assert documented.is_accepted(made) is accepted
+    assert not documented.held(replace(made[-1], invalid="no simulator"))
+    assert not documented.held(outcome(violated={"SR1": 9.0}, struck="wall"))  # which leaves SR2 open
 
 
 @pytest.mark.release
 def test_the_primary_test_is_decided_by_its_own_arm_and_the_secondary_tests_when_every_arm_was_flown():
-    arm, mutant, requirement = PRIMARY
+    arm, mutant, requirement = documented.PRIMARY
     kills = flown({(mutant, key): requirement for key in LIGHT[:3]})
-    first = told({arm: kills}, GRID)
+    first = documented.told({arm: kills}, GRID)
     assert f"**{mutant} is shown by {requirement}**: 30/160, pool 0/160" in first
     assert "Not flown yet: 1.5 m/s" in first
-    harmless = told({arm: flown({})}, GRID)
+    harmless = documented.told({arm: flown({})}, GRID)
     assert f"**{mutant} is not shown by {requirement}**" in harmless
-    assert "Not decided" in told({}, GRID)
-    every = {name: Flown(name, kills, GRID) for name in ARMS}
-    shown = {row[1]: row[-1] for row in rows(every, decided=True) if row[2] == mutant}
-    assert shown == {name: "SR1, the primary test" if name == arm else "SR1" for name in ARMS}
+    assert "Not decided" in documented.told({}, GRID)
+    every = {name: documented.Flown(name, kills, GRID) for name in documented.ARMS}
+    shown = {row[1]: row[-1] for row in documented.rows(every, decided=True) if row[2] == mutant}
+    assert shown == {name: "SR1, the primary test" if name == arm else "SR1" for name in documented.ARMS}
 
 
 @pytest.mark.release
 def test_the_page_is_what_its_flights_say():
-    assert page(Study.open(ROOT)) == (PUBLISHED / f"{NAME}.md").read_text()
+    assert documented.page(Study.open(ROOT)) == (PUBLISHED / f"{documented.NAME}.md").read_text()

@@ -10,27 +10,12 @@ from pathlib import Path
 import pytest
 from builders import GRID, outcome, pool
 
-from experiments import PUBLISHED
+from experiments import PUBLISHED, random_faults
 from experiments import random_faults as experiment
 from experiments.flights import flights_of, name_of, published
 from experiments.pages import registered
 from experiments.published_kernels import KERNELS
 from experiments.random_draw import GUIDEWORD, Draw
-from experiments.random_faults import (
-    FAULTS,
-    FLIGHTS,
-    POOL,
-    SEEDS,
-    UNFINISHED,
-    Answer,
-    Arm,
-    Counts,
-    answer,
-    flown,
-    kills_of,
-    names_of,
-    useful,
-)
 from scaloft_fi.analysis.detection import State
 from scaloft_fi.campaign.flights.fly import facts, fly_log
 from scaloft_fi.campaign.store.platforms import fingerprint
@@ -81,18 +66,18 @@ Told = Mapping[str, Mapping[str, float]]
 
 
 @pytest.fixture(scope="module")
-def hazop(study: Study) -> Arm:
+def hazop(study: Study) -> random_faults.Arm:
     return experiment.hazop_arm(study)
 
 
-def arm(told: Told, name: str = "random") -> Arm:
+def arm(told: Told, name: str = "random") -> random_faults.Arm:
     flights = [
         outcome(fault, key, seed, violated={"SR1": at[key]} if key in at else {})
         for fault, at in told.items()
         for key in KEYS
-        for seed in range(SEEDS)
+        for seed in range(random_faults.SEEDS)
     ]
-    return Arm.of(name, [*pool(*KEYS), *flights], told, GRID)
+    return random_faults.Arm.of(name, [*pool(*KEYS), *flights], told, GRID)
 
 
 STRIKING = {
@@ -104,11 +89,11 @@ STRIKING = {
 }
 
 
-def test_what_the_plan_says_of_the_default_mutants_is_measured(hazop: Arm):
-    counts = Counts.of(hazop.scores)
+def test_what_the_plan_says_of_the_default_mutants_is_measured(hazop: random_faults.Arm):
+    counts = random_faults.Counts.of(hazop.scores)
     infected, tested = (sum(getattr(score, name) for score in hazop.scores) for name in ("infected", "tested"))
     for told in (
-        f"{counts.detected} of {FAULTS} are detected",
+        f"{counts.detected} of {random_faults.FAULTS} are detected",
         f"{counts.trivial} of these are trivial by the definition below, so {counts.useful} are useful.",
         f"{infected} change a sample, {tested} are put to the test.",
         f"They have {counts.kill_sets} different sets of kills, and {hazop.behaviours} different vectors of digests",
@@ -116,21 +101,24 @@ def test_what_the_plan_says_of_the_default_mutants_is_measured(hazop: Arm):
         assert told in PLAN
 
 
-def test_the_plan_has_the_numbers_at_which_the_answer_changes(hazop: Arm):
-    own = Counts.of(hazop.scores)
-    told = {n: answer(own, replace(own, useful=n))[0] for n in range(FAULTS + 1)}
-    better, worse = ([n for n, said in told.items() if said is one] for one in (Answer.BETTER, Answer.WORSE))
-    assert (better, worse) == ([*range(len(better))], [*range(worse[0], FAULTS + 1)])
+def test_the_plan_has_the_numbers_at_which_the_answer_changes(hazop: random_faults.Arm):
+    own = random_faults.Counts.of(hazop.scores)
+    told = {n: random_faults.answer(own, replace(own, useful=n))[0] for n in range(random_faults.FAULTS + 1)}
+    better, worse = (
+        [n for n, said in told.items() if said is one]
+        for one in (random_faults.Answer.BETTER, random_faults.Answer.WORSE)
+    )
+    assert (better, worse) == ([*range(len(better))], [*range(worse[0], random_faults.FAULTS + 1)])
     assert f"at most {better[-1]} random ones beside its {own.useful};" in PLAN
     assert f"and it has fewer: {worse[0]} random ones or more;" in PLAN
 
 
 def test_the_flights_are_three_seeds_of_each_fault_and_ten_of_the_baseline(study: Study):
     keys = [situation.key for situation in study.grid.situations]
-    names = list(names_of([fault.id for fault in experiment.read_faults()], keys))
-    assert len(set(names)) == len(names) == FLIGHTS
-    assert f"= {FLIGHTS:,}.\n" in PLAN
-    assert sum(name.startswith(f"{BASELINE}/") for name in names) == len(keys) * POOL
+    names = list(random_faults.names_of([fault.id for fault in experiment.read_faults()], keys))
+    assert len(set(names)) == len(names) == random_faults.FLIGHTS
+    assert f"= {random_faults.FLIGHTS:,}.\n" in PLAN
+    assert sum(name.startswith(f"{BASELINE}/") for name in names) == len(keys) * random_faults.POOL
 
 
 def test_a_fault_is_trivial_if_it_is_killed_nearly_everywhere_or_early():
@@ -139,8 +127,8 @@ def test_a_fault_is_trivial_if_it_is_killed_nearly_everywhere_or_early():
     assert [n for n, score in scores.items() if score.killed_broadly] == ["1"]
     assert [n for n, score in scores.items() if score.killed_early] == ["3"]
     assert [n for n, score in scores.items() if score.trivial] == ["1", "3"]
-    assert [n for n, score in scores.items() if useful(score)] == ["2", "4"]
-    assert kills_of(scores["5"]) == frozenset()
+    assert [n for n, score in scores.items() if random_faults.useful(score)] == ["2", "4"]
+    assert random_faults.kills_of(scores["5"]) == frozenset()
 
 
 def faults_of(study: Study) -> dict[str, Mutant]:
@@ -148,23 +136,23 @@ def faults_of(study: Study) -> dict[str, Mutant]:
     return {mutant.id: mutant for mutant in (*made, *experiment.read_faults())}
 
 
-def whole(study: Study, hazop: Arm, struck: int) -> Arm:
+def whole(study: Study, hazop: random_faults.Arm, struck: int) -> random_faults.Arm:
     """All flights of the random arm, made by hand: of the first `struck` faults the flights of one default mutant."""
     clean = [o for o in hazop.outcomes if o.mutant == BASELINE]
     model = [o for o in hazop.outcomes if o.mutant == "NO-map"]
-    still = {(o.situation, o.seed): replace(o, violations=(), altered=3) for o in clean if o.seed < SEEDS}
+    still = {(o.situation, o.seed): replace(o, violations=(), altered=3) for o in clean if o.seed < random_faults.SEEDS}
     faults = experiment.read_faults()
     made = [
         replace(o if number < struck else still[o.situation, o.seed], subject=Subject.of(fault))
         for number, fault in enumerate(faults)
         for o in model
     ]
-    return Arm.of("random", [*clean, *made], [fault.id for fault in faults], study.space)
+    return random_faults.Arm.of("random", [*clean, *made], [fault.id for fault in faults], study.space)
 
 
 @pytest.mark.parametrize(("struck", "said"), [(0, "better"), (20, "no difference is shown"), (60, "worse")])
-def test_the_page_decides_by_the_useful_faults(study: Study, hazop: Arm, struck: int, said: str):
-    page = flown(hazop, whole(study, hazop, struck), faults_of(study), redraws=2)
+def test_the_page_decides_by_the_useful_faults(study: Study, hazop: random_faults.Arm, struck: int, said: str):
+    page = random_faults.flown(hazop, whole(study, hazop, struck), faults_of(study), redraws=2)
     assert f"**Rule 1: {said}.**  Useful are 21 of 114 default mutants and {struck} of 114 random faults" in page
     assert "320 of 320 baselines have the digest of the published ones; the pairs" in page
     assert "all have the same state in both pools." in page
@@ -174,7 +162,7 @@ def test_the_page_decides_by_the_useful_faults(study: Study, hazop: Arm, struck:
     assert listed == [fault.id for fault in experiment.read_faults()]
 
 
-def test_nothing_is_decided_while_a_flight_is_missing_or_the_pools_differ(study: Study, hazop: Arm):
+def test_nothing_is_decided_while_a_flight_is_missing_or_the_pools_differ(study: Study, hazop: random_faults.Arm):
     made = whole(study, hazop, 0)
     fewer = replace(made, outcomes=made.outcomes[:-1])
     red = next(o for o in made.outcomes if o.violations and o.violations[0].requirement == "SR1")
@@ -185,8 +173,8 @@ def test_nothing_is_decided_while_a_flight_is_missing_or_the_pools_differ(study:
     other = replace(made, outcomes=hit)
     broken = replace(made, outcomes=[replace(made.outcomes[0], invalid="it hung"), *made.outcomes[1:]])
     for unfinished in (fewer, other, broken):
-        page = flown(hazop, unfinished, faults_of(study), redraws=1)
-        assert UNFINISHED in page
+        page = random_faults.flown(hazop, unfinished, faults_of(study), redraws=1)
+        assert random_faults.UNFINISHED in page
         assert "Rule 1" not in page
 
 

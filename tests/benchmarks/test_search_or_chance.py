@@ -12,26 +12,10 @@ import pytest
 from finding import Ruled, fast
 
 from experiments import PUBLISHED, ROOT, search_arms, wide
+from experiments import search_arms as arms
 from experiments import search_or_chance as experiment
 from experiments.flights import published, read
 from experiments.pages import registered
-from experiments.search_arms import (
-    ARMS,
-    FEWEST,
-    FILE,
-    MOST,
-    SEARCH,
-    Block,
-    Search,
-    Sought,
-    at_risk,
-    blocks_of,
-    read_blocks,
-    read_searches,
-    survivors,
-    text_of,
-    write_searches,
-)
 from experiments.search_or_chance import BUDGET, UNFINISHED, Answer, Evidence, answer, flown, seed_of, share, totals
 from scaloft_fi.campaign.seeking.seek import CHUNK, GENERATION, OPENING
 from scaloft_fi.judge.outcome import Outcome
@@ -60,7 +44,7 @@ POWER = (
 found one by one, and where those of a block are found together."""
 LATE, LESS = "LATE-human@3s", "LESS-human@0.8"
 SMALL_BUDGET = 60
-BLOCKS = read_blocks()
+BLOCKS = arms.read_blocks()
 SIZES = [len(block) for block in BLOCKS]
 MUTANTS = sum(SIZES)
 EVIDENCE = Shown("SR1", 1, 0.001, 0.005, 4, 4, "wall", 10, 10, 0.2, 0.01, 10)
@@ -85,12 +69,12 @@ def few_rows(study: Study) -> Iterator[None]:
 def survivors_at_risk() -> tuple[list[str], list[str]]:
     """The survivors, and those of them that are at risk."""
     plain = Study.open(ROOT)
-    found = survivors(plain, published())
-    return found, at_risk(plain, found)
+    found = arms.survivors(plain, published())
+    return found, arms.at_risk(plain, found)
 
 
 def test_the_committed_blocks_are_what_the_draw_gives(study: Study, survivors_at_risk: tuple[list[str], list[str]]):
-    assert FILE.read_text(encoding="utf-8") == text_of(blocks_of(study, survivors_at_risk[1]))
+    assert arms.FILE.read_text(encoding="utf-8") == arms.text_of(arms.blocks_of(study, survivors_at_risk[1]))
 
 
 def test_a_block_has_survivors_at_risk_of_one_parameter_and_every_parameter_with_two_has_one(
@@ -100,7 +84,7 @@ def test_a_block_has_survivors_at_risk_of_one_parameter_and_every_parameter_with
     assert (len(found), len(chosen)) == (SURVIVORS, AT_RISK)
     number = Counter(realise(study.matrix, id_).parameter for id_ in chosen)
     parameters = [{realise(study.matrix, id_).parameter for id_ in block} for block in BLOCKS]
-    wanted = [({parameter}, min(all_, MOST)) for parameter, all_ in number.items() if all_ >= FEWEST]
+    wanted = [({parameter}, min(all_, arms.MOST)) for parameter, all_ in number.items() if all_ >= arms.FEWEST]
     assert list(zip(parameters, SIZES, strict=True)) == wanted
     drawn = [mutant for block in BLOCKS for mutant in block]
     assert len(set(drawn)) == len(drawn) == MUTANTS
@@ -145,8 +129,8 @@ def test_the_plan_says_what_the_rule_can_show():
 
 def test_the_plan_counts_its_flights_and_lists_its_blocks():
     plan = registered("search_or_chance")
-    asked = len(ARMS) * BUDGET * MUTANTS
-    different = asked - (len(ARMS) - 1) * sum(OPENING * (1 + size) for size in SIZES)
+    asked = len(arms.ARMS) * BUDGET * MUTANTS
+    different = asked - (len(arms.ARMS) - 1) * sum(OPENING * (1 + size) for size in SIZES)
     assert f"{asked:,} flights, at most {different:,} of them different." in plan
     assert f": {MUTANTS} mutants in {len(BLOCKS)} blocks." in plan
     assert all(f"| {n} | {seed_of(n)} | {', '.join(block)} |\n" in plan for n, block in enumerate(BLOCKS, 1))
@@ -156,7 +140,7 @@ def test_the_plan_counts_its_flights_and_lists_its_blocks():
 
 def test_the_published_page_is_what_the_published_files_give():
     kept = Evidence(
-        BLOCKS, read_searches(PUBLISHED / experiment.SEARCHES), read(PUBLISHED / experiment.FLIGHTS)["all arms"]
+        BLOCKS, arms.read_searches(PUBLISHED / experiment.SEARCHES), read(PUBLISHED / experiment.FLIGHTS)["all arms"]
     )
     page = (PUBLISHED / "search_or_chance.md").read_text(encoding="utf-8")
     assert page == registered("search_or_chance") + flown(kept)
@@ -174,7 +158,7 @@ def test_the_answer_needs_more_than_chance_and_more_than_each_arm():
     assert totals(better) == [18, 6, 6, 6]
 
 
-def fly(study: Study, folder: Path, flyer: Ruled, *blocks: Block) -> list[Search]:
+def fly(study: Study, folder: Path, flyer: Ruled, *blocks: arms.Block) -> list[arms.Search]:
     path = folder / "searches.jsonl.gz"
     return experiment.fly(study, blocks, folder / "campaigns", path, jobs=1, budget=SMALL_BUDGET, flyer=flyer)
 
@@ -184,7 +168,7 @@ class Flown:
     """What all arms flew for a block of two."""
 
     folder: Path
-    searches: Mapping[str, Search]
+    searches: Mapping[str, arms.Search]
     flights: Sequence[str]
 
 
@@ -198,14 +182,14 @@ def block(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Flown:
 
 
 def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Study, block: Flown):
-    assert list(block.searches) == list(ARMS)
+    assert list(block.searches) == list(arms.ARMS)
     for search in block.searches.values():
         assert search.used <= search.budget == 2 * SMALL_BUDGET
         assert search.seed == seed_of(1)
         late, less = search.sought
         assert (late.mutant, less.mutant) == (LATE, LESS)
         assert not less.shown_in
-        assert search.opening == block.searches[SEARCH].opening
+        assert search.opening == block.searches[arms.SEARCH].opening
         assert len(search.opening) == OPENING
         assert late.shown_in in search.opening  # nothing is shrunk
         assert 0 < late.after <= search.used
@@ -219,7 +203,7 @@ def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Stu
     assert f"4 of 4 searches asked for {used} flights" in page
     assert "| newly detected | 1 | 1 | 1 | 1 |" in page
     assert not replace(evidence, budget=SMALL_BUDGET + 1).by_place
-    opened = {evidence.in_opening(1, arm) for arm in ARMS}
+    opened = {evidence.in_opening(1, arm) for arm in arms.ARMS}
     assert opened == {frozenset({(LATE, block.searches["random"].sought[0].shown_in)})}
     assert evidence.shows(LATE, block.searches["random"].sought[0].shown_in)
 
@@ -235,50 +219,50 @@ def test_a_situation_is_flown_for_all_that_are_not_found(block: Flown):
 
 def test_it_goes_on_where_it_stopped(study: Study, block: Flown, tmp_path: Path):
     copytree(block.folder / "campaigns", tmp_path / "campaigns")
-    write_searches(tmp_path / "searches.jsonl.gz", [one for arm, one in block.searches.items() if arm != "random"])
+    arms.write_searches(tmp_path / "searches.jsonl.gz", [one for arm, one in block.searches.items() if arm != "random"])
     flyer = Ruled(tmp_path / "flown.txt")
     again = fly(study, tmp_path, flyer, (LATE, LESS))
     assert {one.arm: one for one in again} == block.searches
     assert flyer.flown == []
-    assert read_searches(tmp_path / "searches.jsonl.gz") == read_searches(block.folder / "searches.jsonl.gz")
+    assert arms.read_searches(tmp_path / "searches.jsonl.gz") == arms.read_searches(block.folder / "searches.jsonl.gz")
 
 
-def search(block: int, arm: str, found: int, opening: str = "o", **more: int) -> Search:
+def search(block: int, arm: str, found: int, opening: str = "o", **more: int) -> arms.Search:
     """A search that finds so many mutants, the first of them in the opening."""
     sought = tuple(
-        Sought(mutant, opening if n == 0 else "later", 20 + n, EVIDENCE, 1)
+        arms.Sought(mutant, opening if n == 0 else "later", 20 + n, EVIDENCE, 1)
         if n < found
-        else Sought(mutant, "", 0, None, 0)
+        else arms.Sought(mutant, "", 0, None, 0)
         for n, mutant in enumerate(BLOCKS[block - 1])
     )
     seed, budget = more.get("seed", seed_of(block)), more.get("budget", BUDGET * len(sought))
-    return Search(block, arm, seed, budget, 200, sought, (opening,), ("later",))
+    return arms.Search(block, arm, seed, budget, 200, sought, (opening,), ("later",))
 
 
 def evidence(found: Mapping[str, int], **flights: Outcome) -> Evidence:
     every = range(1, len(BLOCKS) + 1)
-    return Evidence(BLOCKS, [search(block, arm, found[arm]) for block in every for arm in ARMS], flights)
+    return Evidence(BLOCKS, [search(block, arm, found[arm]) for block in every for arm in arms.ARMS], flights)
 
 
 @pytest.mark.parametrize(("own", "said"), [(3, Answer.BETTER), (2, Answer.NO_DIFFERENCE), (1, Answer.WORSE)])
 def test_the_page_decides_by_the_mutants_that_are_newly_detected(own: int, said: Answer):
-    page = flown(evidence({**dict.fromkeys(ARMS, 2), SEARCH: own}), redraws=20)
+    page = flown(evidence({**dict.fromkeys(arms.ARMS, 2), arms.SEARCH: own}), redraws=20)
     assert f"**Rule 1: {said.value}.**  `seek` newly detects {12 * own} of {MUTANTS} mutants; random 24" in page
     assert "| `seek` beside | more mutants | blocks drawn again | p (Holm) |" in page
     assert f"| random | {12 * (own - 2)} | {12 * (own - 2):+} to {12 * (own - 2):+} |" in page
     assert "| - by situations of the opening | 12 | 12 | 12 | 12 |" in page
-    assert page.count("20: SR1 4/4") == 12 * len(ARMS)
+    assert page.count("20: SR1 4/4") == 12 * len(arms.ARMS)
 
 
 def test_nothing_is_decided_while_a_search_is_missing_or_the_openings_differ():
-    whole = evidence(dict.fromkeys(ARMS, 2))
+    whole = evidence(dict.fromkeys(arms.ARMS, 2))
     assert whole.complete
     first, *others = whole.searches
     for unfinished in (
         others,
-        [search(1, SEARCH, 2, budget=60), *others],
-        [search(1, SEARCH, 2, seed=1), *others],
-        [search(1, SEARCH, 0), *others],
+        [search(1, arms.SEARCH, 2, budget=60), *others],
+        [search(1, arms.SEARCH, 2, seed=1), *others],
+        [search(1, arms.SEARCH, 0), *others],
         [replace(first, sought=first.sought[::-1]), *others],
     ):
         page = flown(replace(whole, searches=unfinished), redraws=5)
@@ -287,10 +271,10 @@ def test_nothing_is_decided_while_a_search_is_missing_or_the_openings_differ():
 
 
 def test_searches_are_read_as_they_were_written(tmp_path: Path):
-    path, searches = tmp_path / "s.jsonl.gz", [search(2, "random", 3), search(1, SEARCH, 0)]
-    write_searches(path, searches)
-    assert read_searches(path) == searches[::-1]
+    path, searches = tmp_path / "s.jsonl.gz", [search(2, "random", 3), search(1, arms.SEARCH, 0)]
+    arms.write_searches(path, searches)
+    assert arms.read_searches(path) == searches[::-1]
     first = path.read_bytes()
-    write_searches(path, searches[::-1])
+    arms.write_searches(path, searches[::-1])
     assert path.read_bytes() == first
     assert read(tmp_path / "none") == {}

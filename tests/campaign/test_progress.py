@@ -11,19 +11,9 @@ from typing import Any
 
 import pytest
 
+from scaloft_fi.campaign import progress as live
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.plan import plan
-from scaloft_fi.campaign.progress import (
-    FLIGHT_S,
-    LINE_EVERY_S,
-    SHARE,
-    TALLY_EVERY_S,
-    TALLY_SHARE,
-    Progress,
-    Reporter,
-    Silence,
-    duration,
-)
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import defaults, realise
@@ -42,7 +32,7 @@ class Clock:
         return self.now_s
 
 
-def _progress(stream: io.StringIO, make: Callable[..., Progress] = Progress) -> tuple[Progress, Clock]:
+def _progress(stream: io.StringIO, make: Callable[..., live.Progress] = live.Progress) -> tuple[live.Progress, Clock]:
     clock = Clock()
     progress = make(stream=stream, clock=clock)
     progress.flights = 10
@@ -50,7 +40,7 @@ def _progress(stream: io.StringIO, make: Callable[..., Progress] = Progress) -> 
     return progress, clock
 
 
-def _advance(progress: Progress, flown_s: float) -> None:
+def _advance(progress: live.Progress, flown_s: float) -> None:
     progress.done_s += flown_s
     progress.advance()
 
@@ -72,7 +62,7 @@ def test_without_a_terminal_there_is_one_line_every_ten_seconds():
     stream = io.StringIO()
     progress, clock = _progress(stream)
     for number in range(8):
-        clock.now_s += LINE_EVERY_S / 4
+        clock.now_s += live.LINE_EVERY_S / 4
         progress.violations = "8 (baseline 3, mutants 5)" if number > 4 else ""
         _advance(progress, 40.0)
     assert stream.getvalue().splitlines() == [
@@ -93,7 +83,7 @@ def test_on_a_terminal_the_line_is_live_and_a_warning_stands_above_it(monkeypatc
     assert after.startswith("\r\x1b[J[############............] 1/10 flights")
 
 
-def _lines(progress: Progress, clock: Clock, columns: int, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+def _lines(progress: live.Progress, clock: Clock, columns: int, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The live screen after a second and a flight."""
     monkeypatch.setenv("COLUMNS", str(columns))
     clock.now_s += 1.0
@@ -104,11 +94,13 @@ def _lines(progress: Progress, clock: Clock, columns: int, monkeypatch: pytest.M
 def test_the_live_screen_has_rate_time_left_simulated_time_violations_and_what_is_detected(
     monkeypatch: pytest.MonkeyPatch,
 ):
-    progress, clock = _progress(Terminal(), lambda **words: Progress(**words, tally=lambda what: [f"detected: {what}"]))
+    progress, clock = _progress(
+        Terminal(), lambda **words: live.Progress(**words, tally=lambda what: [f"detected: {what}"])
+    )
     progress.stored = lambda: ("2 of 3",)
     progress.violations = "8 (baseline 3, mutants 5)"
     progress.simulated_s = 50.0
-    clock.now_s += TALLY_EVERY_S
+    clock.now_s += live.TALLY_EVERY_S
     assert _lines(progress, clock, 100, monkeypatch) == [
         "[############............] 1/10 flights  0.1/s  11 s left",
         "5 simulated s a second",
@@ -148,19 +140,19 @@ def test_the_tally_takes_no_more_than_its_share_of_the_time():
         clock.now_s += 1.0
         return ["detected"]
 
-    progress = Progress(stream=Terminal(), clock=clock, tally=tally)
+    progress = live.Progress(stream=Terminal(), clock=clock, tally=tally)
     progress.flights, progress.stored = 1000, lambda: ()
     start_s = clock.now_s
     for _ in range(1000):
         clock.now_s += 1.0
         _advance(progress, 1.0)
     assert len(made) > 1
-    assert len(made) - 1 <= TALLY_SHARE * (clock.now_s - start_s)
+    assert len(made) - 1 <= live.TALLY_SHARE * (clock.now_s - start_s)
 
 
 def test_without_a_terminal_nothing_is_tallied():
     clock = Clock()
-    progress = Progress(stream=io.StringIO(), clock=clock, tally=lambda: 1 / 0)  # type: ignore[arg-type,return-value]
+    progress = live.Progress(stream=io.StringIO(), clock=clock, tally=lambda: 1 / 0)  # type: ignore[arg-type,return-value]
     progress.flights, progress.stored = 10, lambda: ()
     clock.now_s += 60.0
     _advance(progress, 1.0)
@@ -179,7 +171,7 @@ def test_the_end_leaves_a_summary_unless_nothing_was_flown():
 
 def test_quiet_shows_nothing_at_all():
     stream = Terminal()
-    progress, clock = _progress(stream, Silence)
+    progress, clock = _progress(stream, live.Silence)
     clock.now_s += 60.0
     _advance(progress, 40.0)
     progress.line("warning: SR1 violated")
@@ -188,24 +180,26 @@ def test_quiet_shows_nothing_at_all():
 
 
 def test_a_long_time_is_told_in_hours():
-    assert duration(7260) == "2 h 01 min"
+    assert live.duration(7260) == "2 h 01 min"
 
 
-def _reporter(study: Any, *, stream: io.StringIO | None = None, share: bool = True, warnings: bool = False) -> Reporter:
-    progress = Progress(stream=stream or io.StringIO())
-    return Reporter(study, progress, Path("c/mission_log.json"), share=share, warnings=warnings)
+def _reporter(
+    study: Any, *, stream: io.StringIO | None = None, share: bool = True, warnings: bool = False
+) -> live.Reporter:
+    progress = live.Progress(stream=stream or io.StringIO())
+    return live.Reporter(study, progress, Path("c/mission_log.json"), share=share, warnings=warnings)
 
 
 def _flights(study: Any, *mutants: Any) -> list[Flight]:
     return list(plan(study.grid, (0,), mutants or defaults(study.matrix)[:10], None).known)
 
 
-@pytest.mark.parametrize(("share", "of_a_mutant"), [(True, SHARE), (False, 1.0)])
+@pytest.mark.parametrize(("share", "of_a_mutant"), [(True, live.SHARE), (False, 1.0)])
 def test_a_mutant_is_expected_to_cost_its_share_of_the_mission(study: Any, *, share: bool, of_a_mutant: float):
     reporter = _reporter(study, share=share)
     reporter.expect(_flights(study))
     missions_s = sum(situation.nominal_s for situation in study.grid)
-    assert reporter.left_s == pytest.approx(missions_s * (2 + 10 * of_a_mutant) + 4 * 12 * FLIGHT_S)
+    assert reporter.left_s == pytest.approx(missions_s * (2 + 10 * of_a_mutant) + 4 * 12 * live.FLIGHT_S)
 
 
 def test_what_is_flown_is_not_left_and_in_the_end_nothing_is(study: Any, log: Any):
@@ -223,11 +217,11 @@ def test_what_is_flown_is_not_left_and_in_the_end_nothing_is(study: Any, log: An
 def test_a_flight_that_is_announced_twice_is_expected_once_and_a_carrier_flown_again_is_not(study: Any, log: Any):
     reporter, (flight, *_) = _reporter(study), _flights(study)
     reporter.expect([flight, flight])
-    assert (reporter.left_s, reporter.progress.flights) == (30.0 + FLIGHT_S, 1)
+    assert (reporter.left_s, reporter.progress.flights) == (30.0 + live.FLIGHT_S, 1)
     for _ in range(2):
         reporter.arrived(flight, log(study, flight), news=True)
     assert (reporter.progress.done, reporter.left_s) == (1, 0.0)
-    assert reporter.progress.done_s == 2 * (30.0 + FLIGHT_S)
+    assert reporter.progress.done_s == 2 * (30.0 + live.FLIGHT_S)
 
 
 def _said(study: Any, outcomes: Iterable[tuple[Flight, Outcome]], *, warnings: bool = False, **home: bool) -> list[str]:

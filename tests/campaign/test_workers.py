@@ -25,20 +25,9 @@ import pytest
 from processes import ROOT, alive, soon
 from refused import refusal
 
+from scaloft_fi.campaign import workers as working
 from scaloft_fi.campaign.flights.fly import Batch, Flight
 from scaloft_fi.campaign.processes import HANGUP
-from scaloft_fi.campaign.workers import (
-    ECHO_S,
-    MAKE,
-    Cluster,
-    Interrupted,
-    Local,
-    executor_named,
-    interruptible,
-    packed,
-    security_of,
-    unpacked,
-)
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
@@ -78,7 +67,9 @@ def _flown(
     """What comes home, and what was said."""
     home: list[Outcome] = []
     said: list[str] = []
-    with Cluster(address, dask.certificates).workers(study, flyer, stop=lambda: stop(home), say=said.append) as workers:
+    with working.Cluster(address, dask.certificates).workers(
+        study, flyer, stop=lambda: stop(home), say=said.append
+    ) as workers:
         home.extend(workers.map(_tasks(flights)))
     return home, said
 
@@ -190,7 +181,9 @@ def test_a_run_waits_for_workers_and_takes_those_that_join(dask: Any, reference:
         said.append(line)
         dask.worker(address, "--no-nanny")
 
-    with Cluster(address, dask.certificates).workers(reference, flyer(), stop=lambda: False, say=say) as workers:
+    with working.Cluster(address, dask.certificates).workers(
+        reference, flyer(), stop=lambda: False, say=say
+    ) as workers:
         assert _names(workers.map(_tasks(flights))) == _names(flights)
     assert len(said) == 1
     assert said[0].startswith("waiting for workers")
@@ -218,7 +211,7 @@ def test_a_scheduler_that_ends_interrupts_the_run(
             time.sleep(until_the_client_gives_up_s)
         return False
 
-    with pytest.raises(Interrupted, match="the Dask scheduler is gone; what was flown is saved"):
+    with pytest.raises(working.Interrupted, match="the Dask scheduler is gone; what was flown is saved"):
         _flown(dask, address, reference, flyer(slow_s=0.2), _flights(reference, LATE, MORE), kill)
     assert [record.getMessage() for record in caplog.records if record.name.startswith("distributed")] == []
 
@@ -239,8 +232,8 @@ def test_a_scheduler_that_ends_and_starts_again_at_its_address_interrupts_a_run_
         return time.monotonic() - begin_s > 60.0
 
     with (
-        pytest.raises(Interrupted, match="the Dask scheduler is gone; what was flown is saved"),
-        Cluster(address, dask.certificates).workers(reference, flyer(), stop=late, say=start_again) as workers,
+        pytest.raises(working.Interrupted, match="the Dask scheduler is gone; what was flown is saved"),
+        working.Cluster(address, dask.certificates).workers(reference, flyer(), stop=late, say=start_again) as workers,
     ):
         list(workers.map(_tasks(_flights(reference))))
 
@@ -265,13 +258,13 @@ def test_without_distributed_it_is_said_how_to_install_it(
 def strange(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A certificate that nobody in the cluster knows."""
     folder = tmp_path_factory.mktemp("strange")
-    subprocess.run(MAKE, shell=True, check=True, cwd=folder, capture_output=True)
+    subprocess.run(working.MAKE, shell=True, check=True, cwd=folder, capture_output=True)
     return folder / "cluster"
 
 
 @pytest.mark.parametrize("scheme", ["tcp", "tls"])
 def test_a_client_without_the_certificate_is_not_let_in(address: str, strange: Path, scheme: str):
-    security = security_of(strange) if scheme == "tls" else None
+    security = working.security_of(strange) if scheme == "tls" else None
     with pytest.raises((OSError, TypeError)):
         distributed.Client(f"{scheme}://{address}", set_as_default=False, security=security, timeout=2.0)
 
@@ -280,7 +273,7 @@ def test_a_run_with_another_certificate_is_refused_in_a_sentence(
     address: str, strange: Path, flyer: Any, reference: Study, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr("scaloft_fi.campaign.workers.CONNECT_S", 1.0)
-    cluster = Cluster(address, strange)
+    cluster = working.Cluster(address, strange)
     with (
         pytest.raises(InputError, match=r"cannot be reached: no Dask scheduler answers .* with the certificates in"),
         cluster.workers(reference, flyer(), stop=lambda: False, say=print),
@@ -293,7 +286,7 @@ def test_a_worker_without_the_certificate_gets_no_flight(
 ):
     worker = dask.worker(address, "--no-nanny", certificates=strange)
     flights = _flights(reference, LATE)
-    with Cluster(address, dask.certificates).workers(
+    with working.Cluster(address, dask.certificates).workers(
         reference, flyer(slow_s=0.2), stop=lambda: False, say=print
     ) as workers:
         assert _names(workers.map(_tasks(flights))) == _names(flights)
@@ -317,7 +310,7 @@ def test_a_run_whose_tasks_somebody_takes_away_flies_them_again_or_ends(
     said = ""
     try:
         assert _names(_flown(dask, address, reference, flyer(slow_s=0.3), flights)[0]) == _names(flights)
-    except (InputError, Interrupted) as error:
+    except (InputError, working.Interrupted) as error:
         said = str(error)
     finally:
         done.set()
@@ -339,7 +332,7 @@ def _wait_for_workers(dask: Any, address: str, count: int) -> None:
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A certificate, made by the command that the refusal names."""
     folder = tmp_path_factory.mktemp("made")
-    subprocess.run(MAKE, shell=True, check=True, cwd=folder, capture_output=True)
+    subprocess.run(working.MAKE, shell=True, check=True, cwd=folder, capture_output=True)
     return folder / "cluster"
 
 
@@ -349,21 +342,25 @@ def certificates(made: Path, tmp_path: Path) -> Path:
 
 
 def test_an_executor_is_local_or_the_address_of_a_scheduler(certificates: Path):
-    assert executor_named("local", 3) == Local(3)
-    assert executor_named("dask://head-node:8786", None, certificates) == Cluster("head-node:8786", certificates)
-    assert executor_named("dask://[::1]:8786/", None, certificates) == Cluster("[::1]:8786", certificates)
+    assert working.executor_named("local", 3) == working.Local(3)
+    assert working.executor_named("dask://head-node:8786", None, certificates) == working.Cluster(
+        "head-node:8786", certificates
+    )
+    assert working.executor_named("dask://[::1]:8786/", None, certificates) == working.Cluster(
+        "[::1]:8786", certificates
+    )
     for name in ("dask", "dask://", "dask://host", "ray://host:1", "tcp://host:8786", "dask://host:port"):
         with pytest.raises(InputError, match=r"must be 'local' or 'dask://HOST:PORT'"):
-            executor_named(name, None, certificates)
+            working.executor_named(name, None, certificates)
     with pytest.raises(InputError, match="--jobs=2 is for --executor=local"):
-        executor_named("dask://host:1", 2, certificates)
+        working.executor_named("dask://host:1", 2, certificates)
     with pytest.raises(InputError, match="--cluster-security=certs is for --executor=dask"):
-        executor_named("local", None, Path("certs"))
+        working.executor_named("local", None, Path("certs"))
 
 
 @pytest.mark.parametrize("address", ["host:1", "127.0.0.1:8786", "[::1]:8786"])
 def test_a_cluster_without_a_certificate_is_refused_with_the_command_that_makes_one(address: str):
-    assert MAKE in refusal(executor_named, f"dask://{address}", None)
+    assert working.MAKE in refusal(working.executor_named, f"dask://{address}", None)
 
 
 def test_files_that_do_not_fit_are_told_before_anything_is_flown(certificates: Path):
@@ -372,13 +369,13 @@ def test_files_that_do_not_fit_are_told_before_anything_is_flown(certificates: P
         (folder / name).touch(mode=0o600)
         (folder / name).write_text("no certificate")
         with pytest.raises(InputError, match=r"cert\.pem, key\.pem do not fit each other: \S"):
-            executor_named("dask://host:1", None, folder)
+            working.executor_named("dask://host:1", None, folder)
     (certificates / "key.pem").chmod(0o640)
     with pytest.raises(InputError, match="mode=640 lets others read the key; `chmod 600"):
-        executor_named("dask://host:1", None, certificates)
+        working.executor_named("dask://host:1", None, certificates)
     (certificates / "key.pem").unlink()
     with pytest.raises(InputError, match=r"key\.pem is missing; `.*openssl"):
-        executor_named("dask://host:1", None, certificates)
+        working.executor_named("dask://host:1", None, certificates)
 
 
 def test_what_is_packed_is_unpacked_again(tmp_path: Path):
@@ -386,7 +383,7 @@ def test_what_is_packed_is_unpacked_again(tmp_path: Path):
         path = tmp_path / "study" / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(name.encode())
-    folder = unpacked(packed(tmp_path / "study"), tmp_path / "there")
+    folder = working.unpacked(working.packed(tmp_path / "study"), tmp_path / "there")
     found = {path.relative_to(folder).as_posix(): path.read_text() for path in folder.rglob("*") if path.is_file()}
     names = ("sim/world.yaml", "sim/deep/mine.obj", "hazop/a.yaml", "mutants/catalogue.jsonl")
     assert found == {name: name for name in names}
@@ -407,7 +404,7 @@ def hangup() -> Iterator[signal.Signals]:
 def test_the_first_signal_asks_to_stop_and_the_handlers_come_back(number: signal.Signals):
     before = signal.getsignal(number)
     stopped = threading.Event()
-    with interruptible(stopped):
+    with working.interruptible(stopped):
         assert not stopped.is_set()
         signal.raise_signal(number)
         assert stopped.is_set()
@@ -418,7 +415,7 @@ def test_the_first_signal_asks_to_stop_and_the_handlers_come_back(number: signal
 def test_what_nohup_ignores_stays_ignored(hangup: signal.Signals):
     signal.signal(hangup, signal.SIG_IGN)
     stopped = threading.Event()
-    with interruptible(stopped):
+    with working.interruptible(stopped):
         signal.raise_signal(hangup)
         assert not stopped.is_set()
     assert signal.getsignal(hangup) == signal.SIG_IGN
@@ -431,11 +428,11 @@ def test_the_second_signal_does_what_it_did_before_and_an_echo_of_the_first_does
     now_s = 100.0
     monkeypatch.setattr("scaloft_fi.campaign.workers.time.monotonic", lambda: now_s)
     stopped = threading.Event()
-    with interruptible(stopped):
+    with working.interruptible(stopped):
         signal.raise_signal(signal.SIGINT)
-        now_s += ECHO_S / 2
+        now_s += working.ECHO_S / 2
         signal.raise_signal(signal.SIGINT)
-        now_s += ECHO_S
+        now_s += working.ECHO_S
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
         with pytest.raises(KeyboardInterrupt):

@@ -13,17 +13,8 @@ from openpyxl.styles import Font
 from refused import refusal
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.hazop import sheet as sheets
 from scaloft_fi.hazop.load import load_matrix
-from scaloft_fi.hazop.sheet import (
-    MOST_COLUMNS,
-    SHEET_BYTES,
-    WORDS,
-    Line,
-    guideword_of,
-    parameter_name,
-    read_sheet,
-    sort,
-)
 
 MATRIX = load_matrix(Path(__file__).parents[2] / "hazop")
 
@@ -34,8 +25,8 @@ def sheet(folder: Path, text: str, name: str = "sheet.csv", encoding: str = "utf
     return path
 
 
-def cells(lines: tuple[Line, ...], **words: str) -> list[str]:
-    return [row.cell for row in sort(lines, MATRIX, words, {}).rows]
+def cells(lines: tuple[sheets.Line, ...], **words: str) -> list[str]:
+    return [row.cell for row in sheets.sort(lines, MATRIX, words, {}).rows]
 
 
 ENGLISH = """Node,Guide word,Deviation,Cause,Consequence
@@ -66,7 +57,7 @@ Radar|Tarde|tarde|carga|choque
     ],
 )
 def test_heads_and_guidewords_of_four_languages_are_known(tmp_path: Path, text: str, encoding: str, parameter: str):
-    lines = read_sheet(sheet(tmp_path, text, encoding=encoding))
+    lines = sheets.read_sheet(sheet(tmp_path, text, encoding=encoding))
     assert cells(lines) == [f"NO-{parameter}", f"LATE-{parameter}"]
     assert all(line.texts["causes"] and line.texts["effect"] for line in lines)
 
@@ -74,12 +65,12 @@ def test_heads_and_guidewords_of_four_languages_are_known(tmp_path: Path, text: 
 def test_any_other_head_and_word_is_named_by_an_option(tmp_path: Path):
     path = sheet(tmp_path, "部件,引导词,偏差\n雷达,无,没有回波\n")
     with pytest.raises(InputError, match="--column deviation=HEAD"):
-        read_sheet(path)
-    lines = read_sheet(path, {"node": "部件", "guideword": "引导词", "deviation": "偏差"})
-    assert sort(lines, MATRIX, {}, {}).rows[0].why == "'无' is not one guideword: --guideword TEXT=WORD"
-    assert sort(lines, MATRIX, {"无": "NO"}, {"雷达": "radar"}).rows[0].cell == "NO-radar"
+        sheets.read_sheet(path)
+    lines = sheets.read_sheet(path, {"node": "部件", "guideword": "引导词", "deviation": "偏差"})
+    assert sheets.sort(lines, MATRIX, {}, {}).rows[0].why == "'无' is not one guideword: --guideword TEXT=WORD"
+    assert sheets.sort(lines, MATRIX, {"无": "NO"}, {"雷达": "radar"}).rows[0].cell == "NO-radar"
     with pytest.raises(InputError, match="no column is headed '零件'"):
-        read_sheet(path, {"node": "零件", "guideword": "引导词"})
+        sheets.read_sheet(path, {"node": "零件", "guideword": "引导词"})
 
 
 @pytest.fixture
@@ -108,8 +99,8 @@ def book(tmp_path: Path) -> Path:
 
 
 def test_merged_and_blank_cells_mean_what_stands_above(book: Path):
-    lines = read_sheet(book)
-    found = sort(lines, MATRIX, {}, {})
+    lines = sheets.read_sheet(book)
+    found = sheets.sort(lines, MATRIX, {}, {})
     assert [(row.place, row.cell) for row in found.rows] == [
         ("HAZOP:4", "NO-radar_link"),
         ("HAZOP:5", "NO-radar_link"),
@@ -134,7 +125,7 @@ CONTINUED = """Ref.,Deviation,Cause,Consequence,Safeguards,Action
 
 
 def test_below_groups_of_heads_each_column_tells_of_its_group(tmp_path: Path):
-    found = sort(read_sheet(sheet(tmp_path, GROUPED)), MATRIX, {}, {})
+    found = sheets.sort(sheets.read_sheet(sheet(tmp_path, GROUPED)), MATRIX, {}, {})
     draft = found.drafts["MORE-druck"]
     assert (draft.told("deviation"), draft.told("causes"), draft.told("effect")) == (
         "too much",
@@ -145,7 +136,7 @@ def test_below_groups_of_heads_each_column_tells_of_its_group(tmp_path: Path):
 
 
 def test_a_row_without_a_deviation_goes_on_with_the_one_above_which_names_what_deviates(tmp_path: Path):
-    found = sort(read_sheet(sheet(tmp_path, CONTINUED)), MATRIX, {}, {})
+    found = sheets.sort(sheets.read_sheet(sheet(tmp_path, CONTINUED)), MATRIX, {}, {})
     assert list(found.drafts) == ["NO-flow", "LESS-pressure"]
     draft = found.drafts["NO-flow"]
     assert (draft.places, draft.texts["recommendation"], draft.texts["causes"]) == (
@@ -156,9 +147,9 @@ def test_a_row_without_a_deviation_goes_on_with_the_one_above_which_names_what_d
 
 
 def test_of_a_workbook_the_sheets_that_are_named_are_read(book: Path):
-    assert len(read_sheet(book, sheets=["HAZOP"])) == 4
+    assert len(sheets.read_sheet(book, sheets=["HAZOP"])) == 4
     with pytest.raises(InputError, match=r"no sheet .HAZARD.; did you mean .HAZOP."):
-        read_sheet(book, sheets=["HAZARD"])
+        sheets.read_sheet(book, sheets=["HAZARD"])
 
 
 STPA = (
@@ -170,15 +161,15 @@ STPA = (
 
 
 def test_the_four_ways_of_stpa_are_guidewords(tmp_path: Path):
-    lines = read_sheet(sheet(tmp_path, STPA))
+    lines = sheets.read_sheet(sheet(tmp_path, STPA))
     assert cells(lines) == ["NO-climb", "UNINTENDED-climb", "LATE-climb", "MORE-climb", "NO-hover"]
     only = MATRIX.only(["NO", "ASWELLAS", "LATE"])
-    assert [row.cell for row in sort(lines, only, {}, {}).rows][1] == "ASWELLAS-climb"
+    assert [row.cell for row in sheets.sort(lines, only, {}, {}).rows][1] == "ASWELLAS-climb"
 
 
 def test_a_matrix_with_guidewords_for_heads_has_a_deviation_in_each_cell(tmp_path: Path):
     path = sheet(tmp_path, "Parameter,NO,MORE,Zu spät\nRange,nothing,too long,\nBearing,,turned,late\n")
-    assert cells(read_sheet(path)) == ["NO-range", "MORE-range", "MORE-bearing", "LATE-bearing"]
+    assert cells(sheets.read_sheet(path)) == ["NO-range", "MORE-range", "MORE-bearing", "LATE-bearing"]
 
 
 @pytest.mark.parametrize(
@@ -191,19 +182,19 @@ def test_a_matrix_with_guidewords_for_heads_has_a_deviation_in_each_cell(tmp_pat
     ],
 )
 def test_a_row_that_makes_no_draft_says_why(tmp_path: Path, row: str, said: str):
-    lines = read_sheet(sheet(tmp_path, f"Node,Guideword,Deviation,Cause,Consequence\n{row}\n"))
-    assert [one.why for one in sort(lines, MATRIX, {}, {}).rows] == [said]
+    lines = sheets.read_sheet(sheet(tmp_path, f"Node,Guideword,Deviation,Cause,Consequence\n{row}\n"))
+    assert [one.why for one in sheets.sort(lines, MATRIX, {}, {}).rows] == [said]
 
 
 def test_without_a_column_of_guidewords_the_deviation_begins_with_one(tmp_path: Path):
-    lines = read_sheet(
+    lines = sheets.read_sheet(
         sheet(tmp_path, "Component,Deviation,Effect\nRadar,No echo,x\nRadar,More range,y\nRadar,as well as,z\n")
     )
     assert cells(lines) == ["NO-radar", "MORE-radar", "ASWELLAS-radar"]
 
 
 def test_two_guidewords_in_one_cell_are_two_cells(tmp_path: Path):
-    lines = read_sheet(sheet(tmp_path, "Node,Guideword,Deviation\nRadar,EARLY / LATE,at another time\n"))
+    lines = sheets.read_sheet(sheet(tmp_path, "Node,Guideword,Deviation\nRadar,EARLY / LATE,at another time\n"))
     assert cells(lines) == ["EARLY-radar", "LATE-radar"]
 
 
@@ -214,13 +205,17 @@ def test_two_guidewords_in_one_cell_are_two_cells(tmp_path: Path):
         ("a.xlsx", b"PK\x03\x04 cut", "is no workbook that can be read"),
         ("a.csv", b"one,two\n1,2\n", "no row has the heads of a HAZOP or STPA sheet"),
         ("a.csv", b"", "no row has the heads"),
-        ("a.csv", b"Node,Guideword,Deviation" + b",x" * MOST_COLUMNS + b"\n", "it must have at most 20,000 rows"),
+        (
+            "a.csv",
+            b"Node,Guideword,Deviation" + b",x" * sheets.MOST_COLUMNS + b"\n",
+            "it must have at most 20,000 rows",
+        ),
     ],
 )
 def test_what_is_no_sheet_is_refused_in_a_sentence(tmp_path: Path, name: str, content: bytes, said: str):
     path = tmp_path / name
     path.write_bytes(content)
-    told = refusal(read_sheet, path)
+    told = refusal(sheets.read_sheet, path)
     assert said in told
     assert told.startswith(str(path))
 
@@ -228,9 +223,9 @@ def test_what_is_no_sheet_is_refused_in_a_sentence(tmp_path: Path, name: str, co
 def test_a_workbook_that_unpacks_to_too_much_is_refused_before_it_is_read(tmp_path: Path):
     path = tmp_path / "bomb.xlsx"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as packed:
-        packed.writestr("xl/sharedStrings.xml", b" " * (SHEET_BYTES + 1))
+        packed.writestr("xl/sharedStrings.xml", b" " * (sheets.SHEET_BYTES + 1))
     with pytest.raises(InputError, match=r"bomb\.xlsx: it unpacks to 67,108,865 bytes of XML, and may to 67,108,864"):
-        read_sheet(path)
+        sheets.read_sheet(path)
 
 
 @pytest.mark.parametrize("row", [30_000, 1_048_576])
@@ -240,12 +235,12 @@ def test_a_sheet_ends_where_its_texts_end_not_where_its_colours_do(tmp_path: Pat
         made.active.append(texts)
     made.active.cell(row, 600).font = Font(bold=True)
     made.save(tmp_path / "a.xlsx")
-    (line,) = read_sheet(tmp_path / "a.xlsx")
+    (line,) = sheets.read_sheet(tmp_path / "a.xlsx")
     assert line.texts["causes"] == "1234567.25"
     made.active.cell(row, 1).value = "too far"
     made.save(tmp_path / "a.xlsx")
     with pytest.raises(InputError, match=f"has {row:,} rows"):
-        read_sheet(tmp_path / "a.xlsx")
+        sheets.read_sheet(tmp_path / "a.xlsx")
 
 
 @pytest.mark.parametrize("title", ["", "HAZOP, of the drone, in May, first part, second part\n"])
@@ -253,7 +248,7 @@ def test_a_sheet_ends_where_its_texts_end_not_where_its_colours_do(tmp_path: Pat
 def test_the_sign_between_cells_is_the_one_that_parts_the_heads(tmp_path: Path, comma: str, title: str):
     rows = (("Knoten", "Leitwort", "Abweichung", "Ursache"), ("radar", "kein", "a, b, c, d, e", "f, g, h, i"))
     text = title + "\n".join(map(comma.join, rows))
-    assert cells(read_sheet(sheet(tmp_path, text))) == ["NO-radar"]
+    assert cells(sheets.read_sheet(sheet(tmp_path, text))) == ["NO-radar"]
 
 
 @pytest.mark.parametrize("head", ["UCA type", "Guide word", "Type of UCA"])
@@ -262,22 +257,22 @@ def test_a_table_of_stpa_may_have_a_row_for_each_way(tmp_path: Path, head: str):
     rows = (f"1,brake,{way},it is so" for way in ways)
     text = "\n".join((f"UCA ID,Control action,{head},Unsafe control action", *rows))
     words = ("NO", "UNINTENDED", "LATE", "LESS", "MORE", "BEFORE")
-    assert cells(read_sheet(sheet(tmp_path, text))) == [f"{word}-brake" for word in words]
+    assert cells(sheets.read_sheet(sheet(tmp_path, text))) == [f"{word}-brake" for word in words]
 
 
 def test_a_refusal_names_the_heads_that_were_read_in_their_order(tmp_path: Path):
     with pytest.raises(InputError, match=r"read: 'zzz', 'causes', 'aaa', '7'"):
-        read_sheet(sheet(tmp_path, "Zzz,Causes,Aaa\n7,cause,x\n"))
+        sheets.read_sheet(sheet(tmp_path, "Zzz,Causes,Aaa\n7,cause,x\n"))
 
 
 def test_every_word_stands_for_one_guideword():
-    for word, known in WORDS.items():
-        assert {guideword_of(one) for one in known.split("|")} == {word}
+    for word, known in sheets.WORDS.items():
+        assert {sheets.guideword_of(one) for one in known.split("|")} == {word}
 
 
 @given(text=st.text(), taken=st.sets(st.from_regex(r"[a-z][a-z0-9_]{0,5}", fullmatch=True)))
 def test_every_text_gives_a_name_that_no_other_parameter_has(text: str, taken: set[str]):
-    name = parameter_name(text, taken)
+    name = sheets.parameter_name(text, taken)
     assert name not in taken
     assert f"NO-{name}" not in MATRIX or name in {one.id for one in MATRIX.parameters}
     assert name.isascii()

@@ -12,29 +12,7 @@ from options import usually
 from refused import refusal
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.requirement import (
-    ANY,
-    SIGHT_M,
-    TRUTH,
-    Compliance,
-    Kind,
-    Ranges,
-    Requirement,
-    Spans,
-    bounds_of,
-    cap_of,
-    check_caps,
-    comparisons,
-    constants,
-    episodes,
-    judge,
-    judge_signals,
-    load_requirements,
-    ranges_of,
-    verdict,
-    within_rock,
-    without,
-)
+from scaloft_fi.judge import requirement as requirements
 from scaloft_fi.judge.stl import CHANGES, Formula, FormulaError, parse, tokenize
 from scaloft_fi.sim import observer
 from scaloft_fi.sim.grid import load_grid
@@ -44,7 +22,7 @@ from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import BELIEFS
 
 STUDY = Path(__file__).resolve().parents[2] / "sim" / "requirements.yaml"
-REQUIREMENTS = {requirement.name: requirement for requirement in load_requirements(STUDY, READABLE)}
+REQUIREMENTS = {requirement.name: requirement for requirement in requirements.load_requirements(STUDY, READABLE)}
 
 CALM = {
     "clearance_m": 1.0,
@@ -66,9 +44,11 @@ def trace(samples: int, **signals: list[float]) -> dict[str, list[float]]:
     return calm | {"elapsed_s": [0.05 * i for i in range(samples)]} | signals
 
 
-def said(name: str, cut_short: bool = False, **signals: list[float]) -> tuple[Compliance, float | None, int]:
+def said(
+    name: str, cut_short: bool = False, **signals: list[float]
+) -> tuple[requirements.Compliance, float | None, int]:
     samples = len(next(iter(signals.values())))
-    reading = judge_signals(REQUIREMENTS[name], trace(samples, **signals), cut_short=cut_short).reading
+    reading = requirements.judge_signals(REQUIREMENTS[name], trace(samples, **signals), cut_short=cut_short).reading
     return reading.compliance, reading.violated_at_s and round(reading.violated_at_s, 2), reading.triggered
 
 
@@ -84,8 +64,12 @@ def test_the_study_has_the_four_requirements_of_their_kinds():
 NEAR, FAST = {"person_sight_m": [2.0] * 60}, {"speed_mps": [0.5] * 60}
 COMES = {"person_sight_m": [100.0] * 60 + [2.9] * 60}
 """A person comes near at 3.0 s (sample 60): 2 s later, sample 100, the drone must be slow."""
-VIOLATED, HELD, VACUOUS = Compliance.VIOLATED, Compliance.HELD, Compliance.VACUOUS
-SAID: dict[str, tuple[str, dict[str, list[float]], tuple[Compliance, float | None, int]]] = {
+VIOLATED, HELD, VACUOUS = (
+    requirements.Compliance.VIOLATED,
+    requirements.Compliance.HELD,
+    requirements.Compliance.VACUOUS,
+)
+SAID: dict[str, tuple[str, dict[str, list[float]], tuple[requirements.Compliance, float | None, int]]] = {
     "a contact of a tenth of a centimetre": ("SR1", {"clearance_m": [0.4, 0.2, -0.001, 0.3]}, (VIOLATED, 0.1, 1)),
     "slow too late": ("SR2", COMES | {"speed_mps": [0.5] * 101 + [0.2] * 19}, (VIOLATED, 5.0, 1)),
     "slow in time": ("SR2", COMES | {"speed_mps": [0.5] * 100 + [0.2] * 20}, (HELD, None, 1)),
@@ -124,26 +108,30 @@ def test_a_requirement_of_the_study_says_what_happened(what: str):
 
 
 def test_sr1_holds_at_a_hair_and_its_robustness_is_the_least_clearance():
-    judgement = judge_signals(REQUIREMENTS["SR1"], trace(3, clearance_m=[0.4, 0.001, 0.3]), cut_short=False)
-    assert judgement.reading.compliance is Compliance.HELD
+    judgement = requirements.judge_signals(
+        REQUIREMENTS["SR1"], trace(3, clearance_m=[0.4, 0.001, 0.3]), cut_short=False
+    )
+    assert judgement.reading.compliance is requirements.Compliance.HELD
     assert judgement.reading.rho == 0.001
     assert judgement.sample is None
 
 
 def test_sr2_robustness_is_a_share_of_the_limit():
     signals = trace(60, person_sight_m=[1.5] * 60, speed_mps=[0.2] * 60)
-    assert judge_signals(REQUIREMENTS["SR2"], signals, cut_short=False).reading.rho == pytest.approx(0.2)
+    assert requirements.judge_signals(REQUIREMENTS["SR2"], signals, cut_short=False).reading.rho == pytest.approx(0.2)
 
 
 def test_what_was_not_violated_when_a_flight_is_cut_short_is_open():
-    assert said("OP1", cut_short=True, waypoints_left=[3, 3])[0] is Compliance.OPEN
-    assert said("SR2", cut_short=True, person_sight_m=[2.0] * 60, speed_mps=[0.2] * 60)[0] is Compliance.OPEN
-    assert said("SR1", cut_short=True, clearance_m=[0.1, -0.001])[0] is Compliance.VIOLATED
+    assert said("OP1", cut_short=True, waypoints_left=[3, 3])[0] is requirements.Compliance.OPEN
+    assert (
+        said("SR2", cut_short=True, person_sight_m=[2.0] * 60, speed_mps=[0.2] * 60)[0] is requirements.Compliance.OPEN
+    )
+    assert said("SR1", cut_short=True, clearance_m=[0.1, -0.001])[0] is requirements.Compliance.VIOLATED
 
 
 def test_a_log_is_judged_by_its_signals_and_its_ending():
     log = SimpleNamespace(signals=trace(3), ending=SimpleNamespace(cut_short=True))
-    assert judge(REQUIREMENTS["SR1"], log).open  # type: ignore[arg-type]
+    assert requirements.judge(REQUIREMENTS["SR1"], log).open  # type: ignore[arg-type]
 
 
 margins = st.lists(st.integers(-3, 3).map(float), min_size=1, max_size=30)
@@ -151,14 +139,14 @@ margins = st.lists(st.integers(-3, 3).map(float), min_size=1, max_size=30)
 
 @given(margins)
 def test_the_first_violation_is_the_end_of_the_shortest_violated_prefix(margin: list[float]):
-    requirement = Requirement("R", Kind.SAFETY, "always(once[0:0.1](m >= 0))")
+    requirement = requirements.Requirement("R", requirements.Kind.SAFETY, "always(once[0:0.1](m >= 0))")
     times = [0.05 * i for i in range(len(margin))]
 
     def violated(length: int) -> bool:
         signals = {"elapsed_s": times[:length], "m": margin[:length]}
-        return judge_signals(requirement, signals, cut_short=False).reading.rho < 0
+        return requirements.judge_signals(requirement, signals, cut_short=False).reading.rho < 0
 
-    judgement = judge_signals(requirement, {"elapsed_s": times, "m": margin}, cut_short=False)
+    judgement = requirements.judge_signals(requirement, {"elapsed_s": times, "m": margin}, cut_short=False)
     shortest = next((length for length in range(1, len(margin) + 1) if violated(length)), None)
     assert judgement.sample == (None if shortest is None else shortest - 1)
     # once violated, a longer flight stays violated
@@ -169,7 +157,7 @@ def test_the_first_violation_is_the_end_of_the_shortest_violated_prefix(margin: 
 @given(margins)
 def test_triggers_are_counted_as_episodes(margin: list[float]):
     on = "".join("1" if value >= 0 else "0" for value in margin)
-    assert episodes(margin) == len([run for run in on.split("0") if run])
+    assert requirements.episodes(margin) == len([run for run in on.split("0") if run])
 
 
 def written(folder: Path, text: str) -> Path:
@@ -205,45 +193,51 @@ GOOD = "requirements:\n  R:\n    kind: safety\n    formula: always(clearance_m >
     ],
 )
 def test_a_bad_file_is_one_sentence_with_its_line(tmp_path: Path, text: str, said: str):
-    assert said in refusal(load_requirements, written(tmp_path, text), READABLE)
+    assert said in refusal(requirements.load_requirements, written(tmp_path, text), READABLE)
 
 
 def test_definitions_may_build_on_those_above_them(tmp_path: Path):
     text = (
         GOOD.replace("clearance_m > 0", "far") + "definitions:\n  close: x_m < 1\n  far: not close\n  other: y_m > 0\n"
     )
-    (requirement,) = load_requirements(written(tmp_path, text), READABLE)
+    (requirement,) = requirements.load_requirements(written(tmp_path, text), READABLE)
     assert [name for name, _ in requirement.definitions] == ["close", "far"]
     signals = {name: [2.0, 0.5] for name in READABLE} | {"elapsed_s": [0.0, 0.05]}
-    assert judge_signals(requirement, signals, cut_short=False).reading.rho == -0.5
+    assert requirements.judge_signals(requirement, signals, cut_short=False).reading.rho == -0.5
 
 
 @pytest.mark.parametrize("formula", ["always(1 / a > 0)", "always(sqrt(a - 1) >= 0)"])
 def test_what_has_no_value_in_a_flight_is_one_sentence_that_names_the_requirement(formula: str):
-    requirement = Requirement("A", Kind.SAFETY, formula)
+    requirement = requirements.Requirement("A", requirements.Kind.SAFETY, formula)
     with pytest.raises(InputError, match=r"requirement A cannot be judged: .* at sample 1"):
-        judge_signals(requirement, {"a": [1.0, 0.0], "elapsed_s": [0.0, 0.05]}, cut_short=False)
+        requirements.judge_signals(requirement, {"a": [1.0, 0.0], "elapsed_s": [0.0, 0.05]}, cut_short=False)
 
 
-RANGES: Ranges = {
+RANGES: requirements.Ranges = {
     "x_m": ((-6.0, 2.0),),
     "speed_mps": ((0.0, math.inf),),
     "light": ((0.0, 1.0),),
     "landed": ((0.0, 0.0), (1.0, 1.0)),
     "person_sight_m": ((0.0, 6.0), (100.0, 100.0)),
-    "other": ANY,
+    "other": requirements.ANY,
 }
 
 
-def bounds(text: str) -> Spans:
-    return bounds_of(Formula.parse(text, RANGES.keys()), RANGES)
+def bounds(text: str) -> requirements.Spans:
+    return requirements.bounds_of(Formula.parse(text, RANGES.keys()), RANGES)
 
 
 @pytest.mark.parametrize(("text", "always"), [("once", False), ("historically", True)])
 def test_a_window_that_begins_after_the_longest_flight_is_empty(text: str, always: bool):
     ranges = {**RANGES, "elapsed_s": ((0.0, 599.0),)}
-    assert verdict(bounds_of(Formula.parse(f"{text}[600:600](other > 3)", RANGES), ranges)) is always
-    assert verdict(bounds_of(Formula.parse(f"{text}[599:600](other > 3)", RANGES), ranges)) is None
+    assert (
+        requirements.verdict(requirements.bounds_of(Formula.parse(f"{text}[600:600](other > 3)", RANGES), ranges))
+        is always
+    )
+    assert (
+        requirements.verdict(requirements.bounds_of(Formula.parse(f"{text}[599:600](other > 3)", RANGES), ranges))
+        is None
+    )
 
 
 @pytest.mark.parametrize(
@@ -280,12 +274,12 @@ def test_a_window_that_begins_after_the_longest_flight_is_empty(text: str, alway
     ],
 )
 def test_a_formula_that_no_flight_can_change_is_known(text: str, always: bool | None):
-    assert verdict(bounds(text)) is always
+    assert requirements.verdict(bounds(text)) is always
 
 
 def test_a_comparison_that_is_always_the_same_is_told_as_a_user_writes_it():
     formula = Formula.parse("(x_m / 2 < 30) and ((light > 0.5) or (abs(x_m) > 7))", RANGES.keys())
-    assert list(constants(formula, RANGES)) == [("x_m / 2 < 30", True), ("abs(x_m) > 7", False)]
+    assert list(requirements.constants(formula, RANGES)) == [("x_m / 2 < 30", True), ("abs(x_m) > 7", False)]
 
 
 ATOMS = st.sampled_from(
@@ -330,7 +324,7 @@ FORMULAS = st.recursive(
 def samples(draw: st.DrawFn) -> dict[str, list[float]]:
     """Three samples of each signal within its range."""
 
-    def column(spans: Spans) -> list[float]:
+    def column(spans: requirements.Spans) -> list[float]:
         within = st.one_of(*(st.floats(max(low, -1e3), min(high, 1e3)) for low, high in spans))
         return draw(st.lists(within, min_size=3, max_size=3))
 
@@ -340,7 +334,7 @@ def samples(draw: st.DrawFn) -> dict[str, list[float]]:
 @given(text=FORMULAS, signals=samples())
 def test_robustness_lies_within_the_bounds(text: str, signals: dict[str, list[float]]):
     formula = Formula.parse(text, RANGES.keys())
-    spans = bounds_of(formula, RANGES)
+    spans = requirements.bounds_of(formula, RANGES)
     for value in formula.robustness(signals):
         inside = any(low - 1e-9 <= value <= high + 1e-9 for low, high in spans)
         assert inside or abs(value) == 1e9, (text, value, spans)  # 1e9 stands for an infinite robustness
@@ -367,7 +361,7 @@ def test_robustness_lies_within_the_bounds(text: str, signals: dict[str, list[fl
 )
 def test_a_threshold_where_a_signal_is_not_measured_is_refused_with_the_cap_and_what_is_allowed(text: str, said: str):
     with pytest.raises(FormulaError) as caught:
-        check_caps(text, REFERENCE.caps)
+        requirements.check_caps(text, REFERENCE.caps)
     assert said in str(caught.value)
 
 
@@ -393,15 +387,17 @@ def test_a_threshold_where_a_signal_is_not_measured_is_refused_with_the_cap_and_
     ],
 )
 def test_a_threshold_within_what_is_measured_or_too_much_to_read_is_let_pass(text: str):
-    check_caps(text)
+    requirements.check_caps(text)
 
 
 def test_a_person_is_in_sight_as_far_as_the_observer_looks():
-    assert SIGHT_M == observer.SIGHT_M
+    assert requirements.SIGHT_M == observer.SIGHT_M
 
 
 def test_every_clearance_has_a_cap_and_other_places_and_times_have_none():
-    capped = {name for name in signal_names(("wall", "left_wall"), BELIEFS) if cap_of(name, REFERENCE.caps)}
+    capped = {
+        name for name in signal_names(("wall", "left_wall"), BELIEFS) if requirements.cap_of(name, REFERENCE.caps)
+    }
     clearances = {"clearance_m", "clearance_wall_m", "clearance_left_wall_m"}
     assert capped == clearances | {"waypoint_wall_m", "person_sight_m", "person_range_m", "told_range_m"}
 
@@ -429,7 +425,7 @@ sums = st.recursive(
 @given(sums, st.sampled_from(["<", "<=", ">", ">="]), sums)
 def test_what_is_read_as_a_threshold_is_where_the_library_changes_its_mind(left: str, sign: str, right: str):
     text = f"always({left} {sign} {right})"
-    for _, signal, _, threshold in comparisons(parse(tokenize(text))):
+    for _, signal, _, threshold in requirements.comparisons(parse(tokenize(text))):
         assert signal == "a"
         at, below, above = Formula.parse(text.removeprefix("always"), ["a"]).robustness(
             {"a": [threshold, threshold - 1.0, threshold + 1.0]}
@@ -442,21 +438,21 @@ WORLD = load_grid(Path(__file__).parents[2] / "sim").world()
 
 
 def test_every_range_is_of_a_signal_and_agrees_with_its_cap():
-    assert TRUTH.keys() <= {*TRUTH_NAMES, *SIGNALS, *HAPPENINGS["dust"].signals}
-    for name, spans in TRUTH.items():
-        cap = cap_of(name)
+    assert requirements.TRUTH.keys() <= {*TRUTH_NAMES, *SIGNALS, *HAPPENINGS["dust"].signals}
+    for name, spans in requirements.TRUTH.items():
+        cap = requirements.cap_of(name)
         assert cap is None or spans[0][1] == cap.most_m, name
 
 
 def test_bodies_beliefs_and_marks_have_their_ranges():
-    ranges = ranges_of(WORLD, BELIEFS, [clearance_name("bar"), "mode", "nothing_known", "clearance_m"])
+    ranges = requirements.ranges_of(WORLD, BELIEFS, [clearance_name("bar"), "mode", "nothing_known", "clearance_m"])
     assert ranges[clearance_name("bar")] == ranges["clearance_m"] == ((-float("inf"), 1.0),)
     assert ranges["mode"][0][0] == 0.0
-    assert ranges["nothing_known"] == ANY
+    assert ranges["nothing_known"] == requirements.ANY
 
 
 def test_the_rock_bounds_the_position_and_a_study_has_its_person():
-    rock = within_rock(WORLD)
+    rock = requirements.within_rock(WORLD)
     assert -6.1 < rock["x_m"][0][0] < -5.4
     assert rock["z_m"] == (pytest.approx((0.0, 2.7)),)
-    assert without(WORLD) == {}
+    assert requirements.without(WORLD) == {}

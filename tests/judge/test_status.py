@@ -9,22 +9,8 @@ from builders import campaigns, outcome, seeded
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from scaloft_fi.judge import status
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, pack_track
-from scaloft_fi.judge.status import (
-    Facts,
-    Ruling,
-    Status,
-    agreement,
-    baseline_status,
-    counting,
-    facts_of,
-    flight_of,
-    flights_of,
-    furthest,
-    parting_s,
-    rule,
-    rulings_of,
-)
 
 M = "LATE-human@3s"
 HELD = outcome()
@@ -32,8 +18,8 @@ HELD = outcome()
 CUT = outcome(violated={"SR1": 30.0}, struck="bar")
 
 
-def ruling(flight: Outcome, baseline: Outcome | None = HELD) -> Ruling:
-    return rule(flight, counting(baseline))
+def ruling(flight: Outcome, baseline: Outcome | None = HELD) -> status.Ruling:
+    return status.rule(flight, status.counting(baseline))
 
 
 @pytest.mark.parametrize(
@@ -74,7 +60,7 @@ def test_the_first_status_that_fits(flight: Outcome, baseline: Outcome | None, e
 
 
 def test_a_spurious_sample_on_a_silent_seam_infects():
-    assert ruling(outcome(M, carried=0, altered=3)).status is Status.SURVIVED
+    assert ruling(outcome(M, carried=0, altered=3)).status is status.Status.SURVIVED
 
 
 def test_what_is_revealed_names_its_requirements_earliest_first():
@@ -94,34 +80,34 @@ def test_a_flight_that_changes_nothing_still_says_what_it_violates():
 
 
 def test_a_baseline_is_held_or_violated_by_its_safety_requirements():
-    assert baseline_status(HELD) == "held"
-    assert baseline_status(CUT) == "violated"
-    assert baseline_status(outcome(violated={"OP1": 60.0, "SR2-literal": 3.0})) == "held"
-    assert baseline_status(outcome(invalid="x")) == "invalid"
+    assert status.baseline_status(HELD) == "held"
+    assert status.baseline_status(CUT) == "violated"
+    assert status.baseline_status(outcome(violated={"OP1": 60.0, "SR2-literal": 3.0})) == "held"
+    assert status.baseline_status(outcome(invalid="x")) == "invalid"
 
 
 def test_a_mutants_status_is_the_furthest_stage_that_a_flight_reached():
     flights = [outcome(M, altered=0), outcome(M, digest="clean"), outcome(M, invalid="x")]
-    assert furthest(ruling(flight).status for flight in flights) is Status.MASKED
-    assert furthest([]) is Status.INVALID
+    assert status.furthest(ruling(flight).status for flight in flights) is status.Status.MASKED
+    assert status.furthest([]) is status.Status.INVALID
 
 
 @given(st.one_of(campaigns(), seeded()))
 @settings(deadline=None)
 def test_every_flight_is_ruled_as_it_is_beside_its_baseline(flown: list[Outcome]):
-    found = rulings_of(flown)
+    found = status.rulings_of(flown)
     ruled = {
         (mutant.id, situation, one.seed): one
         for mutant, situations in found.mutants.items()
         for situation, flights in situations.items()
         for one in flights
     }
-    beside = flights_of(flown)
+    beside = status.flights_of(flown)
     assert len(ruled) == len(beside) == sum(len(flights) for s in found.mutants.values() for flights in s.values())
     for flight in beside:
         one = ruled[flight.outcome.mutant, flight.outcome.situation, flight.outcome.seed]
         assert one.ruling is flight.ruling
-        assert tuple(one.violations) == (() if flight.status is Status.INVALID else flight.outcome.violations)
+        assert tuple(one.violations) == (() if flight.status is status.Status.INVALID else flight.outcome.violations)
     assert sorted(one.name for one in found.baselines) == sorted(one.name for one in flown if one.mutant == BASELINE)
     assert found.draws == {(one.situation, one.seed) for one in flown if one.mutant != BASELINE and not one.invalid}
     assert found.situations == {one.situation for one in flown}
@@ -131,7 +117,7 @@ def test_every_flight_is_ruled_as_it_is_beside_its_baseline(flown: list[Outcome]
 @settings(deadline=None, max_examples=20)
 def test_the_order_of_outcomes_changes_no_ruling(flown: list[Outcome], chance: random.Random):
     shuffled = chance.sample(flown, len(flown))
-    one, other = rulings_of(flown), rulings_of(shuffled)
+    one, other = status.rulings_of(flown), status.rulings_of(shuffled)
     assert one.mutants == other.mutants
     for situations in other.mutants.values():
         for flights in situations.values():
@@ -139,26 +125,26 @@ def test_the_order_of_outcomes_changes_no_ruling(flown: list[Outcome], chance: r
 
 
 def test_there_are_rulings_where_anything_was_flown():
-    assert not rulings_of([])
-    assert rulings_of([outcome()])
-    assert rulings_of([outcome(M)])
+    assert not status.rulings_of([])
+    assert status.rulings_of([outcome()])
+    assert status.rulings_of([outcome(M)])
 
 
 def test_an_invalid_flight_has_no_baseline():
     invalid = outcome(invalid="worker died")
     for flight, baseline in ((outcome(M, invalid="x"), outcome()), (outcome(M), None), (outcome(M), invalid)):
-        found = flight_of(flight, baseline)
-        assert (found.status, found.baseline) == (Status.INVALID, None)
+        found = status.flight_of(flight, baseline)
+        assert (found.status, found.baseline) == (status.Status.INVALID, None)
 
 
 @given(campaigns())
 def test_every_flight_of_a_mutant_has_one_status_and_what_is_revealed_names_a_requirement(
     outcomes: list[Outcome],
 ):
-    flights = flights_of(outcomes)
+    flights = status.flights_of(outcomes)
     assert len(flights) == sum(outcome.mutant != BASELINE for outcome in outcomes)
     for flight in flights:
-        assert (flight.status is Status.REVEALED) == bool(flight.revealed)
+        assert (flight.status is status.Status.REVEALED) == bool(flight.revealed)
         assert set(flight.revealed) <= {"SR1", "SR2"}
         assert set(flight.operability_revealed) <= {"OP1"}
 
@@ -169,7 +155,7 @@ NAME = f"{M}/T0O0W0D0H0/0"
 @given(campaigns())
 def test_a_campaign_agrees_with_itself_to_the_bit(outcomes: list[Outcome]):
     once = list({outcome.name: outcome for outcome in outcomes}.values())
-    compared = agreement(once, once[::-1])
+    compared = status.agreement(once, once[::-1])
     assert sorted(compared.equal) == sorted(outcome.name for outcome in once if not outcome.invalid)
     assert (compared.bits, compared.facts) == ((), {})
 
@@ -178,7 +164,7 @@ def test_a_campaign_agrees_with_itself_to_the_bit(outcomes: list[Outcome]):
 def test_other_last_bits_of_every_flight_leave_all_facts(outcomes: list[Outcome]):
     once = list({outcome.name: outcome for outcome in outcomes}.values())
     other = [replace(outcome, digest=f"{outcome.digest}, other") for outcome in once]
-    compared = agreement(once, other)
+    compared = status.agreement(once, other)
     assert compared.facts == {}
     assert sorted(compared.bits) == sorted(outcome.name for outcome in once if not outcome.invalid)
 
@@ -186,14 +172,14 @@ def test_other_last_bits_of_every_flight_leave_all_facts(outcomes: list[Outcome]
 def test_a_mutant_that_is_masked_on_one_platform_only_differs_in_more_than_bits():
     here = [outcome(digest="a"), outcome(M, digest="a")]
     there = [outcome(digest="b"), outcome(M, digest="c")]
-    compared = agreement(there, here)
+    compared = status.agreement(there, here)
     assert compared.bits == ("baseline/T0O0W0D0H0/0",)
-    assert compared.facts == {NAME: (Facts("survived", "landed", ()), Facts("masked", "landed", ()))}
+    assert compared.facts == {NAME: (status.Facts("survived", "landed", ()), status.Facts("masked", "landed", ()))}
     assert compared.named() == f"{NAME} (masked, landed here, survived, landed there)"
 
 
 def test_without_a_baseline_on_one_side_the_status_is_not_compared():
-    compared = agreement([outcome(M, digest="c")], [outcome(digest="b"), outcome(M, digest="b")])
+    compared = status.agreement([outcome(M, digest="c")], [outcome(digest="b"), outcome(M, digest="b")])
     assert compared.bits == (NAME,)
 
 
@@ -201,18 +187,18 @@ def test_without_a_baseline_on_one_side_the_status_is_not_compared():
 def test_another_ending_or_violation_is_another_fact(change: dict[str, object]):
     first = outcome(M)
     second = outcome(M, violated={"SR2": 5.0}) if "violated" in change else replace(first, ending="struck")
-    assert list(agreement([first], [replace(second, digest="b")]).facts) == [NAME]
+    assert list(status.agreement([first], [replace(second, digest="b")]).facts) == [NAME]
 
 
 def test_a_message_names_three_flights_and_counts_the_rest():
     flights = [outcome(M, seed=seed, digest="a") for seed in range(5)]
-    compared = agreement(flights, [replace(flight, digest="b", ending="struck") for flight in flights])
+    compared = status.agreement(flights, [replace(flight, digest="b", ending="struck") for flight in flights])
     assert compared.named().count(M) == 3
     assert compared.named().endswith(" and 2 more")
 
 
 def test_a_baseline_is_held_or_violated():
-    facts = facts_of([outcome(violated={"SR2": 5.0}), outcome(seed=1)])
+    facts = status.facts_of([outcome(violated={"SR2": 5.0}), outcome(seed=1)])
     assert [one.status for one in facts.values()] == ["violated", "held"]
 
 
@@ -225,4 +211,4 @@ def _track(x_m: list[float]) -> bytes:
 @pytest.mark.parametrize(("apart_m", "expected_s"), [(0.0, None), (0.0005, None), (0.002, 0.4)])
 def test_tracks_part_where_the_positions_are_a_millimetre_apart(apart_m: float, expected_s: float | None):
     first, second = [0.0] * 12, [0.0] * 8 + [apart_m] * 4
-    assert parting_s(_track(first), _track(second)) == pytest.approx(expected_s)
+    assert status.parting_s(_track(first), _track(second)) == pytest.approx(expected_s)

@@ -15,19 +15,7 @@ from options import as_recorded
 from refused import refusal
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.matrix import (
-    Cell,
-    CellStatus,
-    Expected,
-    Fault,
-    Guideword,
-    Magnitude,
-    Matrix,
-    Name,
-    Parameter,
-    parse,
-    split_magnitude,
-)
+from scaloft_fi.hazop import matrix as matrices
 from scaloft_fi.mutants import catalogue
 from scaloft_fi.mutants.catalogue import default_of, defaults, derive, realise, select, source_of, with_events
 from scaloft_fi.mutants.check_operator import check_operator
@@ -41,20 +29,31 @@ from scaloft_fi.stack.reference.declaration import REFERENCE
 FACTS = Facts(settings={"memory": {"voxel_m": 0.15}})
 
 
-def a_matrix(*faults: Fault) -> Matrix:
+def a_matrix(*faults: matrices.Fault) -> matrices.Matrix:
     """One cell NO-human with `faults`, and one that is not meaningful."""
-    words = (Guideword("NO", "NO", "nothing"), Guideword("EARLY", "EARLY", "too early"))
+    words = (matrices.Guideword("NO", "NO", "nothing"), matrices.Guideword("EARLY", "EARLY", "too early"))
     cells = {
-        ("NO", "human"): Cell("NO", "human", CellStatus.CREDIBLE, "never seen", ("dead",), "fast", ("SR2",), faults),
-        ("EARLY", "human"): Cell("EARLY", "human", CellStatus.NOT_MEANINGFUL, reason="no time machine"),
+        ("NO", "human"): matrices.Cell(
+            "NO", "human", matrices.CellStatus.CREDIBLE, "never seen", ("dead",), "fast", ("SR2",), faults
+        ),
+        ("EARLY", "human"): matrices.Cell(
+            "EARLY", "human", matrices.CellStatus.NOT_MEANINGFUL, reason="no time machine"
+        ),
     }
-    return Matrix(words, (Parameter("human", "person", "is seen", "detector", "-"),), cells)
+    return matrices.Matrix(words, (matrices.Parameter("human", "person", "is seen", "detector", "-"),), cells)
 
 
-BURSTS = Fault(
-    "person", "outage", {"period_s": 10.0}, Magnitude("burst_s", "s", (1.0, 3.0), 3.0), phases=True, message=Detections
+BURSTS = matrices.Fault(
+    "person",
+    "outage",
+    {"period_s": 10.0},
+    matrices.Magnitude("burst_s", "s", (1.0, 3.0), 3.0),
+    phases=True,
+    message=Detections,
 )
-SHARES = Fault("person", "drop", {}, Magnitude("share", "%", (25.0, 100.0), 100.0, 0.01), message=Detections)
+SHARES = matrices.Fault(
+    "person", "drop", {}, matrices.Magnitude("share", "%", (25.0, 100.0), 100.0, 0.01), message=Detections
+)
 
 
 def test_mutants_come_in_the_order_fault_magnitude_phase():
@@ -85,8 +84,13 @@ def test_the_unit_picks_the_fault_and_the_ladder_is_no_limit():
 
 
 EVENTS = {"sight": "", "recoil": "", "light": "world.yaml has no happening of kind light"}
-FLAGS = Fault(
-    "person", "outage", {"burst_s": 1.0}, Magnitude("period_s", "s", (20.0, 5.0), 20.0), phases=True, message=Detections
+FLAGS = matrices.Fault(
+    "person",
+    "outage",
+    {"burst_s": 1.0},
+    matrices.Magnitude("period_s", "s", (20.0, 5.0), 20.0),
+    phases=True,
+    message=Detections,
 )
 
 
@@ -123,7 +127,7 @@ def test_an_operator_whose_phase_shifts_windows_of_its_own_fails_its_check(monke
     assert ["phase_s" in failure for failure in check_operator("outage").failures] == [True]
 
 
-def test_every_fault_of_the_reference_study_with_phases_strikes_at_events(matrix: Matrix):
+def test_every_fault_of_the_reference_study_with_phases_strikes_at_events(matrix: matrices.Matrix):
     phased = {fault.operator for cell in matrix for fault in cell.faults if fault.phases}
     assert phased == {fault.operator for cell in matrix for fault in cell.faults if fault.events}
     assert {m.event for m in derive(matrix)} == {"", "sight", "obstacle", "waypoint", "person", "recoil", "mode"}
@@ -140,14 +144,14 @@ WRONG: dict[str, dict[str, Any]] = {
     "phases of an operator without": {"phases": True},
     "a rung out of range": {
         "arguments": {},
-        "magnitude": Magnitude("share", "%", (150.0,), 150.0, 0.01, place="human.yaml:8"),
+        "magnitude": matrices.Magnitude("share", "%", (150.0,), 150.0, 0.01, place="human.yaml:8"),
     },
 }
 """What is wrong with a fault of the matrix, which stands in line 5."""
 PLACES = {"operator": "human.yaml:7", "seam": "human.yaml:6", "share": "human.yaml:9", "delay_s": "human.yaml:9"}
 
 
-def test_what_is_no_mutant_is_refused_with_the_reason_and_the_nearest_name(matrix: Matrix):
+def test_what_is_no_mutant_is_refused_with_the_reason_and_the_nearest_name(matrix: matrices.Matrix):
     small = a_matrix(BURSTS, SHARES)
     plain = "NO-human@120%", "NO-human@3m", "NO-human@all", "NO-human@25%#5s", "EARLY-human", "NO-humna"
     said = {text: refusal(realise, small, text) for text in plain}
@@ -155,21 +159,23 @@ def test_what_is_no_mutant_is_refused_with_the_reason_and_the_nearest_name(matri
     said |= {text: refusal(realise, with_events(small, EVENTS), text) for text in events}
     patterns = "LATE-humna", "LATE-humna*", "late-human", "LATE-human@-1s", "EARLY-goal"
     said |= {f"select {pattern}": refusal(ids, matrix, pattern) for pattern in patterns}
-    fault = Fault("person", "drop", {"share": 1.0}, place="human.yaml:5", places=PLACES, message=Detections)
+    fault = matrices.Fault("person", "drop", {"share": 1.0}, place="human.yaml:5", places=PLACES, message=Detections)
     said |= {what: refusal(derive, a_matrix(replace(fault, **change))) for what, change in WRONG.items()}
     as_recorded(__file__, said)
 
 
 def test_what_is_expected_of_a_mutant_is_found_again():
-    known = Expected("nobody is there", (25.0,))
-    matrix = a_matrix(Fault("person", "drop", {}, SHARES.magnitude, expected=known, message=Detections))
+    known = matrices.Expected("nobody is there", (25.0,))
+    matrix = a_matrix(matrices.Fault("person", "drop", {}, SHARES.magnitude, expected=known, message=Detections))
     sources = [source_of(matrix, mutant) for mutant in derive(matrix)]
     assert [fault.expects(rung) for fault, rung in sources] == [known, None]
 
 
-def test_every_credible_and_control_cell_of_the_study_has_mutants_that_patch_their_seam(matrix: Matrix):
+def test_every_credible_and_control_cell_of_the_study_has_mutants_that_patch_their_seam(matrix: matrices.Matrix):
     derived = derive(matrix)
-    assert {mutant.cell for mutant in derived} == {c.name for c in matrix if c.status is not CellStatus.NOT_MEANINGFUL}
+    assert {mutant.cell for mutant in derived} == {
+        c.name for c in matrix if c.status is not matrices.CellStatus.NOT_MEANINGFUL
+    }
     assert {mutant.id for mutant in defaults(matrix)} <= {mutant.id for mutant in derived}
     assert len({mutant.id for mutant in derived}) == len(derived)
     for mutant in derived:
@@ -179,16 +185,16 @@ def test_every_credible_and_control_cell_of_the_study_has_mutants_that_patch_the
         assert set(getattr(wire, "counts")) == {mutant.seam}  # noqa: B009 - the baseline's wire has none
 
 
-def ids(matrix: Matrix, *patterns: str) -> list[str]:
+def ids(matrix: matrices.Matrix, *patterns: str) -> list[str]:
     return [mutant.id for mutant in select(patterns, matrix, derive(matrix))]
 
 
-def test_a_bare_cell_name_is_its_default(matrix: Matrix):
+def test_a_bare_cell_name_is_its_default(matrix: matrices.Matrix):
     assert ids(matrix, "LATE-human") == ["LATE-human@3s"]
     assert ids(matrix, "LATE-human", "LATE-human@3s", "LATE-human@3.0s") == ["LATE-human@3s"]
 
 
-def test_a_pattern_is_the_whole_ladder_with_its_phases(matrix: Matrix):
+def test_a_pattern_is_the_whole_ladder_with_its_phases(matrix: matrices.Matrix):
     assert ids(matrix, "LATE-human*") == ["LATE-human@0.5s", "LATE-human@1s", "LATE-human@3s", "LATE-human@5s"]
     assert ids(matrix, "UNINTENDED-collision@20s*") == [
         f"UNINTENDED-collision@20s{phase}"
@@ -197,19 +203,19 @@ def test_a_pattern_is_the_whole_ladder_with_its_phases(matrix: Matrix):
     assert ids(matrix, "UNINTENDED-collision@20s#*s") == [f"UNINTENDED-collision@20s#{p}s" for p in (5, 10, 15)]
 
 
-def test_a_pattern_of_cell_names_is_their_defaults(matrix: Matrix):
+def test_a_pattern_of_cell_names_is_their_defaults(matrix: matrices.Matrix):
     human = [default_of(cell).id for cell in matrix if cell.parameter == "human" and cell.faults]
     assert len(human) > 5
     assert ids(matrix, "*-human") == human
     assert ids(matrix, "LATE-huma?") == ["LATE-human@3s"]
 
 
-def test_the_unit_picks_the_operator_where_a_cell_has_two(matrix: Matrix):
+def test_the_unit_picks_the_operator_where_a_cell_has_two(matrix: matrices.Matrix):
     chosen = select(["NO-depth@3s", "NO-depth@50%"], matrix, derive(matrix))
     assert [mutant.operator for mutant in chosen] == ["outage", "drop"]
 
 
-def test_a_magnitude_and_a_phase_off_the_catalogue_are_accepted(matrix: Matrix):
+def test_a_magnitude_and_a_phase_off_the_catalogue_are_accepted(matrix: matrices.Matrix):
     assert ids(matrix, "LATE-human@2.5s", "UNINTENDED-collision#7s") == [
         "LATE-human@2.5s",
         "UNINTENDED-collision@20s#7s",
@@ -232,19 +238,19 @@ VALUES = st.one_of(st.booleans(), st.floats(allow_nan=False), st.sampled_from(["
 
 @given(
     st.one_of(
-        st.builds(Name, GUIDEWORDS, PARAMETERS, MAGNITUDES, PHASES),
-        st.builds(Name, GUIDEWORDS, PARAMETERS, MAGNITUDES, event=EVENT_NAMES),
+        st.builds(matrices.Name, GUIDEWORDS, PARAMETERS, MAGNITUDES, PHASES),
+        st.builds(matrices.Name, GUIDEWORDS, PARAMETERS, MAGNITUDES, event=EVENT_NAMES),
     )
 )
-def test_an_id_reads_back_as_it_was_written(name: Name):
-    assert parse(str(name)) == name
-    assert str(parse(str(name))) == str(name)
+def test_an_id_reads_back_as_it_was_written(name: matrices.Name):
+    assert matrices.parse(str(name)) == name
+    assert str(matrices.parse(str(name))) == str(name)
     assert "/" not in str(name)
 
 
 @given(st.floats(1e-4, 1e4), st.sampled_from(["s", "ms", "x", "%", "m", "EV", "radps", "Hz", ""]))
 def test_a_magnitude_splits_into_number_and_unit(number: float, unit: str):
-    rung, found = split_magnitude(f"{number:g}{unit}")
+    rung, found = matrices.split_magnitude(f"{number:g}{unit}")
     assert (f"{rung:g}", found) == (f"{number:g}", unit)
 
 
@@ -270,7 +276,7 @@ def test_a_magnitude_splits_into_number_and_unit(number: float, unit: str):
 )
 def test_a_malformed_id_is_refused_with_the_form(text: str):
     with pytest.raises(InputError, match=r"must be of the form GUIDEWORD-parameter\[@magnitude\]\[#phase\]"):
-        parse(text)
+        matrices.parse(text)
 
 
 @given(st.dictionaries(st.sampled_from(["share", "delay_s", "field"]), VALUES))
@@ -298,23 +304,23 @@ def test_a_key_too_many_or_too_few_is_named():
 STUDY = Path(__file__).parents[2]
 
 
-def test_the_committed_catalogue_is_what_the_matrix_gives(matrix: Matrix):
+def test_the_committed_catalogue_is_what_the_matrix_gives(matrix: matrices.Matrix):
     assert catalogue.check_catalogue(STUDY / "mutants", matrix) == derive(matrix)
 
 
-def test_writing_twice_gives_the_same_bytes_and_reading_gives_the_mutants_back(matrix: Matrix, tmp_path: Path):
+def test_writing_twice_gives_the_same_bytes_and_reading_gives_the_mutants_back(matrix: matrices.Matrix, tmp_path: Path):
     derived = derive(matrix)
     first = catalogue.write_catalogue(tmp_path / "a", derived).read_bytes()
     assert catalogue.write_catalogue(tmp_path / "b", derived).read_bytes() == first
     assert catalogue.check_catalogue(tmp_path / "a", matrix) == derived
 
 
-def stale(tmp_path: Path, matrix: Matrix, lines: list[str]) -> str:
+def stale(tmp_path: Path, matrix: matrices.Matrix, lines: list[str]) -> str:
     (tmp_path / catalogue.CATALOGUE).write_text("".join(f"{line}\n" for line in lines), encoding="utf-8")
     return refusal(catalogue.check_catalogue, tmp_path, matrix)
 
 
-def test_a_stale_catalogue_is_refused_at_the_first_id_that_differs(matrix: Matrix, tmp_path: Path):
+def test_a_stale_catalogue_is_refused_at_the_first_id_that_differs(matrix: matrices.Matrix, tmp_path: Path):
     lines = catalogue.catalogue_lines(derive(matrix))
     first, second = derive(matrix)[0].id, derive(matrix)[1].id
     place = f"{tmp_path / catalogue.CATALOGUE}"
@@ -327,7 +333,7 @@ def test_a_stale_catalogue_is_refused_at_the_first_id_that_differs(matrix: Matri
     assert f"{first!r} differs from the matrix" in stale(tmp_path, matrix, changed)
 
 
-def test_a_missing_or_broken_catalogue_is_one_sentence_with_the_remedy(matrix: Matrix, tmp_path: Path):
+def test_a_missing_or_broken_catalogue_is_one_sentence_with_the_remedy(matrix: matrices.Matrix, tmp_path: Path):
     with pytest.raises(InputError, match="cannot be read: No such file or directory; write it with"):
         catalogue.check_catalogue(tmp_path, matrix)
     assert ":1: not a mutant in JSON; write it with" in stale(tmp_path, matrix, ["{"])
@@ -336,7 +342,7 @@ def test_a_missing_or_broken_catalogue_is_one_sentence_with_the_remedy(matrix: M
         catalogue.check_catalogue(tmp_path, matrix)
 
 
-def test_a_folder_that_cannot_be_written_is_refused(matrix: Matrix, tmp_path: Path):
+def test_a_folder_that_cannot_be_written_is_refused(matrix: matrices.Matrix, tmp_path: Path):
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match="cannot be written"):
         catalogue.write_catalogue(tmp_path / "file", derive(matrix))

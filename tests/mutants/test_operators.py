@@ -14,35 +14,13 @@ from hypothesis.extra.numpy import arrays
 from refused import refusal
 
 from scaloft_fi.errors import InputError
+from scaloft_fi.mutants import operator as operators
 from scaloft_fi.mutants.check_operator import check_operator, operators_of
-from scaloft_fi.mutants.operator import (
-    ANYTHING,
-    IMAGE,
-    NUMBERS,
-    STAMP,
-    Example,
-    Facts,
-    Need,
-    Operator,
-    Tap,
-    TapContext,
-    Windows,
-    operator,
-    the,
-)
+from scaloft_fi.mutants.operator import operator
 from scaloft_fi.mutants.operators import OPERATORS, sensors
 from scaloft_fi.mutants.reference.surroundings import invert_map
+from scaloft_fi.stack import messages
 from scaloft_fi.stack.declaration import Seam
-from scaloft_fi.stack.messages import (
-    Battery,
-    DepthFrame,
-    Image,
-    Person,
-    Stamp,
-    field_type,
-    number_fields,
-    vector_fields,
-)
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import ObstacleMap, Route, Target
 
@@ -56,17 +34,17 @@ def same(a: Any, b: Any) -> bool:
     return bool(a == b) and type(a) is type(b)
 
 
-def arguments_on(operator: Operator, seam: str) -> Mapping[str, Any] | None:
+def arguments_on(operator: operators.Operator, seam: str) -> Mapping[str, Any] | None:
     """The example's arguments, with a field that the seam's message has; None where it has no such field."""
     arguments, message = dict(operator.example.arguments), REFERENCE.by_name[seam].message
     if "field" not in operator.arguments:
         return operator.check(seam, message, arguments)
-    fields = number_fields(message)
+    fields = messages.number_fields(message)
     if operator.name == "set":
-        fields = tuple(f for f in fields if field_type(message, f) is float)
+        fields = tuple(f for f in fields if messages.field_type(message, f) is float)
         arguments["value"] = 0.25
     if arguments.get("component"):
-        fields = tuple(f for f in fields if f in vector_fields(message))
+        fields = tuple(f for f in fields if f in messages.vector_fields(message))
     if not fields:
         return None
     return operator.check(seam, message, arguments | {"field": fields[-1]})
@@ -89,7 +67,7 @@ def tap_on(name: str, seam: str) -> Any:
     rng = np.random.Generator(np.random.Philox(7))
     declared = REFERENCE.by_name[seam]
     facts = replace(operator.example.facts, duration_s=1.0)
-    return operator.tap(TapContext(1 / declared.rate_hz, rng, facts), arguments)
+    return operator.tap(operators.TapContext(1 / declared.rate_hz, rng, facts), arguments)
 
 
 @pytest.mark.parametrize("name", OPERATORS)
@@ -181,19 +159,19 @@ def test_an_unknown_operator_is_answered_with_the_nearest_name(asked: Callable[[
 
 
 def test_whole_numbers_arrive_as_such_however_they_were_written():
-    assert OPERATORS["reorder"].check("depth", DepthFrame, {"count": 2.0}) == {"count": 2}
-    assert OPERATORS["set"].check("battery", Battery, {"field": "cells", "value": 3.0})["value"] == 3
+    assert OPERATORS["reorder"].check("depth", messages.DepthFrame, {"count": 2.0}) == {"count": 2}
+    assert OPERATORS["set"].check("battery", messages.Battery, {"field": "cells", "value": 3.0})["value"] == 3
 
 
 def test_a_name_is_declared_once_and_with_an_example_that_it_fits():
-    def factory(_context: TapContext) -> Tap:
+    def factory(_context: operators.TapContext) -> operators.Tap:
         return lambda _t_s, sample: sample
 
-    example = Example(Target, {}, (None,), (None,))
+    example = operators.Example(Target, {}, (None,), (None,))
     with pytest.raises(ValueError, match="'delay' is declared twice"):
         operator("delay", example=example)(factory)
     with pytest.raises(ValueError, match="operator 'new' needs an image, which its example's message lacks"):
-        operator("new", need=IMAGE, example=example)
+        operator("new", need=operators.IMAGE, example=example)
 
 
 class Nothing(NamedTuple):
@@ -201,25 +179,25 @@ class Nothing(NamedTuple):
 
 
 class Timed(NamedTuple):
-    stamp_s: Stamp
+    stamp_s: messages.Stamp
     label: str
 
 
 class Picture(NamedTuple):
-    pixels: Image
+    pixels: messages.Image
 
 
 @pytest.mark.parametrize(
     ("need", "met"),
     [
-        (ANYTHING, {Nothing, Timed, Picture}),
-        (NUMBERS, {Timed, Picture}),
-        (STAMP, {Timed}),
-        (IMAGE, {Picture}),
-        (the(Timed), {Timed}),
+        (operators.ANYTHING, {Nothing, Timed, Picture}),
+        (operators.NUMBERS, {Timed, Picture}),
+        (operators.STAMP, {Timed}),
+        (operators.IMAGE, {Picture}),
+        (operators.the(Timed), {Timed}),
     ],
 )
-def test_a_need_is_met_by_the_messages_that_have_it(need: Need, met: set[type]):
+def test_a_need_is_met_by_the_messages_that_have_it(need: operators.Need, met: set[type]):
     assert {message for message in (Nothing, Timed, Picture) if need.met_by(message)} == met
 
 
@@ -227,8 +205,8 @@ def test_a_message_derived_from_another_meets_the_need_for_it():
     class Better(Timed):
         pass
 
-    assert the(Timed).met_by(Better)
-    assert not the(Better).met_by(Timed)
+    assert operators.the(Timed).met_by(Better)
+    assert not operators.the(Better).met_by(Timed)
 
 
 def _undocumented(*_: Any, **__: Any) -> Any:
@@ -263,7 +241,7 @@ SENT = st.lists(st.one_of(st.none(), st.integers(0, 10_000)), max_size=60)
 
 def fly(name: str, polls: list[Any], seed: int = 0, **arguments: Any) -> list[Any]:
     operator = OPERATORS[name]
-    context = TapContext(0.05, np.random.Generator(np.random.Philox(seed)))
+    context = operators.TapContext(0.05, np.random.Generator(np.random.Philox(seed)))
     tap = operator.tap(context, operator.check("target", Target, arguments))
     return [tap(k / 20, sample) for k, sample in enumerate(polls)]
 
@@ -321,7 +299,7 @@ def test_throttle_passes_at_most_its_rate(sent: list[int | None], rate_hz: float
 def test_windows_recur_with_their_period_and_none_is_open_before_the_first(
     period: int, phase: int, length: int, rate_hz: int, k: int
 ):
-    windows = Windows.periodic(period / rate_hz, phase / rate_hz, min(length, period) / rate_hz)
+    windows = operators.Windows.periodic(period / rate_hz, phase / rate_hz, min(length, period) / rate_hz)
     since = k - period - phase
     assert windows.open(k / rate_hz) == (since >= 0 and since % period < min(length, period))
 
@@ -345,8 +323,11 @@ def test_an_endless_freeze_repeats_the_sample_before_it():
 
 def test_seven_in_ten_of_a_narrow_view_is_measured_in_degrees():
     operator = OPERATORS["narrow"]
-    tap = operator.tap(TapContext(0.05, np.random.default_rng(0)), {"share": 0.5})
-    inside, outside = Person("person", 0.9, np.radians(14.0), 3.0), Person("person", 0.9, np.radians(-15.5), 3.0)
+    tap = operator.tap(operators.TapContext(0.05, np.random.default_rng(0)), {"share": 0.5})
+    inside, outside = (
+        messages.Person("person", 0.9, np.radians(14.0), 3.0),
+        messages.Person("person", 0.9, np.radians(-15.5), 3.0),
+    )
     boxes = operator.example.before[0]._replace(persons=(inside, outside))
     assert tap(0.0, boxes).persons == (inside,)  # type: ignore[union-attr]
 
@@ -354,7 +335,7 @@ def test_seven_in_ten_of_a_narrow_view_is_measured_in_degrees():
 @given(st.floats(0.0, 0.6))
 def test_the_inserted_waypoint_keeps_its_clearance_from_the_wall(clearance_m: float):
     operator = OPERATORS["insert_near_wall"]
-    tap = operator.tap(TapContext(0.05, np.random.default_rng(0)), {"clearance_m": clearance_m})
+    tap = operator.tap(operators.TapContext(0.05, np.random.default_rng(0)), {"clearance_m": clearance_m})
     route = tap(0.0, Route(((0.0, 7.0, 1.65), (0.0, 0.0, 1.65))))
     assert abs(1.5 - (route.points[0][0] + 0.235) - clearance_m) < 1e-9
 
@@ -375,6 +356,8 @@ def test_an_inverted_map_has_every_cell_around_that_is_not_occupied_once_and_in_
         for k in (-1, 0, 1)
         if np.hypot(i, j) * cell_m <= radius_m and (cell := tuple((here + np.array([i, j, k])).tolist())) not in taken
     ]
-    context = TapContext(0.05, np.random.default_rng(0), facts=Facts(settings={"memory": {"voxel_m": cell_m}}))
+    context = operators.TapContext(
+        0.05, np.random.default_rng(0), facts=operators.Facts(settings={"memory": {"voxel_m": cell_m}})
+    )
     told = invert_map(context, radius_m=radius_m)(0.0, ObstacleMap(0.0, origin + off, 1.0, origin))
     assert told.points.tobytes() == ((np.array(free, dtype=float).reshape(-1, 3) + 0.5) * cell_m).tobytes()

@@ -14,29 +14,19 @@ from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.mutants.wire import TappedWire, contexts, wire_for
+from scaloft_fi.outside import command as commands
 from scaloft_fi.outside.border import BorderError, Motion
-from scaloft_fi.outside.command import (
-    ClockTopic,
-    CommandError,
-    FlightCommand,
-    Relay,
-    Relays,
-    Text,
-    Told,
-    load_command,
-    run_command,
-    told,
-)
+from scaloft_fi.outside.command import told
 from scaloft_fi.stack.declaration import Declaration, PlainWire, Wire
 from scaloft_fi.stack.reference.declaration import REFERENCE
 
 GOOD = {"flyer": "command", "run": '[fly, "{situation}", 5]', "record": "flight.csv", "limit_s": "60"}
 
 
-def _load(tmp_path: Path, **keys: str) -> FlightCommand:
+def _load(tmp_path: Path, **keys: str) -> commands.FlightCommand:
     path = tmp_path / "flyer.yaml"
     path.write_text("".join(f"{key}: {text}\n" for key, text in (GOOD | keys).items() if text))
-    return load_command(path)
+    return commands.load_command(path)
 
 
 def test_a_declaration_is_read_and_is_not_deterministic_unless_it_says_so(tmp_path: Path):
@@ -85,15 +75,15 @@ def test_a_seam_without_a_message_must_be_one_of_the_stack(tmp_path: Path):
 
 def test_places_are_filled_with_values_and_other_braces_stay():
     values = {"seed": 3, "vehicle.mass_kg": 1.5, "dark": True, "situation": "T0"}
-    text = Text('{situation}/{seed} {vehicle.mass_kg} {dark} {"a": {}}', "flyer.yaml:3")
+    text = commands.Text('{situation}/{seed} {vehicle.mass_kg} {dark} {"a": {}}', "flyer.yaml:3")
     assert text.filled(values) == 'T0/3 1.5 true {"a": {}}'
     with pytest.raises(InputError, match=r"flyer\.yaml:3: there is no value \{sead\}; did you mean 'seed'"):
-        Text("{sead}", "flyer.yaml:3").filled(values)
+        commands.Text("{sead}", "flyer.yaml:3").filled(values)
 
 
-def _run(tmp_path: Path, program: str, limit_s: float = 20.0) -> Told:
+def _run(tmp_path: Path, program: str, limit_s: float = 20.0) -> commands.Told:
     (tmp_path / "beside").mkdir(exist_ok=True)
-    return run_command([sys.executable, "-c", program], {"OWN": "1"}, tmp_path, limit_s, tmp_path / "beside")
+    return commands.run_command([sys.executable, "-c", program], {"OWN": "1"}, tmp_path, limit_s, tmp_path / "beside")
 
 
 def test_what_the_last_line_says_is_told(tmp_path: Path):
@@ -101,9 +91,9 @@ def test_what_the_last_line_says_is_told(tmp_path: Path):
 print("warming up")
 print('{"altered": 3, "carried": 9, "first_altered_s": 1.5, "stack_error": "died"}')
 """
-    assert _run(tmp_path, program) == Told(3, 9, 1.5, "died")
-    assert _run(tmp_path, "print('done')") == Told()
-    assert _run(tmp_path, "pass") == Told()
+    assert _run(tmp_path, program) == commands.Told(3, 9, 1.5, "died")
+    assert _run(tmp_path, "print('done')") == commands.Told()
+    assert _run(tmp_path, "pass") == commands.Told()
 
 
 def test_it_runs_in_the_folder_with_its_own_environment(tmp_path: Path):
@@ -121,7 +111,7 @@ print("waiting for the simulator", flush=True)
 time.sleep(60)
 """
     began = time.monotonic()
-    with pytest.raises(CommandError, match=r"ran longer than 1 s; it said last: waiting for the simulator"):
+    with pytest.raises(commands.CommandError, match=r"ran longer than 1 s; it said last: waiting for the simulator"):
         _run(tmp_path, program, 1.0)
     assert time.monotonic() - began < 15.0
     child = int((tmp_path / "child").read_text())
@@ -138,7 +128,7 @@ time.sleep(60)
     ],
 )
 def test_a_command_that_fails_says_its_last_lines(program: str, said: str, tmp_path: Path):
-    with pytest.raises(CommandError, match=said):
+    with pytest.raises(commands.CommandError, match=said):
         _run(tmp_path, program)
 
 
@@ -146,16 +136,16 @@ def test_a_command_that_fails_says_its_last_lines(program: str, said: str, tmp_p
     "last", ['{"altered": -1}', '{"altered": true}', '{"carried": 1.5}', '{"first_altered_s": "a"}']
 )
 def test_a_wrong_count_is_refused(last: str):
-    with pytest.raises(CommandError, match="the last line says"):
+    with pytest.raises(commands.CommandError, match="the last line says"):
         told(last)
 
 
 @pytest.mark.parametrize("last", ["", "{", "[1]", "{" * 100_000])
 def test_what_is_no_object_says_nothing(last: str):
-    assert told(last) == Told()
+    assert told(last) == commands.Told()
 
 
-RELAY = {"drive": Relay("/cmd_raw", "/cmd", "lines")}
+RELAY = {"drive": commands.Relay("/cmd_raw", "/cmd", "lines")}
 PROGRAM = """
 import json, sys, time
 from scaloft_fi.outside.client import connect
@@ -187,15 +177,15 @@ def _wire(stack: Declaration, operator: str, **arguments: float | str) -> Wire:
 
 
 def _relayed(
-    tmp_path: Path, stack: Declaration, wire: Wire, program: str = PROGRAM, clock: ClockTopic | None = None
-) -> Told:
+    tmp_path: Path, stack: Declaration, wire: Wire, program: str = PROGRAM, clock: commands.ClockTopic | None = None
+) -> commands.Told:
     folder, beside = tmp_path / "borders", tmp_path / "beside"
     folder.mkdir()
     beside.mkdir()
-    relays = Relays(RELAY, stack, wire, folder, clock)
+    relays = commands.Relays(RELAY, stack, wire, folder, clock)
     try:
         env = relays.begin()
-        return run_command([sys.executable, "-c", program], env, tmp_path, 20.0, beside, relays.attend)
+        return commands.run_command([sys.executable, "-c", program], env, tmp_path, 20.0, beside, relays.attend)
     finally:
         relays.close()
 
@@ -233,7 +223,7 @@ def test_messages_that_come_faster_than_they_are_carried_are_not_lost_silently(t
 
 def test_two_seams_may_have_relays_of_one_border(tmp_path: Path, stack: Declaration):
     two = replace(stack, seams=(*stack.seams, replace(stack.seams[0], name="second")), canaries=())
-    relays = Relays({**RELAY, "second": Relay("/b_raw", "/b", "lines")}, two, PlainWire(), tmp_path)
+    relays = commands.Relays({**RELAY, "second": commands.Relay("/b_raw", "/b", "lines")}, two, PlainWire(), tmp_path)
     assert len(relays.begin()) == 1
     relays.close()
 
@@ -256,5 +246,5 @@ time.sleep(0.3)
 tick(160.1)
 print(json.dumps({"altered": int(next(messages)["data"]["velocity"][0])}))
 """
-    clock = ClockTopic("/time", "lines")
+    clock = commands.ClockTopic("/time", "lines")
     assert _relayed(tmp_path, stack, _wire(stack, "delay", delay_s=60.0), program, clock).altered == 7

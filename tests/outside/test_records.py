@@ -14,31 +14,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.outside.records import (
-    DERIVED,
-    READY,
-    Known,
-    Lost,
-    MappedSignal,
-    RecordedField,
-    RecordedFlight,
-    RecordMap,
-    Series,
-    draft,
-    fields_of,
-    flight_log,
-    kind_of,
-    load_record_map,
-    names_of,
-    ready_map,
-    stale_at,
-)
+from scaloft_fi.outside import records as recorded
 from scaloft_fi.sim.log import Ending, FlightLog
 
 for library in ("pymavlink.mavutil", "pymavlink.DFReader", "mcap.reader", "pyulog", "rosbags.highlevel"):
     import_module(library)  # the processes that read apart have it then
 
-KNOWN = Known(("wall",), (0.0, 0.0))
+KNOWN = recorded.Known(("wall",), (0.0, 0.0))
 NEEDED = {"clearance_m": "requirement SR1", "speed_mps": "requirement SR2"}
 COLUMNS = ("{column: t_s}", "{column: x}", "{column: clear}")
 JSON = ("{topic: /x, field: data}", "{topic: /clear, field: data}")
@@ -61,18 +43,18 @@ def _of(kind: str, folder: Path) -> tuple[Path, Path]:
     return write(folder), records.mapping(folder, *words)
 
 
-def _read(path: Path, mapping: Path, needed: dict[str, str] = NEEDED) -> RecordedFlight:
-    return flight_log(path, load_record_map(mapping), KNOWN, needed=needed)
+def _read(path: Path, mapping: Path, needed: dict[str, str] = NEEDED) -> recorded.RecordedFlight:
+    return recorded.flight_log(path, recorded.load_record_map(mapping), KNOWN, needed=needed)
 
 
 def _log(path: Path, mapping: Path, needed: dict[str, str] = NEEDED) -> FlightLog:
     return _read(path, mapping, needed).log
 
 
-def _drafted(folder: Path, fields: Sequence[RecordedField]) -> RecordMap:
+def _drafted(folder: Path, fields: Sequence[recorded.RecordedField]) -> recorded.RecordMap:
     """The mapping that is drafted for these fields."""
-    (folder / "drafted.yaml").write_text(draft(fields))
-    return load_record_map(folder / "drafted.yaml")
+    (folder / "drafted.yaml").write_text(recorded.draft(fields))
+    return recorded.load_record_map(folder / "drafted.yaml")
 
 
 def _table(
@@ -127,16 +109,16 @@ def test_a_record_that_is_cut_is_judged_up_to_there_and_says_when(kind: str, sha
     _cut(path, share)
     flight = _read(path, mapping)
     (loss,) = flight.losses
-    assert loss.kind is Lost.CUT
+    assert loss.kind is recorded.Lost.CUT
     assert 1.0 < loss.at_s - flight.begins_s < 4.0
     assert loss.at_s - flight.begins_s == pytest.approx(flight.log.duration_s, abs=0.05)
-    assert [one.kind for one in fields_of(path)[1]] == [Lost.CUT]
+    assert [one.kind for one in recorded.fields_of(path)[1]] == [recorded.Lost.CUT]
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_whole_record_lost_nothing(kind: str, tmp_path: Path):
     path, mapping = _of(kind, tmp_path)
-    assert (_read(path, mapping).losses, fields_of(path)[1]) == ((), ())
+    assert (_read(path, mapping).losses, recorded.fields_of(path)[1]) == ((), ())
 
 
 @pytest.mark.parametrize("ending", ["tlog", "bin"])
@@ -146,9 +128,9 @@ def test_a_log_of_an_autopilot_says_whether_it_is_cut(ending: str, bytes_less: i
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) - bytes_less])
     name = "mavlink" if ending == "tlog" else "ardupilot"
-    mapping = ready_map(name, frozenset(names_of(path)))
-    flight = flight_log(path, mapping, KNOWN, needed={"tilt_rad": "requirement A"})
-    assert [one.kind for one in flight.losses] == ([Lost.CUT] if bytes_less else [])
+    mapping = recorded.ready_map(name, frozenset(recorded.names_of(path)))
+    flight = recorded.flight_log(path, mapping, KNOWN, needed={"tilt_rad": "requirement A"})
+    assert [one.kind for one in flight.losses] == ([recorded.Lost.CUT] if bytes_less else [])
     assert flight.log.duration_s == pytest.approx(2.0, abs=0.11)
 
 
@@ -156,19 +138,19 @@ def test_bytes_that_are_no_message_are_counted(tmp_path: Path):
     path = records.dataflash(tmp_path)
     whole = path.read_bytes()
     path.write_bytes(whole[:-60] + b"garbage" * 3 + whole[-60:])  # a row has 30 bytes
-    (loss,) = fields_of(path)[1]
-    assert (loss.kind, loss.why) == (Lost.DAMAGED, "21 bytes are no message")
+    (loss,) = recorded.fields_of(path)[1]
+    assert (loss.kind, loss.why) == (recorded.Lost.DAMAGED, "21 bytes are no message")
 
 
 def test_zeros_after_the_last_message_of_a_flash_chip_are_no_cut(tmp_path: Path):
     path = records.dataflash(tmp_path)
     path.write_bytes(path.read_bytes() + bytes(400))
-    assert fields_of(path)[1] == ()
+    assert recorded.fields_of(path)[1] == ()
 
 
 def test_the_vehicles_of_a_log_of_mavlink_are_told_apart(tmp_path: Path):
     path = records.tlog(tmp_path, systems=(1, 2, 255))
-    counts = {one.topic: one.messages for one in fields_of(path)[0]}
+    counts = {one.topic: one.messages for one in recorded.fields_of(path)[0]}
     assert counts == {"LOCAL_POSITION_NED": 42, "ATTITUDE": 42, "LOCAL_POSITION_NED@2": 21, "ATTITUDE@2": 21}
 
 
@@ -187,8 +169,8 @@ def test_a_log_of_px4_ends_at_touch_down_and_not_where_it_first_says_landed(
 ):
     path = records.px4(tmp_path, landed)
     needed = dict.fromkeys(("z_m", "speed_mps", "tilt_rad", "home_m", "yaw_rad"), "requirement A")
-    mapping = ready_map("px4", frozenset(names_of(path)))
-    flight = flight_log(path, mapping, KNOWN, needed=needed)
+    mapping = recorded.ready_map("px4", frozenset(recorded.names_of(path)))
+    flight = recorded.flight_log(path, mapping, KNOWN, needed=needed)
     assert (flight.log.ending, flight.log.duration_s) == (ending, pytest.approx(duration_s, abs=0.051))
     last = {name: float(flight.log.signals[name][-1]) for name in needed}
     told = {"z_m": 3.0, "speed_mps": 0.0, "tilt_rad": 0.2, "home_m": math.hypot(2.0, 4.0), "yaw_rad": math.pi / 2}
@@ -199,7 +181,10 @@ def test_drop_outs_of_a_log_of_px4_are_told_with_time_and_duration(tmp_path: Pat
     path = records.ulog(tmp_path, dropouts_ms={10: 80, 30: 7})
     flight = _read(path, records.mapping(tmp_path, *KINDS["ulog"][1]))
     told = [(one.kind, one.at_s, one.lasts_s) for one in flight.losses]
-    assert told == [(Lost.DROPOUT, pytest.approx(2.0), 0.08), (Lost.DROPOUT, pytest.approx(4.0), 0.007)]
+    assert told == [
+        (recorded.Lost.DROPOUT, pytest.approx(2.0), 0.08),
+        (recorded.Lost.DROPOUT, pytest.approx(4.0), 0.007),
+    ]
 
 
 def test_a_damaged_message_of_px4_is_left_out_and_told(tmp_path: Path):
@@ -207,15 +192,15 @@ def test_a_damaged_message_of_px4_is_left_out_and_told(tmp_path: Path):
     content = path.read_bytes()
     path.write_bytes(content.replace(struct.pack("<HBH", 26, ord("D"), 7), struct.pack("<HBH", 26, ord("D"), 8), 1))
     flight = _read(path, records.mapping(tmp_path, *KINDS["ulog"][1]))
-    assert [one.kind for one in flight.losses] == [Lost.DAMAGED]
+    assert [one.kind for one in flight.losses] == [recorded.Lost.DAMAGED]
     assert flight.log.duration_s == pytest.approx(3.9)
 
 
 def test_a_topic_that_cannot_be_read_does_not_hide_the_others(tmp_path: Path):
     path = records.mcap_of_many_chunks(tmp_path, odd="protobuf")
-    fields, losses = fields_of(path)
+    fields, losses = recorded.fields_of(path)
     assert {one.name for one in fields} == {"/x: data", "/clear: data", "/odd: "}
-    assert [one.kind for one in losses] == [Lost.UNREAD]
+    assert [one.kind for one in losses] == [recorded.Lost.UNREAD]
     assert "'/odd' has messages in 'protobuf'" in losses[0].why
     flight = _read(path, records.mapping(tmp_path, "", *JSON))
     assert flight.log.duration_s == 4.0
@@ -353,7 +338,7 @@ def test_a_wrong_mapping_is_refused_with_its_line(text: str, said: str, tmp_path
     path = tmp_path / "record.yaml"
     path.write_text(text)
     with pytest.raises(InputError, match=r"record\.yaml:\d+: ") as refused:
-        load_record_map(path)
+        recorded.load_record_map(path)
     assert said in str(refused.value)
 
 
@@ -384,7 +369,7 @@ def test_a_table_in_latin_1_is_read(tmp_path: Path):
     assert log.signals["x_m"][-1] == 1.0
 
 
-def _flight(tmp_path: Path, text: str, more: str = "") -> RecordedFlight:
+def _flight(tmp_path: Path, text: str, more: str = "") -> recorded.RecordedFlight:
     path = tmp_path / "own.csv"
     path.write_text(text)
     return _read(path, records.mapping(tmp_path, "{column: t}", "{column: x}", "{column: near}", more))
@@ -421,9 +406,9 @@ def test_beyond_its_gap_a_value_is_stale_until_the_next_message(more: str, old: 
 
 @given(times=st.lists(st.integers(1, 400), min_size=1, max_size=12, unique=True), gap=st.integers(1, 200))
 def test_a_sample_is_stale_exactly_where_its_last_message_is_older_than_the_gap(times: list[int], gap: int):
-    series = Series(np.array([0, *sorted(times)]) / 20.0, np.zeros(len(times) + 1))
+    series = recorded.Series(np.array([0, *sorted(times)]) / 20.0, np.zeros(len(times) + 1))
     at_s = np.arange(420) / 20.0
-    stale = stale_at(MappedSignal("x"), series, gap / 20.0, at_s)
+    stale = recorded.stale_at(recorded.MappedSignal("x"), series, gap / 20.0, at_s)
     for tick in range(420):
         assert stale[tick] == (tick - max(t for t in (0, *times) if t <= tick) > gap)
 
@@ -433,14 +418,14 @@ def test_what_is_no_log_of_an_autopilot_is_one_sentence(ending: str, tmp_path: P
     path = tmp_path / f"own.{ending}"
     path.write_bytes(b"no log at all" * 40)
     with pytest.raises(InputError, match=r"own\.\w+: .*(does not have|damaged)"):
-        flight_log(path, READY["mavlink"][0], KNOWN, needed=NEEDED)
+        recorded.flight_log(path, recorded.READY["mavlink"][0], KNOWN, needed=NEEDED)
 
 
 def test_a_log_of_mavlink_is_read_by_the_ready_mapping(tmp_path: Path):
     path = records.tlog(tmp_path)
-    mapping = ready_map("mavlink", frozenset(names_of(path)))
+    mapping = recorded.ready_map("mavlink", frozenset(recorded.names_of(path)))
     needed = dict.fromkeys(("z_m", "speed_mps", "tilt_rad", "yaw_rad"), "requirement A")
-    flight = flight_log(path, mapping, KNOWN, needed=needed)
+    flight = recorded.flight_log(path, mapping, KNOWN, needed=needed)
     last = {name: float(flight.log.signals[name][-1]) for name in ("x_m", "y_m", *needed)}
     told = {"x_m": 2.0, "y_m": 4.0, "z_m": 3.0, "speed_mps": 5.0, "tilt_rad": 0.1, "yaw_rad": np.pi / 2 - 0.5}
     assert last == pytest.approx(told, abs=1e-5)
@@ -453,16 +438,16 @@ def test_the_tilt_is_the_same_from_angles_and_from_the_quaternion(roll: float, p
     turned = {"qx": sr * cp * cy - cr * sp * sy, "qy": cr * sp * cy + sr * cp * sy}
     tilts = [
         float(way.value({name: np.array([value]) for name, value in {**angles, **turned}.items()}, KNOWN)[0])
-        for way in (DERIVED["tilt_rad"][0], DERIVED["tilt_rad"][2])
+        for way in (recorded.DERIVED["tilt_rad"][0], recorded.DERIVED["tilt_rad"][2])
     ]
     assert tilts[0] == pytest.approx(tilts[1], abs=1e-6)
 
 
 def test_only_known_endings_are_records(tmp_path: Path):
     with pytest.raises(InputError, match=r"did you mean '\.mcap'"):
-        kind_of(tmp_path / "flight.mcpa")
+        recorded.kind_of(tmp_path / "flight.mcpa")
     with pytest.raises(InputError, match=r"allowed: '\.bag'"):
-        kind_of(tmp_path / "flight")
+        recorded.kind_of(tmp_path / "flight")
 
 
 @pytest.mark.parametrize("kind", ["rosbag1", "ulog", "mcap"])
@@ -512,7 +497,7 @@ def test_a_record_that_unpacks_to_too_much_is_one_sentence(
     content = path.read_bytes()
     path.write_bytes(content[: len(content) - cut_bytes])
     assert len(content) < 2 << 20
-    for read in (fields_of, names_of):
+    for read in (recorded.fields_of, recorded.names_of):
         with pytest.raises(InputError, match=r"it unpacks to more than \d+ MiB|the record cannot be read: .*index"):
             read(path)
 
@@ -528,8 +513,8 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path: Path):
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_a_record_holds_is_told_with_number_and_times(kind: str, tmp_path: Path):
     path, mapping = _of(kind, tmp_path)
-    fields = {one.name: one for one in fields_of(path)[0]}
-    entry = load_record_map(mapping).signals["x_m"]
+    fields = {one.name: one for one in recorded.fields_of(path)[0]}
+    entry = recorded.load_record_map(mapping).signals["x_m"]
     one = fields[entry.column or f"{entry.topic}: {entry.field}"]
     assert one.messages > 20
     assert one.rate_hz == pytest.approx((one.messages - 1) / (one.last_s - one.first_s))
@@ -538,23 +523,23 @@ def test_what_a_record_holds_is_told_with_number_and_times(kind: str, tmp_path: 
 def test_a_drafted_mapping_is_a_mapping_and_reads_the_record(tmp_path: Path):
     path = tmp_path / "own.csv"
     path.write_text("Time_ms,X,y,z,vx,clearance\n0,0,0,1,2,3\n1000,0,0,1,2,3\n")
-    drafted = _drafted(tmp_path, fields_of(path)[0])
+    drafted = _drafted(tmp_path, recorded.fields_of(path)[0])
     assert {*drafted.signals} == {"x_m", "y_m", "z_m", "vx_mps", "clearance_m"}
     assert (drafted.timing.column, drafted.timing.unit_s) == ("Time_ms", 1e-3)
-    flight = flight_log(path, drafted, KNOWN, needed={"clearance_m": "requirement SR1"})
+    flight = recorded.flight_log(path, drafted, KNOWN, needed={"clearance_m": "requirement SR1"})
     assert flight.log.duration_s == 1.0
 
 
 def test_the_draft_for_a_log_of_an_autopilot_is_its_ready_mapping(tmp_path: Path):
     path = records.tlog(tmp_path)
-    ready = ready_map("mavlink", frozenset(names_of(path)))
-    assert dict(_drafted(tmp_path, fields_of(path)[0]).signals) == dict(ready.signals)
+    ready = recorded.ready_map("mavlink", frozenset(recorded.names_of(path)))
+    assert dict(_drafted(tmp_path, recorded.fields_of(path)[0]).signals) == dict(ready.signals)
 
 
 def test_a_column_without_a_name_is_no_field_of_an_autopilot(tmp_path: Path):
     path = tmp_path / "own.csv"
     path.write_text(",timestamp,p_x,pos_y,position_z,v_x\n0,0,0,0,0,0\n1,10000,0,0,0,0\n2,20000,0,0,0,0\n")
-    drafted = _drafted(tmp_path, fields_of(path)[0])
+    drafted = _drafted(tmp_path, recorded.fields_of(path)[0])
     assert {name: entry.column for name, entry in drafted.signals.items()} == {
         "x_m": "p_x",
         "y_m": "pos_y",
@@ -564,8 +549,8 @@ def test_a_column_without_a_name_is_no_field_of_an_autopilot(tmp_path: Path):
     assert drafted.timing.unit_s == 1e-6  # 100 Hz
 
 
-def _fields(*names: str) -> list[RecordedField]:
-    return [RecordedField(topic, field, 9, 0.0, 1.0) for topic, field in (name.split(" ") for name in names)]
+def _fields(*names: str) -> list[recorded.RecordedField]:
+    return [recorded.RecordedField(topic, field, 9, 0.0, 1.0) for topic, field in (name.split(" ") for name in names)]
 
 
 def test_position_velocity_and_attitude_are_drafted_from_the_topic_that_has_them(tmp_path: Path):
@@ -589,7 +574,7 @@ def test_position_velocity_and_attitude_are_drafted_from_the_topic_that_has_them
 def test_a_drafted_mapping_is_yaml_whatever_the_names_of_the_columns(tmp_path: Path):
     path = tmp_path / "own.csv"
     path.write_text('t;own "x;back\\slash y;z\n0;1;2;3\n')
-    drafted = _drafted(tmp_path, fields_of(path)[0])
+    drafted = _drafted(tmp_path, recorded.fields_of(path)[0])
     assert {name: entry.column for name, entry in drafted.signals.items()} == {
         "y_m": "back\\slash y",
         "z_m": "z",
@@ -600,11 +585,11 @@ def test_a_drafted_mapping_is_yaml_whatever_the_names_of_the_columns(tmp_path: P
 def test_the_unit_of_a_time_is_guessed_from_its_steps(step: float, unit: str, tmp_path: Path):
     path = tmp_path / "own.csv"
     path.write_text("t,x\n" + "".join(f"{step * row},0\n" for row in range(9)))
-    assert f'time: {{column: "t", unit: {unit}}}' in draft(fields_of(path)[0])
+    assert f'time: {{column: "t", unit: {unit}}}' in recorded.draft(recorded.fields_of(path)[0])
 
 
 def test_a_table_of_200_000_columns_is_read(tmp_path: Path):
     count = 200_000
     path = tmp_path / "wide.csv"
     path.write_text(",".join(f"c{place}" for place in range(count)) + "\n" + ",".join(["1"] * count) + "\n")
-    assert len(names_of(path)) == count
+    assert len(recorded.names_of(path)) == count

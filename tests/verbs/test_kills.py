@@ -13,53 +13,38 @@ from hypothesis import given, settings
 from paper_flyer import Paper
 from printed import STUDY, Call, one_table, sentence
 
-from scaloft_fi.analysis.kill_matrix import (
-    KillMatrix,
-    chosen_kills,
-    interactions,
-    kill_matrix,
-    minimal_suite,
-    orders,
-    redundancies,
-    situation_kills,
-    subsumption,
-)
+from scaloft_fi.analysis import kill_matrix
 from scaloft_fi.analysis.score import score
 from scaloft_fi.cli import main
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.output import PIPED
-from scaloft_fi.verbs.kills import (
-    chosen_table,
-    interaction_table,
-    order_table,
-    redundancy_table,
-    situation_table,
-    subsumption_table,
-    suite_table,
-    with_detected,
-)
+from scaloft_fi.verbs import kills
 from scaloft_fi.views.table import Format, Table, render
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
 HUMAN, NOBODY, DARK = "T0O0W0D0H1", "T0O0W0D0H0", "T0O0W0D1H0"
 
 
-def matrix_of(outcomes: list[Outcome]) -> KillMatrix:
-    return kill_matrix(score(outcomes, ROSTER, GRID), ROSTER, GRID)
+def matrix_of(outcomes: list[Outcome]) -> kill_matrix.KillMatrix:
+    return kill_matrix.kill_matrix(score(outcomes, ROSTER, GRID), ROSTER, GRID)
 
 
 def all_tables(outcomes: list[Outcome]) -> list[Table]:
     matrix = matrix_of(outcomes)
-    found, graph, situations = interactions(matrix), subsumption(matrix.kills), situation_kills(matrix)
-    suite = minimal_suite(matrix.kills, matrix.flown)
+    found, graph, situations = (
+        kill_matrix.interactions(matrix),
+        kill_matrix.subsumption(matrix.kills),
+        kill_matrix.situation_kills(matrix),
+    )
+    suite = kill_matrix.minimal_suite(matrix.kills, matrix.flown)
     return [
-        interaction_table(found),
-        order_table(orders(found, GRID)),
-        *(situation_table(situations, GRID, short=short) for short in (True, False)),
-        suite_table(suite, matrix),
-        *(subsumption_table(graph, short=short) for short in (True, False)),
-        redundancy_table(redundancies(graph)),
-        chosen_table(chosen_kills(matrix, [HUMAN, DARK])),
+        kills.interaction_table(found),
+        kills.order_table(kill_matrix.orders(found, GRID)),
+        *(kills.situation_table(situations, GRID, short=short) for short in (True, False)),
+        kills.suite_table(suite, matrix),
+        *(kills.subsumption_table(graph, short=short) for short in (True, False)),
+        kills.redundancy_table(kill_matrix.redundancies(graph)),
+        kills.chosen_table(kill_matrix.chosen_kills(matrix, [HUMAN, DARK])),
     ]
 
 
@@ -78,7 +63,7 @@ CAMPAIGN = [
 
 
 def test_a_situation_tells_what_it_alone_kills():
-    rows = {entry.situation: entry for entry in situation_kills(matrix_of(CAMPAIGN))}
+    rows = {entry.situation: entry for entry in kill_matrix.situation_kills(matrix_of(CAMPAIGN))}
     assert rows[HUMAN].killed == (NO, LATE)
     assert rows[HUMAN].alone == (LATE,)
     assert rows[DARK].alone == ()
@@ -88,10 +73,10 @@ def test_a_situation_tells_what_it_alone_kills():
 
 
 def test_some_situations_are_scored_with_and_without_redundant_mutants():
-    found = chosen_kills(matrix_of(CAMPAIGN), [HUMAN, DARK])
+    found = kill_matrix.chosen_kills(matrix_of(CAMPAIGN), [HUMAN, DARK])
     assert (str(found.killed), str(found.dominator_score)) == ("2/3 = 67 %", "1/2 = 50 %")
     assert found.lost == (GOAL,)
-    whole = chosen_kills(matrix_of(CAMPAIGN), GRID.point)
+    whole = kill_matrix.chosen_kills(matrix_of(CAMPAIGN), GRID.point)
     assert (whole.killed.value, whole.dominator_score.value, whole.lost) == (1.0, 1.0, ())
 
 
@@ -100,20 +85,20 @@ def test_the_first_table_names_what_is_detected_without_a_kill():
     spread = [outcome(LATE, key, 1, violated={"SR2": 9.0}) for key in keys]
     calm = [outcome(LATE, key, seed) for key in keys for seed in (0, 2)]
     matrix = matrix_of([*pool(*keys), *spread, *calm])
-    shown = with_detected([interaction_table(interactions(matrix))] * 2, matrix)
+    shown = kills.with_detected([kills.interaction_table(kill_matrix.interactions(matrix))] * 2, matrix)
     assert f"Detected without a kill, so in no table of kills: {LATE}." in shown[0].notes[-1]
-    assert shown[1].notes == interaction_table(()).notes
+    assert shown[1].notes == kills.interaction_table(()).notes
     assert (
         f"Detected mutants: 1, of them 0 firmly: whichever one seed is left out.  Not firm: {LATE}." in shown[0].notes
     )
-    assert with_detected([], matrix) == []
-    assert not any("without a kill" in note for note in with_detected(shown[1:], matrix_of(CAMPAIGN))[0].notes)
+    assert kills.with_detected([], matrix) == []
+    assert not any("without a kill" in note for note in kills.with_detected(shown[1:], matrix_of(CAMPAIGN))[0].notes)
 
 
 def test_a_greedy_suite_says_at_most():
     matrix = matrix_of(CAMPAIGN)
-    suite = minimal_suite(matrix.kills, matrix.flown, most_entries=0)
-    assert "at most 2;" in render([suite_table(suite, matrix)], Format.TABLE)
+    suite = kill_matrix.minimal_suite(matrix.kills, matrix.flown, most_entries=0)
+    assert "at most 2;" in render([kills.suite_table(suite, matrix)], Format.TABLE)
 
 
 @settings(deadline=None, max_examples=12)
@@ -121,8 +106,8 @@ def test_a_greedy_suite_says_at_most():
 def test_every_table_of_every_campaign_fits_a_terminal_and_every_node_is_listed_once(outcomes: list[Outcome]):
     text = render(all_tables(outcomes), Format.TABLE)
     assert max(len(line) for line in text.splitlines()) <= PIPED
-    graph = subsumption(matrix_of(outcomes).kills)
-    listed = [str(row[0]).replace("> ", "") for row in subsumption_table(graph).rows]
+    graph = kill_matrix.subsumption(matrix_of(outcomes).kills)
+    listed = [str(row[0]).replace("> ", "") for row in kills.subsumption_table(graph).rows]
     assert sorted(listed) == sorted(", ".join(node.mutants) for node in graph.nodes)
 
 

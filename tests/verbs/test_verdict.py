@@ -18,20 +18,8 @@ from scaloft_fi.analysis.score import MutantScore, Score, score
 from scaloft_fi.analysis.survivor import Background
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.grid import Again
+from scaloft_fi.verbs import verdict
 from scaloft_fi.verbs.first_screen import short_step
-from scaloft_fi.verbs.verdict import (
-    Next,
-    advice,
-    facts,
-    flies,
-    flown_in_vain,
-    next_command,
-    next_find,
-    survivors,
-    verdict,
-    why,
-    would_decide,
-)
 
 LATE, NO = "LATE-human@3s", "NO-human@100%"
 HERE, THERE, RED = "T0O0W0D0H0", "T0O0W0D0H1", "T0O0W0D1H1"
@@ -84,11 +72,11 @@ def test_a_verdict_and_its_next_command_are_as_recorded():
     told = {}
     for name, flights in CASES.items():
         found_ = scored(*flights)
-        next_ = next_command(found_.mutants[0], found_.lacking, "mine")
-        told[name] = f"{verdict(found_.mutants[0], found_.lacking)}\n{next_}"
+        next_ = verdict.next_command(found_.mutants[0], found_.lacking, "mine")
+        told[name] = f"{verdict.verdict(found_.mutants[0], found_.lacking)}\n{next_}"
     again = replace(FIND.shows[LATE], again=Again(100_000, 0.0001, 9, 10, 30, 30, 29))
-    told["a find"] = facts(found(LATE, struck="person"), LATE)
-    told["a find that was replicated"] = facts(replace(FIND, shows={LATE: again}), LATE)
+    told["a find"] = verdict.facts(found(LATE, struck="person"), LATE)
+    told["a find that was replicated"] = verdict.facts(replace(FIND, shows={LATE: again}), LATE)
     as_recorded(__file__, told)
 
 
@@ -101,28 +89,28 @@ def test_every_line_begins_with_the_verdict_and_every_screen_asks_for_the_same_n
 ):
     found_ = scored(*outcomes)
     for mutant in (*found_.mutants, *found_.controls):
-        said = verdict(mutant, found_.lacking)
+        said = verdict.verdict(mutant, found_.lacking)
         undecided = mutant.verdict is Verdict.UNDECIDED
-        assert said == f"{mutant.verdict.words}: {why(mutant, found_.lacking)}"
-        assert ("would decide" in said) == bool(would_decide(mutant, found_.lacking)) == undecided
+        assert said == f"{mutant.verdict.words}: {verdict.why(mutant, found_.lacking)}"
+        assert ("would decide" in said) == bool(verdict.would_decide(mutant, found_.lacking)) == undecided
         assert ("killed" in said) == bool(mutant.kills)
-        assert next_command(mutant, found_.lacking, "c").startswith("scaloft-fi ")
+        assert verdict.next_command(mutant, found_.lacking, "c").startswith("scaloft-fi ")
     whole = score(outcomes, ROSTER, GRID)
     known_ = dict.fromkeys([flight.mutant for flight in outcomes], background)
     mutants = {mutant.subject.id: mutant for mutant in whole.mutants}
-    for survivor in survivors(outcomes, whole, kill_matrix(whole, ROSTER, GRID), known_, {}):
-        steps = advice(mutants[survivor.mutant], whole, background).steps
+    for survivor in verdict.survivors(outcomes, whole, kill_matrix(whole, ROSTER, GRID), known_, {}):
+        steps = verdict.advice(mutants[survivor.mutant], whole, background).steps
         assert survivor.next in steps
         assert short_step(mutants[survivor.mutant], steps, background)
-        runs = next_command(mutants[survivor.mutant], whole.lacking, "c").startswith("scaloft-fi run")
-        assert runs == (survivor.next in (Next.POOL, Next.SEEDS))
+        runs = verdict.next_command(mutants[survivor.mutant], whole.lacking, "c").startswith("scaloft-fi run")
+        assert runs == (survivor.next in (verdict.Next.POOL, verdict.Next.SEEDS))
 
 
 def test_more_seeds_are_not_asked_of_a_fault_that_flies_the_same_to_the_bit():
     same = scored(*pool(THERE), outcome(LATE, THERE, digest="clean"))
     assert same.mutants[0].safety.needed
-    for background, step in ((WEAK, Next.MAGNITUDE), (LAST, Next.SITUATION)):
-        assert advice(same.mutants[0], same, background).steps == (step,)
+    for background, step in ((WEAK, verdict.Next.MAGNITUDE), (LAST, verdict.Next.SITUATION)):
+        assert verdict.advice(same.mutants[0], same, background).steps == (step,)
 
 
 def late(*flights: Outcome) -> MutantScore:
@@ -131,26 +119,31 @@ def late(*flights: Outcome) -> MutantScore:
 
 def test_the_find_of_a_mutant_that_is_not_detected_is_to_be_flown_before_any_seeds():
     for flights in ([outcome(LATE, THERE)], thrice(LATE, THERE), [outcome(LATE, THERE, altered=0)]):
-        assert next_find(late(*flights), known(found(NO), FIND)) == FIND
-        assert next_command(late(*flights), (), "mine", "", known(FIND)) == command(LATE)
-    assert next_find(late(*thrice(LATE, THERE, violated={"SR2": 7.0})), known(FIND)) is None
-    assert next_find(late(outcome(LATE, THERE, invalid="the worker died")), known(FIND)) is None
-    assert next_find(late(*thrice(LATE, THERE)), known(found(NO))) is None
+        assert verdict.next_find(late(*flights), known(found(NO), FIND)) == FIND
+        assert verdict.next_command(late(*flights), (), "mine", "", known(FIND)) == command(LATE)
+    assert verdict.next_find(late(*thrice(LATE, THERE, violated={"SR2": 7.0})), known(FIND)) is None
+    assert verdict.next_find(late(outcome(LATE, THERE, invalid="the worker died")), known(FIND)) is None
+    assert verdict.next_find(late(*thrice(LATE, THERE)), known(found(NO))) is None
 
 
 def test_a_find_that_was_flown_here_with_as_many_seeds_is_not_flown_again():
     here, few = found(LATE, THERE), [outcome(LATE, THERE, seed) for seed in range(5)]
     enough = [*few, outcome(LATE, THERE, 5)]
-    assert (next_find(late(*few), known(here)), flown_in_vain(late(*few), known(here))) == (here, ())
-    assert (next_find(late(*enough), known(here)), flown_in_vain(late(*enough), known(here))) == (None, (here,))
+    assert (verdict.next_find(late(*few), known(here)), verdict.flown_in_vain(late(*few), known(here))) == (here, ())
+    assert (verdict.next_find(late(*enough), known(here)), verdict.flown_in_vain(late(*enough), known(here))) == (
+        None,
+        (here,),
+    )
     other = found(NO, others=(LATE,))
-    assert next_find(late(*enough), known(here, other)) == other
+    assert verdict.next_find(late(*enough), known(here, other)) == other
 
 
 def test_the_command_names_grid_mutant_situation_and_seeds_and_the_campaign_over_that_grid():
     finds = known(FIND)
-    assert flies(FIND, LATE, finds, "default") == flies(FIND, LATE, finds, "mine", "wide") == command(LATE)
-    assert flies(FIND, LATE, finds, "paper+found", "paper+found") == command(LATE)
-    assert flies(FIND, LATE, finds, "mine", "paper+found") == command(LATE, campaign="mine")
+    assert (
+        verdict.flies(FIND, LATE, finds, "default") == verdict.flies(FIND, LATE, finds, "mine", "wide") == command(LATE)
+    )
+    assert verdict.flies(FIND, LATE, finds, "paper+found", "paper+found") == command(LATE)
+    assert verdict.flies(FIND, LATE, finds, "mine", "paper+found") == command(LATE, campaign="mine")
     named = replace(FIND, name="a person's walk")
-    assert "--situation 'a person'\"'\"'s walk' --seeds 6" in flies(named, LATE, finds, "default")
+    assert "--situation 'a person'\"'\"'s walk' --seeds 6" in verdict.flies(named, LATE, finds, "default")

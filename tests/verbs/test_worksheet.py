@@ -32,20 +32,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import derive
 from scaloft_fi.output import line, printable
 from scaloft_fi.stack.reference.declaration import REFERENCE
-from scaloft_fi.verbs.worksheet import (
-    COLUMNS,
-    LONGEST,
-    TEAM,
-    SheetRow,
-    population,
-    sheet_rows,
-    survivors,
-    to_csv,
-    to_latex,
-    to_markdown,
-    to_text,
-    to_xlsx,
-)
+from scaloft_fi.verbs import worksheet
 from scaloft_fi.views.output import plain
 from scaloft_fi.views.table import FORMULA, Format, Table, latex, markdown, render
 
@@ -66,11 +53,11 @@ hostile = st.text(min_size=1, max_size=30) | st.sampled_from(HOSTILE)
 
 def rows(
     outcomes: list[Outcome], matrix: Matrix = MATRIX, dispositions: tuple[Disposition, ...] = ()
-) -> tuple[SheetRow, ...]:
-    return sheet_rows(matrix, outcomes, score(outcomes, ROSTER, GRID), GRID, dispositions)
+) -> tuple[worksheet.SheetRow, ...]:
+    return worksheet.sheet_rows(matrix, outcomes, score(outcomes, ROSTER, GRID), GRID, dispositions)
 
 
-def named(found: tuple[SheetRow, ...], cell: str) -> SheetRow:
+def named(found: tuple[worksheet.SheetRow, ...], cell: str) -> worksheet.SheetRow:
     return next(row for row in found if row.cell.name == cell)
 
 
@@ -103,7 +90,9 @@ CASES = {
     "not credible": ("EARLY-collision", rows(FLOWN)),
     "a survivor with a find": (
         "NO-human",
-        sheet_rows(MATRIX, [*FLOWN, *SILENT], score([*FLOWN, *SILENT], ROSTER, GRID), GRID, (), SHOWN, "mine"),
+        worksheet.sheet_rows(
+            MATRIX, [*FLOWN, *SILENT], score([*FLOWN, *SILENT], ROSTER, GRID), GRID, (), SHOWN, "mine"
+        ),
     ),
 }
 
@@ -113,33 +102,35 @@ def test_what_the_columns_say_is_as_recorded_and_the_teams_are_empty():
     for name, (cell, found_) in CASES.items():
         values = named(found_, cell).values
         told[name] = "\n".join(f"{key}: {value}" for key, value in values.items() if value not in (None, ""))
-        assert all(row.values[column.key] is None for row in found_ for column in TEAM)
+        assert all(row.values[column.key] is None for row in found_ for column in worksheet.TEAM)
     as_recorded(__file__, told)
 
 
 def test_without_a_pool_the_sheet_says_so():
-    alone = population(CASES["without a pool"][1])
+    alone = worksheet.population(CASES["without a pool"][1])
     assert "No verdict: no situation in which a mutant changes a sample has 10 baseline flights" in alone
-    assert "No verdict" not in population(rows(FLOWN))
+    assert "No verdict" not in worksheet.population(rows(FLOWN))
 
 
 def test_a_find_and_the_command_that_flies_it_stand_in_every_format():
     survivor, told = "NO-human@100%", CASES["a survivor with a find"][1]
     said = str(named(told, "NO-human").values["find"])
     assert named(told, "LATE-human").values["find"] is None, "it is detected"
-    line_, *_ = [line for line in to_markdown(told).splitlines() if line.startswith("| NO-human ")]
+    line_, *_ = [line for line in worksheet.to_markdown(told).splitlines() if line.startswith("| NO-human ")]
     assert markdown(said) in line_
     assert markdown(flies(survivor)) in line_
-    assert latex(flies(survivor)) in to_latex(told)
+    assert latex(flies(survivor)) in worksheet.to_latex(told)
     (record,) = [entry for entry in plain(told) if entry["cell"] == "NO-human"]
     assert (record["find"], record["flies_find"]) == (said, flies(survivor))
-    terminal = " ".join(to_text(told).partition("Finds for survivors")[2].partition("Deviations not")[0].split())
+    terminal = " ".join(
+        worksheet.to_text(told).partition("Finds for survivors")[2].partition("Deviations not")[0].split()
+    )
     assert all(word in terminal for word in flies(survivor).split())
 
 
 def test_a_page_has_no_columns_without_a_value_and_no_list_of_survivors_without_classes():
     plain = rows(FLOWN, with_text("plain"))
-    for write in (to_text, to_markdown, to_latex):
+    for write in (worksheet.to_text, worksheet.to_markdown, worksheet.to_latex):
         assert "Flies it" not in write(rows(FLOWN))
         assert not any(words in write(plain) for words in ("Severity", "worst class"))
     assert "flies_find" in read_csv(rows(FLOWN))[0]
@@ -149,13 +140,13 @@ def test_a_page_has_no_columns_without_a_value_and_no_list_of_survivors_without_
 def test_deviations_that_are_not_credible_are_in_a_log_and_survivors_stand_by_class():
     early = [outcome(MATRIX.cell("EARLY-human").default_id, HUMAN, seed) for seed in SEEDS]
     told = rows([*FLOWN, *SILENT, *early])
-    classed = {row.cell.name: row.values["severity"] for row in survivors(told)}
+    classed = {row.cell.name: row.values["severity"] for row in worksheet.survivors(told)}
     assert list(classed.items()) == [("NO-human", "injury"), ("EARLY-human", "delay")]
-    for text in (to_text(told), to_markdown(told), to_latex(told).replace("{-}", "-")):
+    for text in (worksheet.to_text(told), worksheet.to_markdown(told), worksheet.to_latex(told).replace("{-}", "-")):
         alive, _, log = text.partition("Survivors, worst class first")[2].partition("Deviations not credible")
         assert alive.index("NO-human") < alive.index("EARLY-human")
         assert "EARLY-collision" in log
-    book = load_workbook(io.BytesIO(to_xlsx(told)))
+    book = load_workbook(io.BytesIO(worksheet.to_xlsx(told)))
     log = [row.cell.name for row in told if row.cell.status is CellStatus.NOT_MEANINGFUL]
     for title, names in (("Deviations not credible", log), ("Survivors, worst class first", list(classed))):
         assert [cell.value for cell in book[title]["A"]][1:] == names
@@ -180,8 +171,8 @@ def test_every_figure_is_the_scores(outcomes: list[Outcome]):
             assert found["infected"] <= found["reached"] <= found["situations_flown"]
 
 
-def read_csv(found: tuple[SheetRow, ...]) -> list[dict[str, str]]:
-    return list(csv.DictReader(io.StringIO(to_csv(found), newline="")))
+def read_csv(found: tuple[worksheet.SheetRow, ...]) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(worksheet.to_csv(found), newline="")))
 
 
 @given(hostile)
@@ -194,12 +185,17 @@ def test_what_a_study_says_appears_literally_in_every_format(text: str):
     assert not from_csv["deviation"].startswith(FORMULA)
     (record,) = [entry for entry in json.loads(json.dumps(plain(found))) if entry["cell"] == "LATE-human"]
     assert record["deviation"] == text
-    assert f"| {markdown(text)} |" in to_markdown(found)
-    assert f" & {latex(text)} & " in to_latex(found)
+    assert f"| {markdown(text)} |" in worksheet.to_markdown(found)
+    assert f" & {latex(text)} & " in worksheet.to_latex(found)
     assert row.values["deviation"] == text
     said = "".join(line(text).split())
-    assert said[:20] in "".join(to_text(found).split()) or len(said) > 20
-    for shown in (to_markdown(found), to_latex(found), to_text(found), to_csv(found)):
+    assert said[:20] in "".join(worksheet.to_text(found).split()) or len(said) > 20
+    for shown in (
+        worksheet.to_markdown(found),
+        worksheet.to_latex(found),
+        worksheet.to_text(found),
+        worksheet.to_csv(found),
+    ):
         assert "\x1b" not in shown
 
 
@@ -207,14 +203,14 @@ def test_what_a_study_says_appears_literally_in_every_format(text: str):
 @settings(max_examples=15, deadline=None)
 def test_the_workbook_read_back_is_the_sheet(text: str):
     found = rows(FLOWN, with_text(text))
-    raw = to_xlsx(found)
+    raw = worksheet.to_xlsx(found)
     page = load_workbook(io.BytesIO(raw))["HAZOP worksheet"]
     lines = [[cell.value for cell in line] for line in page.iter_rows(min_row=2)]
     credible = [row for row in found if row.cell.status is not CellStatus.NOT_MEANINGFUL]
-    assert [cell.value for cell in page[1]] == [column.title for column in COLUMNS]
+    assert [cell.value for cell in page[1]] == [column.title for column in worksheet.COLUMNS]
     assert len(lines) == len(credible)
     for row, read in zip(credible, lines, strict=True):
-        for column, value in zip(COLUMNS, read, strict=True):
+        for column, value in zip(worksheet.COLUMNS, read, strict=True):
             assert in_excel(value) == cut(row.values[column.key])
     assert all(cell.data_type != "f" for line in page.iter_rows() for cell in line)
     with zipfile.ZipFile(io.BytesIO(raw)) as archive:
@@ -231,13 +227,13 @@ def cut(value: object) -> object:
     if not isinstance(value, str) or not value:
         return value or (None if value == "" else value)
     shown = printable(value)
-    return shown if len(shown) <= LONGEST else shown[: LONGEST - 6] + " [cut]"
+    return shown if len(shown) <= worksheet.LONGEST else shown[: worksheet.LONGEST - 6] + " [cut]"
 
 
 def test_the_workbook_is_made_to_be_worked_with_and_carries_no_clock_and_no_formula():
     told = rows(FLOWN, with_text("=1+1"))
-    raw = to_xlsx(told)
-    assert raw == to_xlsx(told)
+    raw = worksheet.to_xlsx(told)
+    assert raw == worksheet.to_xlsx(told)
     page = load_workbook(io.BytesIO(raw))["HAZOP worksheet"]
     assert (page.freeze_panes, page.auto_filter.ref[:3]) == ("B2", "A1:")
     assert page["B2"].alignment.wrap_text
@@ -248,7 +244,7 @@ def test_the_workbook_is_made_to_be_worked_with_and_carries_no_clock_and_no_form
 
 
 def test_every_row_of_the_markdown_has_as_many_cells_as_its_header():
-    for block in to_markdown(rows(FLOWN, with_text("a|b\\|c\nd"))).split("\n\n"):
+    for block in worksheet.to_markdown(rows(FLOWN, with_text("a|b\\|c\nd"))).split("\n\n"):
         lines = [line for line in block.splitlines() if line.startswith("|")]
         assert len({len(re.findall(r"(?<!\\)(?:\\\\)*\|", line)) for line in lines}) <= 1
 
@@ -277,7 +273,7 @@ def latex_sheet(matrix: Matrix) -> str:
     roster = Roster.of(matrix, [mutant.id for mutant in derive(matrix)])
     flown = pool(*(key for key, _ in GRID.points))
     flown += [outcome("LATE-human@3s", HUMAN, seed, violated={"SR2": 8.0}) for seed in SEEDS]
-    return to_latex(sheet_rows(matrix, flown, score(flown, roster, GRID), GRID, ()))
+    return worksheet.to_latex(worksheet.sheet_rows(matrix, flown, score(flown, roster, GRID), GRID, ()))
 
 
 def compiled(fragments: list[str], engine: str, folder: Path) -> str:

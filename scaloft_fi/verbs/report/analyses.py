@@ -16,22 +16,8 @@ from enum import StrEnum
 from math import prod
 from typing import Any
 
+from scaloft_fi.analysis import kill_matrix as suites
 from scaloft_fi.analysis.detection import Pool, Spending, State
-from scaloft_fi.analysis.kill_matrix import (
-    MOST_CELLS,
-    NIST,
-    NIST_SOURCE,
-    KillEntry,
-    KillMatrix,
-    KillRow,
-    cyclic,
-    fold,
-    gray_order,
-    interactions,
-    minimal_suite,
-    orders,
-    subsumption,
-)
 from scaloft_fi.analysis.margin import Margin, Scale, lowest, margins, whens
 from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score, cover, term_text
@@ -205,7 +191,7 @@ def searched(mutants: Iterable[MutantScore], roster: Roster) -> frozenset[str]:
     return frozenset(ids.difference(roster.ids))
 
 
-def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str, Any]:
+def analyses(evidence: Evidence, scored: Score, matrix: suites.KillMatrix) -> dict[str, Any]:
     """By section of the page; of the default mutants only, where ladders would count one fault several times.
 
     Args:
@@ -216,7 +202,7 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
     study, outcomes, roster = evidence.study, evidence.outcomes, evidence.study.roster
     counted = {row.id for row in matrix.mutants if row.counted}
     kills = {id_: keys for id_, keys in matrix.kills.items() if id_ in counted}
-    listed = interactions(matrix)
+    listed = suites.interactions(matrix)
     units, campaign = short_units(study.requirements), evidence.campaign
     known = backgrounds(study.matrix, [row.id for row in matrix.mutants])
     return {
@@ -225,10 +211,10 @@ def analyses(evidence: Evidence, scored: Score, matrix: KillMatrix) -> dict[str,
         "thresholds": thresholds(outcomes, scored, study.matrix, study.requirements),
         "whens": plain(whens(outcomes, scored)),
         "interactions": plain(listed),
-        "orders": plain(orders(listed, matrix.space)),
-        "nist": {"shares": NIST, "source": NIST_SOURCE},
-        "suite": plain(minimal_suite(kills, [key for key, _ in matrix.space.situations])),
-        "subsumption": plain(subsumption(kills)),
+        "orders": plain(suites.orders(listed, matrix.space)),
+        "nist": {"shares": suites.NIST, "source": suites.NIST_SOURCE},
+        "suite": plain(suites.minimal_suite(kills, [key for key, _ in matrix.space.situations])),
+        "subsumption": plain(suites.subsumption(kills)),
         "survivors": plain(survivors(outcomes, scored, matrix, known, units, campaign, study.finds)),
     }
 
@@ -337,7 +323,7 @@ def folding(space: Space) -> dict[str, Any]:
     """
     if reason := _reason(space):
         return {"reason": reason}
-    folded = fold(space)
+    folded = suites.fold(space)
 
     def levels(axes: Sequence[int], points: Iterable[Point]) -> list[list[int]]:
         return [[space.values[at].index(one) for at, one in zip(axes, point, strict=True)] for point in points]
@@ -348,7 +334,7 @@ def folding(space: Space) -> dict[str, Any]:
         "across": list(folded.across),
         "rows": levels(folded.down, folded.rows),
         "columns": levels(folded.across, folded.columns),
-        "cyclic": [cyclic(folded.rows), cyclic(folded.columns)],
+        "cyclic": [suites.cyclic(folded.rows), suites.cyclic(folded.columns)],
         "keys": [list(keys) for keys in folded.keys],
     }
 
@@ -358,12 +344,12 @@ def _reason(space: Space) -> str:
     cells = prod(len(values) for values in space.values)
     if len(space.axes) < LEAST_AXES:
         return f"A Karnaugh map needs {LEAST_AXES} axes or more; this grid has {len(space.axes)}."
-    if cells > MOST_CELLS:
-        return f"A Karnaugh map of {cells} situations could not be read; at most {MOST_CELLS} are drawn."
+    if cells > suites.MOST_CELLS:
+        return f"A Karnaugh map of {cells} situations could not be read; at most {suites.MOST_CELLS} are drawn."
     return ""
 
 
-def terms(space: Space, row: KillRow) -> list[dict[str, Any]]:
+def terms(space: Space, row: suites.KillRow) -> list[dict[str, Any]]:
     """The terms of a mutant's condition where its grid has a map: `levels` has those that it admits, for each axis."""
     if _reason(space):
         return []
@@ -446,7 +432,7 @@ class Sign(StrEnum):
 _STOPPED = {status: Sign(status) for status in (Status.NOT_REACHED, Status.NOT_INFECTED, Status.MASKED)}
 
 
-def seen_in(entry: KillEntry, pool: Pool) -> tuple[str, ...]:
+def seen_in(entry: suites.KillEntry, pool: Pool) -> tuple[str, ...]:
     """Safety requirements that are violated and test the fault; where no pool says what tests, those of any flight."""
     if entry.tested or entry.state != Status.REVEALED:
         return entry.seen
@@ -454,7 +440,7 @@ def seen_in(entry: KillEntry, pool: Pool) -> tuple[str, ...]:
     return tuple(p.requirement for p in pairs if p and p.kind is Kind.SAFETY and p.state is State.UNKNOWN)
 
 
-def sign_of(entry: KillEntry, seen: Collection[str]) -> Sign:
+def sign_of(entry: suites.KillEntry, seen: Collection[str]) -> Sign:
     """The sign of a mutant in a situation where these requirements are `seen_in` it."""
     if not entry.flown:
         return Sign.NOT_FLOWN
@@ -520,7 +506,7 @@ def situations(space: Space, grid: Grid) -> list[dict[str, Any]]:
             "name": key if space.of_tests else ", ".join(words_of(grid.situation(key), grid)) or EVERY_VALUE_BENIGN,
             "aliases": list(grid.aliases_of(grid.situation(key))),
         }
-        for key in gray_order(space)
+        for key in suites.gray_order(space)
     ]
 
 
@@ -552,7 +538,7 @@ def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
 
 def mutants(
     scored: Score,
-    matrix: KillMatrix,
+    matrix: suites.KillMatrix,
     rulings: Rulings,
     records: Iterable[Mapping[str, Any]],
     roster: Roster,
@@ -647,7 +633,7 @@ def _tests(scored: MutantScore, pool: Pool) -> list[dict[str, Any]]:
     return records
 
 
-def _result(entry: KillEntry, result: Result | None, flights: Situations, pool: Pool) -> list[Any] | None:
+def _result(entry: suites.KillEntry, result: Result | None, flights: Situations, pool: Pool) -> list[Any] | None:
     """Sign by its place in `SIGNS`, flights that count, seed to open, flights that violate each, by which it is a sign.
 
     Null where nothing was flown.

@@ -22,15 +22,7 @@ from running import CONTROL, LATE, MORE, Runs, asked, interrupting, quiet, same
 
 from scaloft_fi.campaign.flights.fly import Batch, Flight
 from scaloft_fi.campaign.plan import Plan, plan
-from scaloft_fi.campaign.runs.gates import (
-    BASELINES,
-    MUTANTS,
-    RunOptions,
-    fly_again,
-    packaged_study,
-    published,
-    sample_of,
-)
+from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.runs.merge import merge
 from scaloft_fi.campaign.runs.run import Report, opened
 from scaloft_fi.campaign.store.held import current_in
@@ -96,8 +88,8 @@ def test_after_a_change_of_platform_a_sample_is_flown_again_and_where_it_agrees_
     again = log.flown[before:]
     assert second.flown == 0
     assert second.outcomes == first.outcomes
-    assert len(again) == BASELINES + MUTANTS == len(set(again))
-    assert sum(name.startswith("baseline/") for name in again) == BASELINES
+    assert len(again) == gates.BASELINES + gates.MUTANTS == len(set(again))
+    assert sum(name.startswith("baseline/") for name in again) == gates.BASELINES
     assert "the platform has changed (numpy 2 here, 1 there); 5 stored flights are flown again" in said
     assert "the stored flights count" in said
     assert _warning(fly) == ""
@@ -121,7 +113,7 @@ def test_where_only_bits_differ_the_stored_flights_count_and_nothing_else_is_flo
     log.change = _otherwise
     second, said = _run(fly)
     assert (second.flown, second.outcomes, second.mixture) == (0, first.outcomes, "")
-    assert len(log.flown) == before + BASELINES + MUTANTS
+    assert len(log.flown) == before + gates.BASELINES + gates.MUTANTS
     assert "the platform has changed (numpy 2 here, 1 there)" in said
     assert "5 of 5 stored flights have other digests on this platform, and all have the same status, ending" in said
     assert _warning(fly) == ""
@@ -137,7 +129,7 @@ def test_a_flight_that_is_missing_beside_flights_of_another_platform_has_its_pai
     log.change = _otherwise
     late, more = (realise(study.matrix, name) for name in (LATE, MORE))
     report, said = _run(fly, plan(study.grid[:1], (0, 1), [late, more], None))
-    again = log.flown[before + BASELINES + MUTANTS :]
+    again = log.flown[before + gates.BASELINES + gates.MUTANTS :]
     assert {name for name in again if "/D0H0/0" in name} == {
         *(outcome.name for outcome in first.outcomes if (outcome.situation, outcome.seed) == ("D0H0", 0)),
         f"{more.id}/D0H0/0",
@@ -189,7 +181,7 @@ def test_flights_with_other_facts_or_bits_by_the_strict_rule_are_outgrown_with_t
     log.change = change
     report, said = _run(fly, **options)
     assert report.flown == FLIGHTS
-    assert len(log.flown) == before + BASELINES + MUTANTS + FLIGHTS + 1  # one flight of a run is repeated
+    assert len(log.flown) == before + gates.BASELINES + gates.MUTANTS + FLIGHTS + 1  # one flight of a run is repeated
     assert f"{FLIGHTS} stored flights of the earlier platform do not count" in said
     assert ("in more than bits: " in said) == (change is _landless)
     assert all(outcome.digest.endswith("last bit other") for outcome in report.outcomes)
@@ -274,10 +266,10 @@ def test_an_empty_store_takes_the_platform_of_its_first_flight(fly: Runs, move: 
 
 def test_the_sample_is_drawn_by_hash_and_not_by_order():
     stored = [FlownFlight(f"k{n}", "baseline" if n % 2 else LATE, "D0H0", n, 1) for n in range(40)]
-    one, other = sample_of(stored, "numpy 2"), sample_of(stored[::-1], "numpy 2")
+    one, other = gates.sample_of(stored, "numpy 2"), gates.sample_of(stored[::-1], "numpy 2")
     assert one == other
-    assert {flight.seed for flight in one} != {flight.seed for flight in sample_of(stored, "numpy 3")}
-    assert sample_of(stored[:1], "numpy 2") == stored[:1]
+    assert {flight.seed for flight in one} != {flight.seed for flight in gates.sample_of(stored, "numpy 3")}
+    assert gates.sample_of(stored[:1], "numpy 2") == stored[:1]
 
 
 SEEDS = tuple(range(10))
@@ -337,7 +329,7 @@ def test_no_flight_shares_a_baseline(log: Any, noisy: Any, monkeypatch: pytest.M
 
     monkeypatch.setattr("scaloft_fi.campaign.runs.run.in_runs", lambda flights, _runner: noted(flights))
     monkeypatch.setattr("scaloft_fi.campaign.runs.run.together", None)  # calling it would raise
-    with opened(noisy, noisy.folder / "c", RunOptions(), progress=quiet(), flyer=log, first=()) as campaign:
+    with opened(noisy, noisy.folder / "c", gates.RunOptions(), progress=quiet(), flyer=log, first=()) as campaign:
         campaign.fly(asked(noisy, range(3)).known)
     assert len(batches) == len(asked(noisy, range(3)).known)
     assert not any(batch.shared for batch in batches)
@@ -400,18 +392,18 @@ class Recorded(Whole):
 
 
 def _fly(monkeypatch: pytest.MonkeyPatch, platform: dict[str, str], **changes: Any) -> str:
-    known = published()
+    known = gates.published()
     monkeypatch.setattr("scaloft_fi.campaign.store.platforms.fingerprint", lambda: platform)
-    study = packaged_study()
+    study = gates.packaged_study()
     mutant, situation, seed = known.name.split("/")
     assert mutant == "baseline"
     subject = Flight(None, study.grid.situation(situation), int(seed)).subject
     outcome = Outcome(subject, situation, int(seed), ending="landed", digest=known.digest)
-    return fly_again(lambda _text: None, Recorded(replace(outcome, **changes)))
+    return gates.fly_again(lambda _text: None, Recorded(replace(outcome, **changes)))
 
 
 def test_the_known_flight_is_the_published_one():
-    known = published()
+    known = gates.published()
     with (RESULTS / "paper.csv").open(encoding="utf-8") as file:
         row = next(
             row for row in csv.DictReader(file) if f"{row['mutant']}/{row['situation']}/{row['seed']}" == known.name
@@ -424,11 +416,11 @@ def test_its_platform_is_that_of_the_published_campaign_with_the_kernels_that_re
     platform = json.loads((RESULTS / "reference" / "campaign.json").read_text(encoding="utf-8"))["platform"]
     kernels = {f"{package} kernels": "SkylakeX" for package in ("numpy", "scipy")}
     named = {name: value for name, value in platform.items() if name in DECIDES}
-    assert published().platform == {**kernels, **named}
+    assert gates.published().platform == {**kernels, **named}
 
 
 def test_what_decides_bits_is_known_of_each_part_of_a_fingerprint():
-    assert DECIDES.keys() == fingerprint().keys() == published().platform.keys()
+    assert DECIDES.keys() == fingerprint().keys() == gates.published().platform.keys()
 
 
 def test_equal_digests_are_told_in_a_sentence(monkeypatch: pytest.MonkeyPatch):
@@ -437,10 +429,10 @@ def test_equal_digests_are_told_in_a_sentence(monkeypatch: pytest.MonkeyPatch):
 
 
 def test_other_bits_name_the_platforms_and_are_no_failure(monkeypatch: pytest.MonkeyPatch):
-    said = _fly(monkeypatch, {**published().platform, "numpy": "7"}, digest="other")
+    said = _fly(monkeypatch, {**gates.published().platform, "numpy": "7"}, digest="other")
     assert "has the digest other, not a25e3a7a09ac, and the published status, ending and violations" in said
     assert "published on another platform (numpy 7 here, " in said
-    assert "published on this platform" in _fly(monkeypatch, published().platform, digest="other")
+    assert "published on this platform" in _fly(monkeypatch, gates.published().platform, digest="other")
 
 
 def test_other_facts_are_a_failure(monkeypatch: pytest.MonkeyPatch):

@@ -22,36 +22,8 @@ from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Budget
-from scaloft_fi.campaign.seeking import finds
-from scaloft_fi.campaign.seeking.finds import (
-    BLOCK,
-    FRESH,
-    OTHER_SEEDS,
-    SEEN_ON,
-    Allowance,
-    SeekReport,
-    anew,
-    break_saver,
-    holding,
-    interrupted,
-    keep,
-    replicate,
-    saver,
-)
-from scaloft_fi.campaign.seeking.seek import (
-    EACH,
-    GENERATION,
-    LONGEST_REST,
-    OPENING,
-    Proposal,
-    Proposals,
-    Quest,
-    draws,
-    families,
-    flyable,
-    opening,
-    seek,
-)
+from scaloft_fi.campaign.seeking import finds, seek
+from scaloft_fi.campaign.seeking import finds as finding
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.workers import Interrupted
 from scaloft_fi.errors import InputError
@@ -80,33 +52,35 @@ class Listed:
     left: list[str]
     nearest: float = 0.0
 
-    def ask(self, count: int) -> list[Proposal]:
+    def ask(self, count: int) -> list[seek.Proposal]:
         asked, self.left = self.left[:count], self.left[count:]
-        return [Proposal(STUDY.grid.situation(key), {}) for key in asked]
+        return [seek.Proposal(STUDY.grid.situation(key), {}) for key in asked]
 
-    def tell(self, distances: Sequence[tuple[Proposal, float]]) -> None:
+    def tell(self, distances: Sequence[tuple[seek.Proposal, float]]) -> None:
         """Nothing is learned."""
 
 
-def search(folder: Path, flyer: Any, *mutants: Any, seed: int = 0, **more: Any) -> tuple[SeekReport, list[Find]]:
+def search(
+    folder: Path, flyer: Any, *mutants: Any, seed: int = 0, **more: Any
+) -> tuple[finding.SeekReport, list[Find]]:
     saved: list[Find] = []
 
     def save(finds: Sequence[Find]) -> None:
         saved[:] = finds
 
-    report = seek(
+    report = seek.seek(
         STUDY,
         mutants or (LATE,),
         folder / "c",
         RunOptions(jobs=more.get("jobs", 1)),
         seed=seed,
-        allowance=Allowance.parse(more.get("budget")),
+        allowance=finding.Allowance.parse(more.get("budget")),
         progress=more.get("progress", quiet()),
         save=save,
         unnamed=more.get("unnamed"),
         flyer=flyer,
-        proposer=more.get("proposer", Proposals),
-        first=more.get("first", opening),
+        proposer=more.get("proposer", seek.Proposals),
+        first=more.get("first", seek.opening),
         shrinks=more.get("shrinks", True),
         anyhow=more.get("anyhow", False),
     )
@@ -131,7 +105,7 @@ def test_a_situation_is_found_shrunk_confirmed_on_fresh_seeds_and_told_in_words(
     assert report.sought[0].shown_in == find.situation
     assert not report.spent
     seeds = {int(name.rsplit("/", 1)[1]) for name in flyer.flown}
-    assert seeds == {*SEEN_ON, *range(10)}
+    assert seeds == {*finding.SEEN_ON, *range(10)}
     confirming = {name.split("/")[1] for name in flyer.flown if int(name.rsplit("/", 1)[1]) < 10}
     assert confirming == {report.finds[0].situation}
 
@@ -160,19 +134,19 @@ def test_a_search_that_dies_goes_on_where_it_stopped(tmp_path: Path, flyer: Rule
 
 def test_a_search_that_nobody_named_mutants_for_is_remembered_until_it_ends(tmp_path: Path, flyer: Ruled):
     folder = tmp_path / "c"
-    assert interrupted(folder, 0, "default") is None
-    first = anew(folder, 0, "default", [LATE.id, MORE.id])
+    assert finding.interrupted(folder, 0, "default") is None
+    first = finding.anew(folder, 0, "default", [LATE.id, MORE.id])
     with pytest.raises(PowerError):
         search(tmp_path, flyer, LATE, MORE, unnamed=first, progress=dying(1))
-    assert interrupted(folder, 0, "default") == first
-    assert interrupted(folder, 1, "default") is None
-    assert interrupted(folder, 0, "other") is None
+    assert finding.interrupted(folder, 0, "default") == first
+    assert finding.interrupted(folder, 1, "default") is None
+    assert finding.interrupted(folder, 0, "other") is None
     search(tmp_path, flyer, LATE, MORE, unnamed=first, budget="20flights")
-    assert interrupted(folder, 0, "default") is None
-    second = anew(folder, 0, "default", [MORE.id])
+    assert finding.interrupted(folder, 0, "default") is None
+    second = finding.anew(folder, 0, "default", [MORE.id])
     assert second.number == 1
     search(tmp_path, flyer, MORE, unnamed=second, budget="10flights")
-    assert interrupted(folder, 0, "default") is None
+    assert finding.interrupted(folder, 0, "default") is None
 
 
 def test_a_budget_decides_only_how_far_it_goes(tmp_path: Path, flyer: Ruled):
@@ -283,7 +257,7 @@ def test_a_candidate_spends_its_share_though_its_pool_is_not_fit(tmp_path: Path,
 
     class Turning(Ruled):
         def __call__(self, study: Study, flight: Any) -> Any:
-            return (fit if flight.seed in SEEN_ON else unfit)(study, flight)
+            return (fit if flight.seed in finding.SEEN_ON else unfit)(study, flight)
 
     report, _ = search(tmp_path, Turning(tmp_path / "flown.txt"), budget="200flights")
     (sought,) = report.sought
@@ -300,7 +274,7 @@ def test_many_mutants_wait_for_the_baselines_and_do_not_fly_where_these_are_red(
     monkeypatch.setattr(finds, "TOGETHER", together)
     flyer.baseline = flyer.first = lambda situation: -0.3 if situation["H"] == 1 else 0.4
     search(tmp_path, flyer, LATE, MORE, budget="70flights")
-    opened = [one.situation.key for one in opening(STUDY.grid, 0, partial(flyable, STUDY))]
+    opened = [one.situation.key for one in seek.opening(STUDY.grid, 0, partial(seek.flyable, STUDY))]
     vain = [name for name in flyer.flown if "H1" in name and name.split("/")[1] in opened and LATE.id in name]
     assert bool(vain) == (together == 2)
 
@@ -310,7 +284,7 @@ def test_nothing_is_found_for_the_unmutated_drone_under_other_seeds(tmp_path: Pa
     report, _ = search(tmp_path, flyer, PLACEBO, budget="100flights")
     assert report.finds == ()
     assert {name.split("/")[0] for name in flyer.flown} == {"baseline"}
-    assert any(int(name.rsplit("/", 1)[1]) >= OTHER_SEEDS for name in flyer.flown)
+    assert any(int(name.rsplit("/", 1)[1]) >= finding.OTHER_SEEDS for name in flyer.flown)
 
 
 def test_the_search_says_that_optuna_is_missing(tmp_path: Path, flyer: Ruled, monkeypatch: pytest.MonkeyPatch):
@@ -323,39 +297,42 @@ def test_the_search_says_that_optuna_is_missing(tmp_path: Path, flyer: Ruled, mo
 @pytest.mark.parametrize("text", ["", "10", "0flights", "-5flights", "10 parsecs", "flights"])
 def test_a_budget_that_is_none_is_refused(text: str):
     with pytest.raises(InputError, match=r"--budget=.* must be a number of flights such as 2000flights, or a time"):
-        Allowance.parse(text)
+        finding.Allowance.parse(text)
 
 
-def quest(name: str) -> Quest:
+def quest(name: str) -> seek.Quest:
     mutant = realise(STUDY.matrix, name)
-    return Quest(mutant, Proposals(STUDY.grid, lambda _situation: True, 0, mutant.id))
+    return seek.Quest(mutant, seek.Proposals(STUDY.grid, lambda _situation: True, 0, mutant.id))
 
 
 def test_the_mutants_of_one_parameter_are_a_family():
-    found = families(map(quest, ("LATE-human", "MORE-goal", "NO-human", "LESS-goal")))
+    found = seek.families(map(quest, ("LATE-human", "MORE-goal", "NO-human", "LESS-goal")))
     assert [[one.mutant.parameter for one in family.quests] for family in found] == [["human"] * 2, ["goal"] * 2]
 
 
 def test_a_family_proposes_at_least_a_generation_and_something_for_each_mutant():
-    (alone,), (many,) = families([quest("LATE-human")]), families(map(quest, STUDY.roster.defaults.values()))[:1]
-    assert len(alone.ask()) == GENERATION
-    assert len(many.quests) > GENERATION / EACH
-    assert len(many.ask()) == EACH * len(many.quests)
+    (alone,), (many,) = (
+        seek.families([quest("LATE-human")]),
+        seek.families(map(quest, STUDY.roster.defaults.values()))[:1],
+    )
+    assert len(alone.ask()) == seek.GENERATION
+    assert len(many.quests) > seek.GENERATION / seek.EACH
+    assert len(many.ask()) == seek.EACH * len(many.quests)
 
 
 def test_a_mutant_with_a_find_proposes_nothing():
-    (family,) = families(map(quest, ("LATE-human", "NO-human")))
+    (family,) = seek.families(map(quest, ("LATE-human", "NO-human")))
     family.quests[0].shown_in = STUDY.grid.situations[0]
     assert [one.mutant.id for one in family.sought] == [family.quests[1].mutant.id]
 
 
 def test_a_family_that_comes_no_nearer_rests_twice_as_long_each_time_and_progress_ends_that():
-    (family,) = families([quest("LATE-human")])
+    (family,) = seek.families([quest("LATE-human")])
     rests = []
     for _ in range(5):
         family.rest_after(family.nearest)
         rests.append(family.pauses)
-    assert rests == [1, 2, 4, LONGEST_REST, LONGEST_REST]
+    assert rests == [1, 2, 4, seek.LONGEST_REST, seek.LONGEST_REST]
     family.rest_after([one + 0.1 for one in family.nearest])
     assert family.pauses == 0
 
@@ -374,7 +351,7 @@ def anything(_situation: Situation) -> bool:
 
 def flown(seed: int, generations: int, mutant: str = "A", possible=anything) -> list[list[Situation]]:
     """The opening, then generations of eight."""
-    proposals, first = Proposals(GRID, possible, seed, mutant), list(opening(GRID, seed, possible))
+    proposals, first = seek.Proposals(GRID, possible, seed, mutant), list(seek.opening(GRID, seed, possible))
     proposals.tell([(one, distance(one.situation)) for one in first])
     told = [[one.situation for one in first]]
     for _ in range(generations):
@@ -386,7 +363,7 @@ def flown(seed: int, generations: int, mutant: str = "A", possible=anything) -> 
 
 def test_the_first_situations_are_the_same_for_every_mutant_and_then_each_has_its_own():
     first, second = flown(0, 1, "A"), flown(0, 1, "B")
-    assert len(first[0]) == OPENING
+    assert len(first[0]) == seek.OPENING
     assert first[0] == second[0]
     assert first[1] != second[1]
 
@@ -396,7 +373,7 @@ def test_half_of_the_numbers_of_the_opening_are_at_an_end_of_their_range():
     numbers = [(axis, number) for one in flown(0, 0)[0] for axis, number in one.numbers]
     at_end = sum(min(abs(number - end) for end in ends[axis]) < 0.01 * ends[axis][1] for axis, number in numbers)
     assert 0.35 < at_end / len(numbers) < 0.65
-    assert 4 < len(numbers) / OPENING < 8
+    assert 4 < len(numbers) / seek.OPENING < 8
 
 
 def test_the_same_seed_proposes_the_same_and_another_seed_others():
@@ -406,7 +383,7 @@ def test_the_same_seed_proposes_the_same_and_another_seed_others():
 
 def test_proposals_are_distinct_situations_of_the_grid_with_short_numbers():
     asked = [one for generation in flown(0, 4) for one in generation]
-    assert len(set(asked)) == len(asked) == OPENING + 4 * 8
+    assert len(set(asked)) == len(asked) == seek.OPENING + 4 * 8
     assert all(GRID.situation(one.key) == one for one in asked)
     digits = [len(f"{abs(number):g}".replace(".", "").strip("0")) for one in asked for _, number in one.numbers]
     assert sum(count > 2 for count in digits) < len(digits) / 10
@@ -414,7 +391,7 @@ def test_proposals_are_distinct_situations_of_the_grid_with_short_numbers():
 
 def test_what_is_impossible_is_not_proposed():
     asked = [one for generation in flown(0, 3, possible=lambda one: one["T"] == 0) for one in generation]
-    assert len(asked) > OPENING
+    assert len(asked) > seek.OPENING
     assert all(one["T"] == 0 for one in asked)
 
 
@@ -426,9 +403,9 @@ def test_later_proposals_are_nearer_to_what_was_good():
 
 def test_what_another_proposed_is_known_and_learned_from():
     """A search that is told of good situations only by others goes where they are, and proposes none of them."""
-    told, lone = Proposals(GRID, anything, 0, "A"), Proposals(GRID, anything, 0, "A")
-    first = list(opening(GRID, 0, anything))
-    theirs = [one for seed in range(1, 4) for one in opening(GRID, seed, anything)]
+    told, lone = seek.Proposals(GRID, anything, 0, "A"), seek.Proposals(GRID, anything, 0, "A")
+    first = list(seek.opening(GRID, 0, anything))
+    theirs = [one for seed in range(1, 4) for one in seek.opening(GRID, seed, anything)]
     for proposals, more in ((told, theirs), (lone, [])):
         proposals.tell([(one, distance(one.situation)) for one in (*first, *more)])
     own, alone = ([one.situation for one in proposals.ask(8)] for proposals in (told, lone))
@@ -438,10 +415,10 @@ def test_what_another_proposed_is_known_and_learned_from():
 
 
 def test_draws_go_on_after_the_opening_and_end_where_no_more_are_found():
-    drawn = [one.situation for one in islice(draws(GRID, 0, anything), OPENING + 8)]
-    assert len({*drawn}) == OPENING + 8
-    assert drawn[:OPENING] == [one.situation for one in opening(GRID, 0, anything)]
-    assert list(draws(GRID, 0, lambda one: one in drawn[:3])) == list(islice(draws(GRID, 0, anything), 3))
+    drawn = [one.situation for one in islice(seek.draws(GRID, 0, anything), seek.OPENING + 8)]
+    assert len({*drawn}) == seek.OPENING + 8
+    assert drawn[: seek.OPENING] == [one.situation for one in seek.opening(GRID, 0, anything)]
+    assert list(seek.draws(GRID, 0, lambda one: one in drawn[:3])) == list(islice(seek.draws(GRID, 0, anything), 3))
 
 
 SEARCHES, MOST = usually(4, release=1_000), 0.01
@@ -492,14 +469,14 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     return small_study(tmp_path_factory.mktemp("planted"))
 
 
-def searched(study: Study, folder: Path, number: int) -> SeekReport:
-    return seek(
+def searched(study: Study, folder: Path, number: int) -> finding.SeekReport:
+    return seek.seek(
         study,
         [realise(study.matrix, PLANTED_LATE)],
         folder,
         RunOptions(jobs=1),
         seed=number,
-        allowance=Allowance(flights=FLIGHTS),
+        allowance=finding.Allowance(flights=FLIGHTS),
         progress=Progress(stream=io.StringIO()),
         save=lambda _finds: None,
         flyer=Planted(number),
@@ -533,9 +510,9 @@ def flyer_of_replicate(tmp_path: Path) -> Ruled:
 
 def again(
     study_of_replicate: Study, flyer_of_replicate: Ruled, *finds: Find, progress: Progress | None = None
-) -> SeekReport:
+) -> finding.SeekReport:
     ask = {find.name: list(find.shows) for find in finds}
-    return replicate(
+    return finding.replicate(
         study_of_replicate,
         finds,
         ask,
@@ -557,10 +534,10 @@ def test_each_pair_flies_on_ten_seeds_beside_thirty_baselines_that_nothing_used(
     assert (
         seeds(flyer_of_replicate, REPLICATE_LATE)
         == seeds(flyer_of_replicate, REPLICATE_MORE)
-        == set(range(FRESH, FRESH + SEEDS))
+        == set(range(finding.FRESH, finding.FRESH + SEEDS))
     )
-    assert seeds(flyer_of_replicate, "baseline") == set(range(FRESH, FRESH + POOL))
-    assert (report.used, report.first) == (POOL + 2 * SEEDS, FRESH)
+    assert seeds(flyer_of_replicate, "baseline") == set(range(finding.FRESH, finding.FRESH + POOL))
+    assert (report.used, report.first) == (POOL + 2 * SEEDS, finding.FRESH)
 
 
 def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_another(
@@ -571,9 +548,9 @@ def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_anothe
         again(study_of_replicate, flyer_of_replicate, find),
         again(study_of_replicate, flyer_of_replicate, find),
     )
-    assert (first.first, second.first) == (FRESH, FRESH + BLOCK)
-    (kept,) = holding([find], first.replicas)
-    elsewhere = replicate(
+    assert (first.first, second.first) == (finding.FRESH, finding.FRESH + finding.BLOCK)
+    (kept,) = finding.holding([find], first.replicas)
+    elsewhere = finding.replicate(
         study_of_replicate,
         [kept],
         {kept.name: [REPLICATE_LATE]},
@@ -581,7 +558,7 @@ def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_anothe
         progress=quiet(),
         flyer_of_replicate=flyer_of_replicate,
     )
-    assert elsewhere.first == FRESH + BLOCK
+    assert elsewhere.first == finding.FRESH + finding.BLOCK
 
 
 def test_an_interrupted_replication_goes_on_with_its_seeds(study_of_replicate: Study, flyer_of_replicate: Ruled):
@@ -593,7 +570,7 @@ def test_an_interrupted_replication_goes_on_with_its_seeds(study_of_replicate: S
             progress=dying(7, Interrupted("stopped")),
         )
     report = again(study_of_replicate, flyer_of_replicate, found(REPLICATE_LATE, SITUATION))
-    assert report.first == FRESH
+    assert report.first == finding.FRESH
     assert report.flown < report.used
 
 
@@ -601,18 +578,18 @@ def test_what_does_not_hold_leaves_and_the_find_takes_the_name_of_what_does(
     study_of_replicate: Study, flyer_of_replicate: Ruled
 ):
     find, left = found(REPLICATE_MORE, SITUATION, others=(REPLICATE_LATE,)), found("NO-depth@3s", "T0D0H0Cs=0.9")
-    saver(study_of_replicate.folder / "sim", "small")([find, left])
-    break_saver(study_of_replicate.folder / "sim", "small")([BAR])
+    finding.saver(study_of_replicate.folder / "sim", "small")([find, left])
+    finding.break_saver(study_of_replicate.folder / "sim", "small")([BAR])
     report = again(study_of_replicate, flyer_of_replicate, find, left)
-    kept = holding([find, left], report.replicas)
-    keep(study_of_replicate.folder / "sim", "small", kept)
+    kept = finding.holding([find, left], report.replicas)
+    finding.keep(study_of_replicate.folder / "sim", "small", kept)
     written = read_finds(study_of_replicate.folder / "sim")
     assert [(one.name, one.mutant, list(one.shows)) for one in written.finds] == [
         (f"shows-{REPLICATE_LATE}", REPLICATE_LATE, [REPLICATE_LATE])
     ]
     assert written.breaks == (BAR,)
     told = written.finds[0].shows[REPLICATE_LATE].again
-    assert (told.seed, told.violated, told.flights, told.baselines) == (FRESH, SEEDS, SEEDS, POOL)
+    assert (told.seed, told.violated, told.flights, told.baselines) == (finding.FRESH, SEEDS, SEEDS, POOL)
     assert told.p == pytest.approx(report.replicas[1].again.p, rel=1e-3)
 
 
@@ -621,7 +598,7 @@ def test_what_was_not_replicated_stays_and_a_name_that_is_taken_is_not_given_twi
 ):
     find, other = found(REPLICATE_MORE, SITUATION, others=(REPLICATE_LATE,)), found(REPLICATE_LATE, "T0D1H1Cs=0.9")
     report = again(study_of_replicate, flyer_of_replicate, find)
-    kept = holding([find, other], report.replicas)
+    kept = finding.holding([find, other], report.replicas)
     assert [(one.name, one.mutant) for one in kept] == [
         (f"shows-{REPLICATE_LATE}", REPLICATE_LATE),
         (f"shows-{REPLICATE_MORE}", REPLICATE_LATE),

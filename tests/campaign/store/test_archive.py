@@ -28,23 +28,7 @@ from studies import copied
 
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.store import archive
-from scaloft_fi.campaign.store.archive import (
-    MANIFEST,
-    STORE_NAME,
-    Archive,
-    Trajectories,
-    campaign_folder,
-    existing,
-    is_archive,
-    opened,
-    promising,
-    read_outcomes,
-    remember_grid,
-    study_of,
-    study_of_all,
-    with_grid,
-    writable,
-)
+from scaloft_fi.campaign.store import archive as archives
 from scaloft_fi.campaign.store.held import Keys, Now, held_in
 from scaloft_fi.campaign.store.record import MOST_FLIGHTS
 from scaloft_fi.campaign.store.store import Store
@@ -60,7 +44,7 @@ STUDY = Path(__file__).parents[3]
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     folder = tmp_path_factory.mktemp("results") / "night"
-    campaign(Study.open(STUDY), folder / STORE_NAME)
+    campaign(Study.open(STUDY), folder / archives.STORE_NAME)
     return archive_files(Study.open(STUDY), str(folder))
 
 
@@ -79,14 +63,14 @@ def written(files: dict[str, bytes], folder: Path) -> Path:
 
 def without_documents(files: dict[str, bytes]) -> dict[str, bytes]:
     """The archive without its study."""
-    said = json.loads(files[MANIFEST])
+    said = json.loads(files[archives.MANIFEST])
     said["files"] = {name: digest for name, digest in said["files"].items() if "/" not in name}
     bare = {name: content for name, content in files.items() if "/" not in name}
-    return bare | {MANIFEST: json.dumps(said).encode()}
+    return bare | {archives.MANIFEST: json.dumps(said).encode()}
 
 
 def refused(place: Path) -> str:
-    told = refusal(lambda: list(opened(Study.open(STUDY), place)[1].rows()))
+    told = refusal(lambda: list(archives.opened(Study.open(STUDY), place)[1].rows()))
     assert str(place) in told
     return told
 
@@ -97,11 +81,11 @@ def test_a_folder_and_a_zip_file_give_back_the_flights_with_their_tracks(
     place = tmp_path / "night.zip"
     place.write_bytes(zipped(files))
     store_folder = tmp_path / "store"
-    campaign(Study.open(STUDY), store_folder / STORE_NAME)
-    _, flown = opened(Study.open(STUDY), store_folder)
+    campaign(Study.open(STUDY), store_folder / archives.STORE_NAME)
+    _, flown = archives.opened(Study.open(STUDY), store_folder)
     expected = dict(flown.rows())
     for one in (folder, place):
-        study, read = opened(Study.open(STUDY), one)
+        study, read = archives.opened(Study.open(STUDY), one)
         assert (study.name, read.meta(), read.notes()) == (STUDY.name, flown.meta(), flown.notes())
         rows = dict(read.rows())
         assert rows.keys() == expected.keys() == read.known(expected)
@@ -113,41 +97,41 @@ def test_a_folder_and_a_zip_file_give_back_the_flights_with_their_tracks(
 def test_the_same_campaign_makes_the_same_archive(files: dict[str, bytes]):
     assert unzipped(zipped(files)) == files
     assert zipped(files) == zipped(files)
-    assert next(iter(files)) == MANIFEST
+    assert next(iter(files)) == archives.MANIFEST
 
 
 def test_an_archive_is_read_with_its_own_study(folder: Path, files: dict[str, bytes], tmp_path: Path):
-    study, store = opened(Study.open(STUDY), folder)
-    assert isinstance(store, Archive)
+    study, store = archives.opened(Study.open(STUDY), folder)
+    assert isinstance(store, archives.Archive)
     assert study.folder == folder
-    study, _ = opened(Study.open(STUDY), written(without_documents(files), tmp_path / "bare"))
+    study, _ = archives.opened(Study.open(STUDY), written(without_documents(files), tmp_path / "bare"))
     assert study.folder == STUDY
 
 
 def test_its_grid_is_that_of_the_campaign(files: dict[str, bytes], tmp_path: Path):
-    said = json.loads(files[MANIFEST])
+    said = json.loads(files[archives.MANIFEST])
     said["notes"]["grid flown"] = json.dumps("wide")
-    place = written(files | {MANIFEST: json.dumps(said).encode()}, tmp_path / "wide")
-    assert study_of(STUDY, str(place)).grid.name == "wide"
-    assert study_of(STUDY, str(place), "wide").grid.name == "wide"
+    place = written(files | {archives.MANIFEST: json.dumps(said).encode()}, tmp_path / "wide")
+    assert archives.study_of(STUDY, str(place)).grid.name == "wide"
+    assert archives.study_of(STUDY, str(place), "wide").grid.name == "wide"
     with pytest.raises(InputError, match="was flown over grid 'wide'"):
-        study_of(STUDY, str(place), "search")
+        archives.study_of(STUDY, str(place), "search")
 
 
 def test_nothing_is_written_into_an_archive_and_it_lends_no_flights(folder: Path):
-    assert is_archive(folder)
-    for refuse in (promising, writable):
+    assert archives.is_archive(folder)
+    for refuse in (archives.promising, archives.writable):
         with pytest.raises(InputError, match="an archive is a record, into which nothing is flown or merged"):
             refuse(folder)
     with pytest.raises(InputError, match="an archive is a record, which lends no flights"):
-        existing(folder)
+        archives.existing(folder)
     with pytest.raises(InputError, match="an archive is a record"):
-        opened(Study.open(STUDY), folder)[1].set_notes({"a": "b"})
+        archives.opened(Study.open(STUDY), folder)[1].set_notes({"a": "b"})
 
 
 def test_a_folder_with_a_store_is_a_campaign_whatever_lies_beside_it(folder: Path):
-    campaign(Study.open(STUDY), folder / STORE_NAME)
-    assert not is_archive(folder)
+    campaign(Study.open(STUDY), folder / archives.STORE_NAME)
+    assert not archives.is_archive(folder)
 
 
 def change(path: Path) -> None:
@@ -182,8 +166,8 @@ RIGHT = {"archive": 1, "study": "s", "campaign": "c", "axes": [], **EMPTY}
     ids=json.dumps,
 )
 def test_a_record_that_says_something_else_is_refused(folder: Path, said: object):
-    (folder / MANIFEST).write_text(json.dumps(said))
-    assert MANIFEST in refused(folder)
+    (folder / archives.MANIFEST).write_text(json.dumps(said))
+    assert archives.MANIFEST in refused(folder)
 
 
 def zipped_as(path: Path, fill: Callable[[zipfile.ZipFile], None]) -> Path:
@@ -225,9 +209,9 @@ def test_a_file_that_is_no_zip_file_is_refused(tmp_path: Path, content: bytes):
 def test_a_flight_that_occurs_twice_is_refused(folder: Path):
     table = pyarrow.parquet.read_table(folder / "outcomes.parquet")
     pyarrow.parquet.write_table(pyarrow.concat_tables([table, table]), folder / "outcomes.parquet")
-    said = json.loads((folder / MANIFEST).read_text())
+    said = json.loads((folder / archives.MANIFEST).read_text())
     said["files"]["outcomes.parquet"] = hashlib.sha256((folder / "outcomes.parquet").read_bytes()).hexdigest()
-    (folder / MANIFEST).write_text(json.dumps(said))
+    (folder / archives.MANIFEST).write_text(json.dumps(said))
     assert "a flight occurs twice" in refused(folder)
 
 
@@ -236,7 +220,7 @@ def test_a_flight_that_the_study_no_longer_has_is_stale(folder: Path, files: dic
     place = written(without_documents(files), tmp_path / "bare")
     axes = study / "sim" / "situations.yaml"
     axes.write_text(re.sub(r"\bT(?=[:01])", "U", axes.read_text()))
-    now, store = opened(Study.open(study), place)
+    now, store = archives.opened(Study.open(study), place)
     held = held_in(Now(now, store), place)
     assert held.current == ()
     assert held.why == {"the situation is not in the grid any more": len(store.flights())}
@@ -250,7 +234,7 @@ Change = Callable[[pyarrow.Table], pyarrow.Table]
 
 
 def read(content: bytes) -> list[Outcome]:
-    return list(read_outcomes(PATH, content, tuple(KINDS.items()), AXES))
+    return list(archives.read_outcomes(PATH, content, tuple(KINDS.items()), AXES))
 
 
 def flown(one: Outcome) -> Outcome:
@@ -365,10 +349,10 @@ WIDTH = len(TRACK_COLUMNS)
 
 def test_a_trajectory_comes_back_by_the_digest_of_its_flight():
     tracks = {"a": array("f", map(float, range(2 * WIDTH))), "b": array("f", [0.5] * WIDTH), "c": array("f")}
-    kept = Trajectories(PATH, track_file(tracks))
+    kept = archives.Trajectories(PATH, track_file(tracks))
     assert {digest: track_values(kept.of(digest)) for digest in tracks} == tracks
     assert kept.of("d") == b""
-    assert Trajectories(PATH, track_file({})).of("a") == b""
+    assert archives.Trajectories(PATH, track_file({})).of("a") == b""
 
 
 def test_trajectories_of_unequal_columns_are_refused():
@@ -376,14 +360,14 @@ def test_trajectories_of_unequal_columns_are_refused():
     file = io.BytesIO()
     pyarrow.parquet.write_table(put("x_m", [[1.0, 2.0]])(table), file)
     with pytest.raises(InputError, match="of equal length"):
-        Trajectories(PATH, file.getvalue())
+        archives.Trajectories(PATH, file.getvalue())
 
 
 def planned(folder: Path, grid: str | None) -> str:
     """A campaign over a grid, with one planned flight; returns its name."""
     study = Study.open(STUDY, grid)
-    with Store(folder / STORE_NAME) as store:
-        remember_grid(store, study)
+    with Store(folder / archives.STORE_NAME) as store:
+        archives.remember_grid(store, study)
         store.plan([Keys(study).planned(Flight(None, study.grid.situations[0], 0))])
     return str(folder)
 
@@ -397,57 +381,57 @@ def over_grids(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
 
 def test_a_campaign_opens_the_study_with_the_grid_over_which_it_was_flown(over_grids: tuple[str, str]):
     wide, paper = over_grids
-    assert study_of(STUDY, wide).grid_name == "wide"
-    assert study_of(STUDY, wide, "wide").grid_name == "wide"
-    assert study_of(STUDY, paper).grid_name is None
-    assert study_of(STUDY, paper, "paper").grid_name is None
+    assert archives.study_of(STUDY, wide).grid_name == "wide"
+    assert archives.study_of(STUDY, wide, "wide").grid_name == "wide"
+    assert archives.study_of(STUDY, paper).grid_name is None
+    assert archives.study_of(STUDY, paper, "paper").grid_name is None
 
 
 def test_a_campaign_that_does_not_exist_has_the_grid_that_the_user_names(tmp_path: Path):
-    assert study_of(STUDY, str(tmp_path / "none")).grid_name is None
-    assert study_of(STUDY, str(tmp_path / "none"), "wide").grid_name == "wide"
+    assert archives.study_of(STUDY, str(tmp_path / "none")).grid_name is None
+    assert archives.study_of(STUDY, str(tmp_path / "none"), "wide").grid_name == "wide"
     (tmp_path / "empty").mkdir()
-    Store(tmp_path / "empty" / STORE_NAME).close()
-    assert study_of(STUDY, str(tmp_path / "empty"), "wide").grid_name == "wide"
+    Store(tmp_path / "empty" / archives.STORE_NAME).close()
+    assert archives.study_of(STUDY, str(tmp_path / "empty"), "wide").grid_name == "wide"
 
 
 def test_a_campaign_takes_no_flights_of_another_grid(over_grids: tuple[str, str]):
     wide, paper = over_grids
     with pytest.raises(InputError, match=r"^--grid=paper: campaign .* was flown over grid 'wide'; name another"):
-        study_of(STUDY, wide, "paper")
+        archives.study_of(STUDY, wide, "paper")
     with pytest.raises(InputError, match=r"^--grid=wide: campaign .* was flown over grid 'paper'; name another"):
-        study_of(STUDY, paper, "wide")
+        archives.study_of(STUDY, paper, "wide")
 
 
 def test_campaigns_are_joined_and_compared_over_one_grid_only(over_grids: tuple[str, str], tmp_path: Path):
     (wide, paper), new = over_grids, str(tmp_path / "new")
-    assert study_of_all(STUDY, [wide, new]).grid_name == "wide"
-    assert study_of_all(STUDY, [paper, new]).grid_name is None
+    assert archives.study_of_all(STUDY, [wide, new]).grid_name == "wide"
+    assert archives.study_of_all(STUDY, [paper, new]).grid_name is None
     with pytest.raises(InputError, match=r"over grid 'wide', and .* over 'paper'; only campaigns of one grid"):
-        study_of_all(STUDY, [paper, wide])
+        archives.study_of_all(STUDY, [paper, wide])
 
 
 def test_a_record_that_is_no_name_is_refused(tmp_path: Path):
-    with Store(tmp_path / "c" / STORE_NAME) as store:
+    with Store(tmp_path / "c" / archives.STORE_NAME) as store:
         store.set_notes({"grid flown": "[1]"})
     with pytest.raises(InputError, match="must be a record of `run`"):
-        study_of(STUDY, str(tmp_path / "c"))
+        archives.study_of(STUDY, str(tmp_path / "c"))
 
 
 @pytest.mark.parametrize("name", ["../../secret", "", "wid", ".hidden"])
 def test_a_record_of_a_grid_that_the_study_lacks_is_one_sentence(tmp_path: Path, name: str):
-    with Store(tmp_path / "c" / STORE_NAME) as store:
+    with Store(tmp_path / "c" / archives.STORE_NAME) as store:
         store.set_notes({"grid flown": json.dumps(name)})
         with pytest.raises(InputError, match=r"was flown over grid '.*', which the study lacks"):
-            with_grid(Study.open(STUDY), store)
+            archives.with_grid(Study.open(STUDY), store)
 
 
 @pytest.mark.parametrize("name", ["~nosuchuser/a", "/" + "a" * 300, "a/b\0", "a" * 256, "é" * 128, "..", " ", "a\0"])
 def test_a_name_that_the_system_refuses_is_refused_in_a_sentence(tmp_path, name):
     with pytest.raises(InputError, match=r"^--campaign: name=.* must be the (path|name) of a folder"):
-        campaign_folder(Study(tmp_path), name)
+        archives.campaign_folder(Study(tmp_path), name)
 
 
 def test_a_name_stands_for_a_folder_of_the_results_and_a_path_for_itself(tmp_path):
-    assert campaign_folder(Study(tmp_path), "a" * 255).parent == tmp_path / "results" / "campaigns"
-    assert campaign_folder(Study(tmp_path), f"{tmp_path}/new") == tmp_path / "new"
+    assert archives.campaign_folder(Study(tmp_path), "a" * 255).parent == tmp_path / "results" / "campaigns"
+    assert archives.campaign_folder(Study(tmp_path), f"{tmp_path}/new") == tmp_path / "new"
