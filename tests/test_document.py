@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from options import cases
 from refused import refusal
 
 from scaloft_fi.document import ITEMS, edited, load
@@ -109,20 +110,7 @@ NO:
 """
 
 
-@pytest.mark.parametrize(
-    ("steps", "value", "before", "after"),
-    [
-        (("LATE", "effect"), "new: text", "  effect: >-\n    a folded\n    text\n", '  effect: "new: text"\n'),
-        (("LATE", "deviation"), "Later", "  deviation: Late, by\n    two lines.\n", "  deviation: Later\n"),
-        (("LATE", "causes", 0), "1st # c", "    - one  # c1\n", '    - "1st # c"  # c1\n'),
-        (("LATE", "causes", 2), "three", '    - "two"\n', '    - "two"\n    - three\n'),
-        (("LATE", "team", "safeguards"), "a, b", "{safeguards: none}", '{safeguards: "a, b"}'),
-        (("LATE", "team", "due"), "soon", "{safeguards: none}", "{safeguards: none, due: soon}"),
-        (("LATE", "severity"), "no", "{safeguards: none}\n", '{safeguards: none}\n  severity: "no"\n'),
-        (("NO", "team", "due"), "2027", "  effect: x\n", '  effect: x\n  team: {due: "2027"}\n'),
-        (("LATE", "effect"), None, "  effect: >-\n    a folded\n    text\n", ""),
-    ],
-)
+@cases("steps", "value", "before", "after")
 def test_an_edit_changes_one_value_and_nothing_else(
     steps: tuple[str | int, ...], value: str | None, before: str, after: str
 ):

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from options import cases
 from processes import install
 
 from scaloft_fi.errors import InputError
@@ -54,18 +55,7 @@ def test_a_promise_outlives_a_failed_import(site: Path):
     assert entries["late"] == 7
 
 
-@pytest.mark.parametrize(
-    ("code", "reason"),
-    [
-        ("import nowhere_at_all", "ModuleNotFoundError: No module named 'nowhere_at_all'"),
-        ("raise SystemExit(3)", "SystemExit: 3"),
-        ("raise RuntimeError('two\\nlines')", "RuntimeError: two lines"),
-        (
-            "from scaloft_fi.sim.world import ROLES, Role\nROLES.declare('person', Role('another'))",
-            "ValueError: role of a body 'person' is declared twice",
-        ),
-    ],
-)
+@cases("code", "reason")
 def test_a_plugin_that_cannot_be_loaded_is_named_with_its_package(site: Path, code: str, reason: str):
     (site / "broken_plugin.py").write_text(code)
     install(site, "broken-package", {"broken": "broken_plugin"})

@@ -6,6 +6,7 @@ import ast
 from pathlib import Path
 
 import pytest
+from options import cases
 
 import scaloft_fi
 from scaloft_fi import sources
@@ -23,19 +24,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "scaloft_fi"
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "import scaloft_fi.fly.wing\n",
-        "from scaloft_fi.fly import wing\n",
-        "from scaloft_fi.fly.wing import area\n",
-        "from . import wing\n",
-        "from .wing import area\n",
-        "from ..fly.wing import area\n",
-        "def f():\n    if True:\n        from scaloft_fi.fly.wing import area\n",
-        "try:\n    pass\nexcept ImportError:\n    import scaloft_fi.fly.wing as w\n",
-    ],
-)
+@cases("text")
 def test_whatever_way_a_module_is_imported_it_is_in_the_closure(package: Path, text: str):
     (package / "fly" / "craft.py").write_text(text)
     (package / "fly" / "wing.py").write_text("from scaloft_fi.fly.spar import area\n")
@@ -109,15 +98,7 @@ def test_the_package_itself_says_only_what_scripts_use():
     }
 
 
-@pytest.mark.parametrize(
-    ("edited", "same"),
-    [
-        ('"""Another text."""\ndef f(x):\n    # why\n    return x + 1\n', True),
-        ('"""Text."""\ndef f(x):\n    """More."""\n\n    return (x\n        + 1)\n', True),
-        ('"""Text."""\ndef f(x):\n    return x + 2\n', False),
-        ('"""Text."""\nTEXT = "a"\ndef f(x):\n    return x + 1\n', False),
-    ],
-)
+@cases("edited", "same")
 def test_only_what_the_interpreter_does_is_part_of_the_hash_of_code(tmp_path: Path, edited: str, *, same: bool):
     first, second = tmp_path / "first.py", tmp_path / "second.py"
     first.write_text('"""Text."""\ndef f(x):\n    return x + 1\n')

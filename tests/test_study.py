@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 from builders import GRID
+from options import cases
 from refused import refusal
 from studies import ROOT, edit_in
 
@@ -260,18 +261,7 @@ def test_a_bare_cell_is_its_default_and_the_place_is_remembered(tmp_path: Path):
     assert only.place.endswith("dispositions.yaml:1")
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        ("LATE-human:", "LATE-humna:", "did you mean 'LATE-human'?"),
-        ("LATE-human:", "EARLY-collision:", "not meaningful"),
-        ("owner: A. Engineer", "owner: ''", "owner='' must be a text"),
-        ("2027-01-31", "2027-02-30", "expires='2027-02-30' cannot be read: day is out of range"),
-        ("2027-01-31", "'2027-02-30'", "must be a date such as 2027-01-31"),
-        ("T0O0W0D0H1", "T0O0W0D0H2", "did you mean 'T0O0W0D0H"),
-        ("[T0O0W0D0H1]", "[]", "must be a list of at least one"),
-    ],
-)
+@cases("old", "new", "says")
 def test_what_it_does_not_understand_it_refuses_with_the_place(tmp_path: Path, old: str, new: str, says: str):
     told = refusal(loaded, tmp_path, GOOD.replace(old, new))
     assert says in told

@@ -14,7 +14,7 @@ import yaml
 from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
-from options import usually
+from options import cases, usually
 from processes import call, install, install_project
 from studies import RECORDS, ROOT, copied, edit_in, example, mission_study, own_simulator
 
@@ -94,21 +94,7 @@ def test_the_examples_whose_stages_are_outside_have_no_error(tmp_path: Path):
         assert errors(check_study(tmp_path / name)) == [], name
 
 
-@pytest.mark.parametrize(
-    ("file", "old", "new", "place", "what"),
-    [
-        ("flyer.yaml", '"{seed}"', '"{sed}"', "flyer.yaml:3", "there is no value {sed}"),
-        ("flyer.yaml", "inputs: [fly.py]", "inputs: [flown.py]", "flyer.yaml:8", "the study has no file 'flown.py'"),
-        ("flyer.yaml", "limit_s: 120", "limit_s: 0", "flyer.yaml:5", "limit_s=0 must be > 0"),
-        (
-            "record.yaml",
-            "clearance_person_m",
-            "clearance_p_m",
-            "record.yaml: error",
-            "maps neither signal 'clearance_m' nor 'clearance_person_m'",
-        ),
-    ],
-)
+@cases("file", "old", "new", "place", "what")
 def test_a_command_that_cannot_fly_is_told(tmp_path: Path, file: str, old: str, new: str, place: str, what: str):
     own_simulator(tmp_path / "own")
     edit_in(tmp_path / "own" / "sim" / file, old, new)
@@ -295,14 +281,7 @@ def test_a_unit_or_an_axis_that_puts_every_waypoint_into_the_open_space_is_the_r
     assert errors(check_study(copy)) == []
 
 
-@pytest.mark.parametrize(
-    ("keys", "told"),
-    [
-        ("", "z of the file is up, by default, and its unit is 1 m, by default, so the mine is 10 x 20 x 3 m"),
-        ("scale_m: 1.0", "z of the file is up, by default, so the mine is 10 x 20 x 3 m"),
-        ("up: z", "its unit is 1 m, by default, so the mine is 10 x 20 x 3 m"),
-    ],
-)
+@cases("keys", "told")
 def test_a_unit_and_an_axis_that_are_not_stated_are_told(copy: Path, keys: str, told: str):
     _room(copy, ROOM.faces.tolist())
     edit_in(copy / "sim" / "world.yaml", "mesh: room.obj", f"mesh: room.obj\n  {keys}")
@@ -596,16 +575,7 @@ def test_what_a_body_sweeps_on_its_way_is_held_against_rock_and_bodies(
     assert overlaps_of(replace(world, happenings=(walk,)), "b") == into
 
 
-@pytest.mark.parametrize(
-    ("first", "second", "at", "told"),
-    [
-        ([(0.0, 4.0)], [(0.5, 1.0)], (0.5, 4.0), False),  # beside each other
-        ([(0.0, 4.0)], [(-0.5, 2.0)], (0.5, 3.0), True),  # across
-        ([(0.0, 1.5), (0.0, 4.0)], [(0.0, 3.5)], (0.0, 5.5), True),  # towards each other
-        ([(0.0, 4.0)], [(-0.5, 2.0)], (0.5, 3.0, 1.5), False),  # above its head
-        ([(0.0, 4.0)], [], (0.0, 2.5), False),  # the other one stands: `overlaps` tells
-    ],
-)
+@cases("first", "second", "at", "told")
 def test_ways_of_two_bodies_that_cross_are_told_once(
     first: list[tuple[float, float]], second: list[tuple[float, float]], at: tuple[float, ...], told: bool
 ):

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from openpyxl import Workbook
 from openpyxl.styles import Font
+from options import cases
 from refused import refusal
 
 from scaloft_fi.errors import InputError
@@ -172,15 +173,7 @@ def test_a_matrix_with_guidewords_for_heads_has_a_deviation_in_each_cell(tmp_pat
     assert cells(sheets.read_sheet(path)) == ["NO-range", "MORE-range", "MORE-bearing", "LATE-bearing"]
 
 
-@pytest.mark.parametrize(
-    ("row", "said"),
-    [
-        (",NO,none,x,y", "it names no node and no parameter"),
-        ("Radar,,echo comes,x,y", "it names no guideword: --guideword TEXT=WORD"),
-        ("Radar,Blue,echo comes,x,y", "'Blue' is not one guideword: --guideword TEXT=WORD"),
-        ("person detection,LATE,late,x,y", "the study has this cell"),
-    ],
-)
+@cases("row", "said")
 def test_a_row_that_makes_no_draft_says_why(tmp_path: Path, row: str, said: str):
     lines = sheets.read_sheet(sheet(tmp_path, f"Node,Guideword,Deviation,Cause,Consequence\n{row}\n"))
     assert [one.why for one in sheets.sort(lines, MATRIX, {}, {}).rows] == [said]

@@ -19,7 +19,7 @@ import pytest
 from builders import GRID, KINDS, ROSTER, outcome, pool
 from hypothesis import assume, event, example, given, settings
 from hypothesis import strategies as st
-from options import usually
+from options import cases, usually
 
 from scaloft_fi.analysis.detection import tallies
 from scaloft_fi.analysis.margin import margins
@@ -149,75 +149,12 @@ def test_a_text_in_brackets_has_the_tree_it_was_written_from(tree: Node):
     assert repr(parse(tokenize(bracketed(tree)))) == repr(tree)
 
 
-@pytest.mark.parametrize(
-    ("loose", "brackets"),
-    [
-        ("a + b * c > 1", "(a + (b * c)) > 1"),
-        ("a * b / c > 1", "((a * b) / c) > 1"),
-        ("a + b - c > 1", "((a + b) - c) > 1"),
-        ("a - b - c > 1", "((a - b) - c) > 1"),
-        ("not a > 1 and b or c", "((not (a > 1)) and b) or c"),
-        ("not a until b", "(not a) until b"),
-        ("once a > 1 since b", "(once (a > 1)) since b"),
-        ("a since b until c", "a since (b until c)"),
-        ("a and b since c", "a and (b since c)"),
-        ("a or b and c implies a iff b", "((a or (b and c)) implies a) iff b"),
-        ("a -> b", "a implies b"),
-        ("a iff b iff c", "(a iff b) iff c"),
-        ("a + not b > c", "a + (not (b > c))"),
-    ],
-)
+@cases("loose", "brackets")
 def test_operators_bind_in_their_order(loose: str, brackets: str):
     assert parse(tokenize(loose)) == parse(tokenize(brackets))
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("sped_mps > 0", "unknown signal 'sped_mps'; did you mean 'speed_mps'"),
-        ("a ; 1", "has '; 1'"),
-        ("a > 0 & b > 0", "has '&', which is no word or mark here: write and"),
-        ("historically[a:1](a > 0)", "must be of two times"),
-        ("historically[0;1](a > 0)", "has ';1](a > 0)'"),
-        ("alwys(a > 0)", "did you mean 'always'"),
-        ("1 > 0", "reads no signal"),
-        ("", "reads no signal"),
-        ("__import__ > 0", "unknown signal"),
-        ("a - b + c > 1", "needs brackets at '+' after 'a - b': a - b + c is read as a - (b + c)"),
-        ("a - b * c + a > 1", "needs brackets at '+' after '... - b * c'"),
-        ("a / b * c > 1", "needs brackets at '*' after 'a / b': a / b * c is read as a / (b * c)"),
-        ("b * prev(a) > 1", "needs brackets at '>' after '... prev ( a )': prev(a) > b is read as prev(a > b)"),
-        ("0 < a <= 1", "needs brackets at '<=' after '0 < a': a < b < c compares the robustness of a < b with c; for"),
-        ("a implies b -> c", "needs brackets at '->' after 'a implies b'"),
-        ("a >", "is not a formula: it ends after 'a >', where is allowed: a signal, a number, '(', abs, mean, sqrt,"),
-        ("a > > 3", "is not a formula: it has '>' after 'a >', where is allowed: a signal"),
-        ("a > 0 b > 1", "is not a formula: it has 'b' after 'a > 0', where is allowed: *, /, +, -, <, <="),
-        ("(a > 0 b)", "is not a formula: it has 'b' after '( a > 0', where"),
-        ("a b", "it has 'b' after 'a'"),
-        ("and a", "it has 'and' at the beginning"),
-        ("abs a > 1", "it has 'a' after 'abs', where is allowed: '('"),
-        ("-a > 1", "it has 'a' after '-', where is allowed: a number; the negative of a signal is 0 - signal"),
-        ("a > --1", "it has '-' after 'a > -'"),
-        ("(a > 0", "has brackets that do not match: '(' at the beginning is not closed"),
-        ("a > 0) and (b > 0", "has brackets that do not match: ')' after 'a > 0' closes none"),
-        ("a[0:1] > 0", "has an interval after 'a'; an interval must be of two times in seconds, after historically,"),
-        ("a and[0:1] b", "it has '[' after 'a and'"),
-        ("once[0:1][0:1] a", "it has '[' after '... 0 : 1 ]'"),
-        ("once[0 a", "has an interval after 'once' that must be of two times in seconds"),
-        ("once[0:1e1] a", "has an interval after 'once' that must be of two times in seconds"),
-        ("once[0:0.0500000000000000000001] a", "must be of two times that are multiples of 0.05 s"),
-        ("once[0:600.05] a", "has once[0:600.05], which must end within 600 s; without times it has no end"),
-        ("a since[2:1] b", "has since[2:1], which must not end before it begins"),
-        ("mean(a) > 1", "has a mean at the beginning without a window from 0 to a later time, as mean[0:2]( ... )"),
-        ("a > 0 and mean[1:2](a) > 1", "has a mean after 'a > 0 and' without a window from 0 to a later time"),
-        ("mean[0:0](a) > 1", "without a window from 0 to a later time"),
-        ("mean[0:600.05](a) > 1", "has mean[0:600.05], which must end within 600 s"),
-        ("mean[0:0.02](a) > 1", "must be of two times that are multiples of 0.05 s"),
-        ("mean[0:2] a > 1", "it has 'a' after '... 0 : 2 ]', where is allowed: '('"),
-        ("maen[0:2](a) > 1", "names the unknown signal 'maen'; did you mean 'mean'"),
-        ("a > 1e999", "has the number 1e999 after 'a >', which must be at most 1e308"),
-    ],
-)
+@cases("text", "said")
 def test_what_is_no_formula_is_told_with_its_place_and_what_is_allowed(text: str, said: str):
     with pytest.raises(FormulaError) as caught:
         Formula.parse(text, (*SIGNALS, "c"))
@@ -252,22 +189,7 @@ def test_the_text_of_a_tree_is_read_as_the_same_tree(tree: Node):
     assert repr(parse(tokenize(written(tree)))) == repr(tree)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "a / 2 < 30",
-        "a - (b + c) > 0.123456789",
-        "(a - b) + c > -3",
-        "(a / b) * c > 1",
-        "(a < b) < c",
-        "(a implies b) implies c",
-        "a implies (b implies c)",
-        "not (a > 0) and once[0:2](b > 0) since[0.05:600] c",
-        "a + (not (b > 0))",
-        "abs(a) * sqrt(b) > 1",
-        "mean[0:2](a) - a * mean[0:0.05](b - c) > 1",
-    ],
-)
+@cases("text")
 def test_it_has_the_brackets_that_it_needs(text: str):
     assert written(parse(tokenize(text))) == text
 
@@ -314,39 +236,12 @@ def test_the_longest_interval_over_a_long_flight_is_evaluated_at_once(formula: s
     assert time.process_time() - start < 5
 
 
-@pytest.mark.parametrize(
-    ("foreign", "ours"),
-    [
-        ("historically[0:2s](a > 1)", "historically[0:2](a > 1)"),
-        ("historically[0:500ms](a > 1)", "historically[0:0.5](a > 1)"),
-        ("once[0,2](a > 1)", "once[0:2](a > 1)"),
-        ("once[ 50 ms , 2000ms](a > 1)", "once[0.05:2](a > 1)"),
-        ("a since[0s,1s] b", "a since[0:1] b"),
-        ("a == 1 and b > 2", "a == 1 and b > 2"),
-        ("prev(a > 1)", "historically[0.05:0.05](a > 1)"),
-        ("rise(a > 1) or fall(b)", "rise(a > 1) or fall(b)"),
-    ],
-)
+@cases("foreign", "ours")
 def test_units_commas_and_equality_of_rtamt_are_read(foreign: str, ours: str):
     assert written(Formula.parse(foreign, ["a", "b"]).tree) == ours
 
 
-@pytest.mark.parametrize(
-    ("text", "remedy"),
-    [
-        ("a xor b", r"\(a or b\) and not \(a and b\)"),
-        ("a !== 1", "a < b - margin"),
-        ("a != 1", "a < b - margin"),
-        ("rise a", r"rise\(a\)"),
-        ("prev > 1", r"prev\(a\)"),
-        ("next(a > 1)", "future"),
-        ("a weak until b", "future"),
-        ("a && b", "write and"),
-        ("!a", "write not"),
-        ("once[1:500ms](a)", "the unit of both times"),
-        ("a > 2ms", "signal 'ms'"),
-    ],
-)
+@cases("text", "remedy")
 def test_what_is_of_rtamt_and_not_of_ours_is_named_with_its_remedy(text: str, remedy: str):
     with pytest.raises(FormulaError, match=remedy):
         Formula.parse(text, ["a", "b"])

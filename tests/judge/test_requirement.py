@@ -8,7 +8,7 @@ import pytest
 from builders import SIGNALS as READABLE
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from options import usually
+from options import cases, usually
 from refused import refusal
 
 from scaloft_fi.errors import InputError
@@ -240,39 +240,7 @@ def test_a_window_that_begins_after_the_longest_flight_is_empty(text: str, alway
     )
 
 
-@pytest.mark.parametrize(
-    ("text", "always"),
-    [
-        ("x_m < -7", False),
-        ("x_m < -1", None),
-        ("eventually(x_m < 9)", True),
-        ("always(light <= 0.05)", None),
-        ("speed_mps >= 0", True),
-        ("speed_mps / 0.25 <= 1", None),
-        ("person_sight_m / 3 <= 40", True),
-        ("(person_sight_m > 7) and (person_sight_m < 99)", None),  # each may be true, and spans know no two signals
-        ("person_sight_m - 50 >= 60", False),
-        ("landed >= 0.5", None),
-        ("landed > 1.5", False),
-        ("abs(x_m) < 7", True),
-        ("x_m * x_m < 40", True),
-        ("not (x_m < -7)", True),
-        ("(x_m < -7) or (light > 2)", False),
-        ("(x_m < -7) implies (other > 3)", True),
-        ("historically[0:2](light <= 1)", True),
-        ("once[0:2](light > 2)", False),
-        ("once[1:2](light <= 1)", None),  # nothing is within such a window at the start of a flight
-        ("(light <= 1) since (light > 2)", False),
-        ("sqrt(speed_mps) >= 0", True),
-        ("other - other > 1", False),
-        ("2 * other - other - other <= 0.5", True),
-        ("landed == 0.5", False),
-        ("landed == 1", None),
-        ("rise(x_m < -7)", False),
-        ("fall(x_m < -7)", None),
-        ("other > 3", None),
-    ],
-)
+@cases("text", "always")
 def test_a_formula_that_no_flight_can_change_is_known(text: str, always: bool | None):
     assert requirements.verdict(bounds(text)) is always
 
@@ -340,52 +308,14 @@ def test_robustness_lies_within_the_bounds(text: str, signals: dict[str, list[fl
         assert inside or abs(value) == 1e9, (text, value, spans)  # 1e9 stands for an infinite robustness
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("eventually(clearance_cart_m < 1)", "compares clearance_cart_m with 1 m in 'clearance_cart_m < 1', but"),
-        ("clearance_m >= 1", "measured up to 1 m and reads 1 m beyond; it must be compared with less than 1 m"),
-        ("x_m < 1 and 1.5 > clearance_m", "compares clearance_m with 1.5 m in '1.5 > clearance_m'"),
-        ("waypoint_wall_m <= 1", "compares waypoint_wall_m with 1 m"),
-        ("person_sight_m / 3 <= 2.5", "with 7.5 m in 'person_sight_m / 3 <= 2.5', but it is measured up to 6 m and"),
-        ("person_sight_m > 6.1", "reads 100 m beyond; it must be compared with at most 6 m"),
-        ("person_range_m < 100", "reads 100 m without a person; it must be compared with less than 100 m"),
-        ("told_range_m < 100", "compares told_range_m with 100 m"),
-        ("clearance_m * 2 < 2", "with 1 m in 'clearance_m * 2 < 2'"),
-        ("0.5 * (clearance_m - 0.2) < 1 / 2", "with 1.2 m"),
-        ("3 - clearance_m > 1 + 1", "with 1 m"),
-        ("clearance_m / 0.1 <= 10", "with 1 m"),
-        ("historically[0:2](clearance_m < 1)", "with 1 m"),
-        ("not (clearance_m) < 1", "with 1 m"),
-    ],
-)
+@cases("text", "said")
 def test_a_threshold_where_a_signal_is_not_measured_is_refused_with_the_cap_and_what_is_allowed(text: str, said: str):
     with pytest.raises(FormulaError) as caught:
         requirements.check_caps(text, REFERENCE.caps)
     assert said in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "eventually(clearance_cart_m < 0.999)",
-        "always(clearance_m > 0)",
-        "person_sight_m / 3 <= 2",
-        "person_sight_m <= 6",
-        "waypoint_wall_m <= 0.5",
-        "person_range_m < 99",
-        "speed_mps / 0.25 <= 1 and elapsed_s > 100",
-        "clearance_m / 2 < 0.4",
-        # too much to read
-        "abs(clearance_m) < 1",
-        "clearance_m < clearance_wall_m + 1",
-        "clearance_m / speed_mps < 4",
-        "1 / clearance_m < 1",
-        "clearance_m * 0 < 1",
-        "(clearance_m < 0.5) < 2",
-        "clearance_m / 0 < 2",
-    ],
-)
+@cases("text")
 def test_a_threshold_within_what_is_measured_or_too_much_to_read_is_let_pass(text: str):
     requirements.check_caps(text)
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from options import as_recorded
+from options import as_recorded, cases
 from refused import refusal
 
 from scaloft_fi.errors import InputError
@@ -254,26 +254,7 @@ def test_a_magnitude_splits_into_number_and_unit(number: float, unit: str):
     assert (f"{rung:g}", found) == (f"{number:g}", unit)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "human",
-        "LATE",
-        "late-human",
-        "LATE-human@",
-        "LATE-human#5",
-        "LATE-human#",
-        "LATE-human#Sight",
-        "LATE-human#sight#5s",
-        "LATE-human#5s#sight",
-        "LATE-human@3s#",
-        "LATE-human@3s/4",
-        "LATE_human",
-        "LATE-human@3s#-5s",
-        "LATE-human@3 s",
-    ],
-)
+@cases("text")
 def test_a_malformed_id_is_refused_with_the_form(text: str):
     with pytest.raises(InputError, match=r"must be of the form GUIDEWORD-parameter\[@magnitude\]\[#phase\]"):
         matrices.parse(text)

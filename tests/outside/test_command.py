@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from options import cases
 from processes import alive, soon
 
 from scaloft_fi.errors import InputError
@@ -36,20 +37,7 @@ def test_a_declaration_is_read_and_is_not_deterministic_unless_it_says_so(tmp_pa
     assert _load(tmp_path, deterministic="true").deterministic
 
 
-@pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        ({"run": "[]"}, "a list that begins with a program"),
-        ({"record": "../flight.csv"}, "the name of a file, without a folder"),
-        ({"inputs": "[/etc/passwd]"}, "the path of a file inside the study"),
-        ({"seams": "{person: {parameter: false}}"}, "{parameter: true}, so that"),
-        ({"seams": "{person: {parameter: true, message: velocty}}"}, "did you mean 'velocity'"),
-        ({"seams": "{every: {parameter: true, message: velocity}}"}, "it stands for the seams of the stack"),
-        ({"seams": "{x: {relay: {from: /x, to: /x, border: lines}}}"}, "between two topics"),
-        ({"seams": "{x: {relay: {from: /x, to: /y, border: lnes}}}"}, "did you mean 'lines'"),
-        ({"seams": "{x: {parameter: true, relay: {from: /x, to: /y, border: lines}}}"}, "{parameter: true}, so that"),
-    ],
-)
+@cases("keys", "said")
 def test_a_wrong_declaration_is_refused_with_its_line(keys: dict[str, str], said: str, tmp_path: Path):
     with pytest.raises(InputError, match=r"flyer\.yaml:\d+: ") as refused:
         _load(tmp_path, **keys)
@@ -118,15 +106,7 @@ time.sleep(60)
     assert soon(lambda: not alive(child), within_s=5.0)
 
 
-@pytest.mark.parametrize(
-    ("program", "said"),
-    [
-        ("print('no map'); raise SystemExit(3)", "ended with code 3; it said last: no map"),
-        ("import os; os.kill(os.getpid(), 9)", "was ended by SIGKILL; it said last: nothing"),
-        ("raise ValueError('odd')", "it said last: .*ValueError: odd"),
-        (r"print('x' * 10**5 + '\x1b[2J'); raise SystemExit(1)", "it said last: x{300}$"),
-    ],
-)
+@cases("program", "said")
 def test_a_command_that_fails_says_its_last_lines(program: str, said: str, tmp_path: Path):
     with pytest.raises(commands.CommandError, match=said):
         _run(tmp_path, program)

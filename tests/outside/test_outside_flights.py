@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from options import cases
 from processes import ROOT, marked
 from studies import edit_in, example
 
@@ -39,17 +40,7 @@ def test_seams_and_beliefs_follow_from_the_settings(folder: Path):
     assert "est_x_m" in stack.belief_names
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "sentence"),
-    [
-        ("border: lines", "border: line", "border='line' is not known; did you mean 'lines'?"),
-        ("carries: odometry", "carries: odometer", "carries='odometer' is not known; did you mean 'odometry'?"),
-        ("carries: velocity", "carries: goal", "carries='goal' must be taken by flight_control"),
-        ("carries: land", "carries: velocity", "'velocity' is carried by drive and land; one is allowed"),
-        ("answer: drive ", "version: x ", "needs `answer`, the seam that answers each tick, or `pace`, such as 1.0"),
-        ("  pose: {topic", "  imu: {topic", "stack.seams.imu: is the name of a seam of our drone"),
-    ],
-)  # fmt: skip
+@cases("old", "new", "sentence")
 def test_settings_that_do_not_fit_are_refused_with_their_place(folder: Path, old: str, new: str, sentence: str):
     path = folder / "sim" / "stack.yaml"
     text = path.read_text()
@@ -239,13 +230,7 @@ def test_a_flood_changes_no_flight(faulty: Callable[[str], Study]):
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize(
-    ("program", "sentence"),
-    [
-        ("raise SystemExit('no licence')", "ended with code 1; its last lines: no licence"),
-        ("import time; time.sleep(60)", "not within 2 s: no process has connected that publishes /cmd_vel, /land"),
-    ],
-)
+@cases("program", "sentence")
 def test_a_stack_that_never_comes_up_is_the_harness(faulty: Callable[..., Study], program: str, sentence: str):
     study = faulty("", program)
     with pytest.raises(BorderError, match="the stages outside never came up") as refused:

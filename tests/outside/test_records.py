@@ -12,6 +12,7 @@ import pytest
 import records
 from hypothesis import given
 from hypothesis import strategies as st
+from options import cases
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.outside import records as recorded
@@ -292,20 +293,7 @@ def test_an_empty_cell_says_nothing_new_and_unknown_stands_before_the_first_valu
         _table(tmp_path, text, clear="{column: near}", more="start: {column: x, least: 0}")
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("t,x\n0,0\n1,nan\n", "line 3: signal 'x_m' must be a finite number, and is nan"),
-        ("t,x\n0,0\n1,fast\n", "own.csv:3: signal 'x_m': x='fast' must be a number"),
-        ("t,x\n1,0\n0,1\n", "own.csv:3: t=0 must not be before the time of the line above"),
-        ("t,x\n0,0\n1\n", "own.csv:3: 1 cells must be 2"),
-        ("t,x,x\n0,0,0\n", "column 'x' occurs twice"),
-        ("", "the first line must have the names of the columns"),
-        ("t,x\n", "'x_m' has no message"),
-        ("t,x\n0,0\n", "must last more than 0 s"),
-        ("t,x\n0,0\n999999,0\n", "at most 10,800 s"),
-    ],
-)
+@cases("text", "said")
 def test_a_wrong_table_is_refused_with_its_place(text: str, said: str, tmp_path: Path):
     with pytest.raises(InputError, match=r"own\.csv") as refused:
         _table(tmp_path, text)
@@ -321,19 +309,7 @@ def test_what_a_requirement_needs_and_the_mapping_lacks_is_named_with_the_neares
         _log(path, mapping, {"remaining_s": "requirement OP1"})
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("signals: {x_m: {colum: x}}", "unknown key 'colum' in x_m; did you mean 'column'?"),
-        ("signals: {x_m: {column: x, topic: /x}}", "{column: NAME}, {topic: NAME, field: PATH} or {constant: NUMBER}"),
-        ("signals: {x_m: {column: x, unit: mn to m}}", "did you mean 'mm to m'"),
-        ("signals: {x_m: {column: x, unit: mm to m, factor: 2}}", "a unit, or a factor and an offset, not both"),
-        ("signals: {x_m: {column: x, keep: worst}}", "keep='worst' is not known"),
-        ("signals: {}\ntime: {column: t, clock: /clock}", "one of {column: NAME}"),
-        ("signals: {}\nstart: {column: x}", "lacks the key 'least'"),
-        ("signals: {}\nsampling: 5", "unknown key 'sampling'"),
-    ],
-)
+@cases("text", "said")
 def test_a_wrong_mapping_is_refused_with_its_line(text: str, said: str, tmp_path: Path):
     path = tmp_path / "record.yaml"
     path.write_text(text)

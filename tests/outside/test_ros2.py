@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from options import cases
 from processes import ROOT, python_with_ros2
 from studies import OVER_ROS2, example
 
@@ -92,17 +93,7 @@ def test_domains_are_held_until_they_are_given_back():
     second.close()
 
 
-@pytest.mark.parametrize(
-    ("topic", "sentence"),
-    [
-        ({"type": "std_msgs/Float64"}, "type='std_msgs/Float64' is no usual message of Motion"),
-        ({"qos": {"reliabilty": "reliable"}}, "qos.reliabilty is unknown; did you mean 'reliability'?"),
-        ({"qos": {"reliability": "sure"}}, "qos.reliability='sure' must be reliable or best_effort"),
-        ({"qos": {"depth": 0}}, "qos.depth=0 must be a whole number, 1 to 1000"),
-        ({"type": "a_msgs/msg/Own", "fields": {"vx": "velocity.x"}}, ""),
-        ({}, ""),
-    ],
-)
+@cases("topic", "sentence")
 def test_settings_that_ros_2_cannot_carry_are_refused_without_ros_2(topic: dict[str, Any], sentence: str):
     assert Ros2Border.misfit(Topic("drive", "/cmd", Motion, outward=False, **topic)).startswith(sentence)
     assert bool(Ros2Border.misfit(Topic("drive", "/cmd", Motion, outward=False, **topic))) == bool(sentence)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from options import cases
 from paper_flyer import Paper
 from printed import STUDY
 
@@ -107,24 +108,7 @@ def test_a_campaign_that_was_never_flown_says_so(campaign: scaloft_fi.OpenCampai
             ask()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({"mutants": "LATE-humna"}, "did you mean 'LATE-human'?"),
-        ({"situations": ["X*"]}, r"no situation 'X\*'"),
-        ({"seeds": 0}, "^seeds=0 must be"),
-        ({"baseline_seeds": "x"}, "^baseline_seeds='x' must be"),
-        ({"jobs": 0}, "^jobs=0 must be"),
-        ({"shard": "3/2"}, "^shard='3/2' must be K/N"),
-        ({"choose": "most"}, "^choose='most' must be all, random:N"),
-        ({"budget_s": -1}, "^budget_s=-1 must be"),
-        ({"max_invalid": 2}, "^max_invalid=2 must be"),
-        ({"executor": "cloud"}, "^executor='cloud' must be 'local'"),
-        ({"progress": 3}, "^progress=3 must be"),
-        ({"sequential": True, "seeds": 3}, "^sequential and seeds=0-2 do not go together"),
-        ({"baseline_from": "nowhere"}, "no campaign was flown here"),
-    ],
-)
+@cases("arguments", "said")
 def test_bad_arguments_are_one_sentence_that_names_them_and_nothing_is_written(
     campaign: scaloft_fi.OpenCampaign, tmp_path: Path, arguments: dict[str, object], said: str
 ):

@@ -10,12 +10,12 @@ import yaml
 from builders import with_range
 from finding import BAR
 from refused import refusal
-from tests.sim.test_found import FIND
 
 from scaloft_fi.campaign.seeking.finds import text
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim.grid import Finds, load_grid
 from scaloft_fi.sim.load import load
+from tests.sim.test_grid import FIND
 
 BAD = yaml.safe_load(Path(__file__).with_name("refused.yaml").read_text())
 FREE = """free:

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from openpyxl import load_workbook
-from options import usually
+from options import cases, usually
 from printed import of_form, sentence
 from processes import ROOT
 from studies import copied
@@ -236,15 +236,7 @@ def test_a_sheet_of_others_has_nothing_to_compare(folder: Path):
     assert "hazop import" in sentence(refused)
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("--column", "nod=Node"), "did you mean 'node'?"),
-        (("--guideword", "Blue=LATTE"), "did you mean 'LATE'?"),
-        (("--parameter", "x=Not a name"), "must be of the form"),
-        (("--column", "node"), "must have the form KEY=HEAD"),
-    ],
-)
+@cases("words", "said")
 def test_options_that_do_not_fit_are_refused(folder: Path, words: tuple[str, ...], said: str):
     call = ["hazop", "import", str(folder.parent / "sheet.csv"), "--study", str(folder), *words]
     assert said in sentence(CliRunner().invoke(main, call))

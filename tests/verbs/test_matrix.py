@@ -16,6 +16,7 @@ import pytest
 from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
+from options import cases
 from printed import STUDY, Call, no_terms, of_form, run, sentence
 from studies import copied, edit_in
 
@@ -172,19 +173,7 @@ def test_check_proves_the_catalogue_current_and_write_makes_it_so(study: Path, c
     assert run("mutants", "--check", "--study", study) == 0
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "sentence"),
-    [
-        ("operator: drop\n", "operator: dorp\n", "no operator 'dorp'; did you mean 'drop'?"),
-        ("ladder: [0.5, 1, 3, 5], default: 3}", "ladder: [-1, 3], default: 3}", "delay_s=-1 must be >= 0"),
-        ("argument: delay_s", "argument: delay", "operator 'delay' has no argument 'delay'; did you mean 'delay_s'?"),
-        (
-            "seam: person\n      operator: drop",
-            "seam: depth\n      operator: ghost",
-            "operator 'ghost' needs the message Detections, but seam 'depth' carries DepthFrame",
-        ),
-    ],
-)
+@cases("old", "new", "sentence")
 def test_a_fault_that_cannot_be_made_is_one_sentence_with_file_and_line(
     study: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, sentence: str
 ):

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from jsonschema import Draft202012Validator
+from options import cases
 from printed import no_terms, of_form, run
 from processes import ROOT, called, install, install_project, printed
 from studies import edit_in
@@ -289,20 +290,7 @@ def test_a_study_of_a_firmware_says_which_fault_to_fly_first(tmp_path: Path, cap
     assert "LATE-gyro" in Study.open(tmp_path / "made").matrix
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (
-            ("--firmware", "px5", "--program", "{file}"),
-            "--firmware='px5' must be a kind of firmware; did you mean 'px4'?",
-        ),
-        (("--firmware", "px4"), "--firmware='px4' needs --program"),
-        (("--firmware", "px4", "--program", "{file}_"), "must be the path of a file"),
-        (("--firmware", "px4", "--program", "{folder}"), "must be the path of a file"),
-        (("--program", "{file}"), "give --firmware with it"),
-        (("--plugin", "--firmware", "px4", "--program", "{file}"), "give one of them"),
-    ],
-)
+@cases("words", "said")
 def test_what_a_study_of_a_firmware_lacks_is_told_and_nothing_is_written(
     words: tuple[str, ...], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
@@ -459,13 +447,7 @@ def _plugins_told(tmp_path: Path, study: Path, source: str, *verbs: tuple[str, .
 ODD = "error: plugin 'odd' of package 'odd-ware'"
 
 
-@pytest.mark.parametrize(
-    ("source", "why"),
-    [
-        ("import nowhere", "ModuleNotFoundError: No module named 'nowhere'"),
-        ("import sys; sys.exit('no')", "SystemExit: no"),
-    ],
-)
+@cases("source", "why")
 def test_a_plugin_that_cannot_be_imported_is_named(source: str, why: str, tmp_path: Path, copy: Path):
     sentence = f"{ODD} cannot be loaded: {why}; mend or uninstall it"
     assert _plugins_told(tmp_path, copy, source, ("mutants", "--check")) == [(2, sentence)]

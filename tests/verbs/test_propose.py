@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from options import cases
 from printed import of_form, run
 
 import scaloft_fi
@@ -123,16 +124,7 @@ def test_no_seed_of_the_choice_is_in_the_test_though_the_campaign_flew_few():
         assert (len(seeds.fresh), len(seeds.fresh_pool)) == (len(seeds.chosen), len(seeds.chosen_pool))
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("NO-human",), "NO-human@100% has no flights in the campaign"),
-        (("LATE-humen",), "did you mean"),
-        (("--campaign", "none"), "none"),
-        (("--seeds", "0"), "--seeds"),
-        (("--most", "0"), "--most"),
-    ],
-)
+@cases("words", "said")
 def test_what_it_cannot_propose_for_is_refused_in_a_sentence(
     study: Path, words: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
 ):

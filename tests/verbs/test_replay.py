@@ -13,6 +13,7 @@ import pytest
 import records
 from click.testing import CliRunner, Result
 from mcap.reader import make_reader
+from options import cases
 from printed import STUDY, Call, no_terms, of_form, told_by
 from studies import copied
 
@@ -240,18 +241,7 @@ def test_a_record_without_a_time_limit_ends_and_is_not_at_its_limit(
     assert (told["records"][0]["ending"], told["readings"][0]["verdict"]) == (ending, "held")
 
 
-@pytest.mark.parametrize(
-    ("formula", "verdict", "robustness"),
-    [
-        ("always(wind < 5)", "violated", -2.0),
-        ("always(roll_rad < 0.5)", "held", 0.1),
-        ("always(tilt_rad < 0.3)", "violated", -0.1),
-        ("always(home_m < 2.5 or wind > 3)", "held", 1.0),
-        ("always(clearance_m > 1.5)", "held", 0.5),
-        ("always(clearance_person_m > 3)", "violated", -1.0),
-        ("always(person_sight_m < 500)", "held", 100.0),
-    ],
-)
+@cases("formula", "verdict", "robustness")
 def test_a_requirement_takes_any_signal_of_a_record_as_far_as_it_was_measured(
     formula: str, verdict: str, robustness: float, tmp_path: Path
 ):

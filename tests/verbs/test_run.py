@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from builders import with_range
+from options import cases
 from paper_flyer import Paper
 from printed import STUDY, Call, sentence, told_by
 from studies import GRIDS, edit_in
@@ -243,15 +244,7 @@ def test_a_further_grid_has_a_campaign_of_its_own_name(call: Call, study: Path):
     assert (study / "results" / "campaigns" / "paper" / "outcomes.sqlite").is_file()
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("--grid", "ligt"), "--grid='ligt' must be the name of a grid of the study; did you mean 'light'?"),
-        (("--grid", "paper"), "--grid=paper: campaign"),
-        (("--grid", ""), "--grid='' must be the name of a grid of the study; allowed: 'light', 'paper'"),
-        (("--situation", "L9"), "no situation 'L9' in keys like 'L0'"),
-    ],
-)
+@cases("words", "told")
 def test_a_grid_or_situation_that_is_none_is_one_sentence(call: Call, study: Path, words: tuple[str, ...], told: str):
     call("run", "--grid", "light", *WORDS, study=study)
     assert told in sentence(call("run", *WORDS, *words, study=study))

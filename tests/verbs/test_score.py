@@ -13,6 +13,7 @@ from builders import CLASSED, GRID, ROSTER, campaigns, outcome, pool, seeded
 from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from options import cases
 from paper_flyer import Paper
 from papers import flight
 from printed import STUDY, Call, sentence
@@ -331,18 +332,7 @@ def test_the_rest_of_the_study_works_beside_a_file_that_is_not_filled_in(call: C
     assert call("score", "--ratchet", study=flown).exit_code == 2
 
 
-@pytest.mark.parametrize(
-    ("accepted", "more", "words", "code", "said"),
-    [
-        ((), "", (), 3, "ratchet: MORE-goal@0.6m is not detected (tested in T0O0W0D0H0, T0O0W0D0H1) and not accepted"),
-        (("MORE-goal",), "", (), 0, ""),
-        (("MORE-goal",), "", ("--today", "2099-01-01"), 0, ""),
-        (("MORE-goal",), "", ("--today", "2099-01-02"), 3, "its disposition expired on 2099-01-01"),
-        (("MORE-goal",), ", situations: [T0O0W0D0H0]", (), 3, "survives in T0O0W0D0H1, which its disposition does not"),
-        (("MORE-goal", "LATE-human"), "", (), 0, "warning: LATE-human@3s is detected now; its disposition can go"),
-        (("MORE-goal",), "", ("--fail-under", "1"), 3, "below --fail-under 1"),
-    ],
-)
+@cases("accepted", "more", "words", "code", "said")
 def test_the_ratchet_fails_on_a_survivor_that_nobody_accepts_today(
     call: Call, flown: Path, accepted: tuple[str, ...], more: str, words: tuple[str, ...], code: int, said: str
 ):

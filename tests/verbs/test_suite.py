@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from options import cases
 from pages import embedded
 from printed import of_form, run
 
@@ -423,22 +424,7 @@ def test_a_control_that_turns_no_test_red_fails_the_gate(
     assert "control" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("tests:\n  a: {run: [there_is_no_such_program]}\n", "there_is_no_such_program"),
-        ("tests:\n  a: {run: [sh, -c, 'exit 7']}\n", "code 7"),
-        ("tests:\n  a: {run: [sh, -c, 'true'], red: [0]}\n", "red"),
-        ("tests:\n  a: {run: [sh, -c, 'true'], seams: [humann]}\n", "humann"),
-        ("tests:\n  a: {run: [sh, -c, 'true {nosuch}']}\n", "nosuch"),
-        ("tests:\n  a: {run: [sh, -c, 'true {junit}']}\n", "JUnit"),
-        ("tests:\n  a: {run: [sh, -c, 'echo x > {junit}']}\n", "JUnit"),
-        ("tests:\n  a: {run: [sh, -c, 'true'], inputs: [gone]}\n", "gone"),
-        ("tests:\n  a/b: {run: [sh, -c, 'true']}\n", "a/b"),
-        ("tests: {}\n", "tests"),
-        ("test:\n  a: {run: [sh]}\n", "test"),
-    ],
-)
+@cases("text", "said")
 def test_a_suite_that_cannot_run_is_refused_in_a_sentence_before_anything_is_written(
     tmp_path: Path, text: str, said: str, capsys: pytest.CaptureFixture[str]
 ):

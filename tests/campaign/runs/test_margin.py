@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from options import cases
 from paper_flyer import made
 from refused import refusal
 from running import Runs, asked, quiet
@@ -200,15 +201,7 @@ def test_the_unit_picks_the_fault(study: Any):
     assert target(study.matrix, "NO-depth@90%").search.most == 100.0
 
 
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("PARTOF-goal", "magnitudes without an order"),
-        ("BEFORE-goal", "magnitudes without an order"),
-        ("NO-waypoint", "has no magnitude"),
-        ("LATE-humna", "did you mean 'LATE-human'?"),
-    ],
-)
+@cases("text", "says")
 def test_a_fault_without_an_order_is_refused_in_a_sentence(study: Any, text: str, says: str):
     assert says in refusal(target, study.matrix, text)
 

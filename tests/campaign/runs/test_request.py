@@ -11,6 +11,7 @@ import pytest
 from builders import with_range
 from hypothesis import given
 from hypothesis import strategies as st
+from options import cases
 from running import LATE, MORE, Runs, asked, interrupting, red, same
 from studies import copied
 
@@ -108,18 +109,7 @@ def test_a_choice_is_made_among_the_situations_asked_for():
     assert len(keys(chosen("2-way", pool=pool))) == 5  # the smallest for the four axes left
 
 
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("some", "must be all, random:N, draws:N, draws:P%, sobol:N, first:N or a covering array such as 2-way"),
-        ("random:33", "must ask for at most 32, the situations to choose from"),
-        ("first:0", "must be all"),
-        ("draws:101%", "must be all"),
-        ("draws:0%", "must be all"),
-        ("6-way", "must be 1-way to 5-way, the number of axes"),
-        ("0-way", "must be all"),
-    ],
-)
+@cases("text", "sentence")
 def test_a_choice_that_cannot_be_is_refused(text: str, sentence: str):
     with pytest.raises(InputError, match=f"--choose='{text}' .*{sentence}"):
         chosen(text)

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from options import cases
 
 from scaloft_fi.campaign.store import platforms
 from scaloft_fi.campaign.store.archive import STORE_NAME
@@ -63,15 +64,7 @@ def test_what_a_sample_showed_holds_in_both_directions_and_bits_are_more_than_fa
         assert platforms.Platforms(store).only(TWO)
 
 
-@pytest.mark.parametrize(
-    "notes",
-    [
-        {"platform of D0H0/0": "0123456789abcdef"},
-        {"platform of D0H0/x": "0123456789abcdef", "platform 0123456789abcdef": "{}"},
-        {"platform of D0H0/0": "0123456789abcdef", "platform 0123456789abcdef": "[1]"},
-        {"platform of D0H0/0": "0123456789abcdef", "platform 0123456789abcdef": "{"},
-    ],
-)
+@cases("notes")
 def test_a_damaged_note_is_bad_input(store: Store, notes: dict[str, str]):
     with store:
         store.set_meta({NOTE + name: text for name, text in notes.items()})

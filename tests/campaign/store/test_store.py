@@ -23,7 +23,7 @@ import pytest
 from builders import campaigns, outcome, seeded
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from options import usually
+from options import cases, usually
 
 from scaloft_fi.campaign.store import store
 from scaloft_fi.campaign.store.record import COLUMNS, Origin, Planned, Reader, Record, to_row
@@ -462,15 +462,7 @@ def test_a_folder_that_becomes_read_only_is_noticed_and_everything_is_kept(
         assert store.known("01") == {"0", "1"}
 
 
-@pytest.mark.parametrize(
-    ("code", "words"),
-    [
-        ("SQLITE_IOERR_WRITE", "the disk does not answer"),
-        ("SQLITE_BUSY", "another process has kept it locked for 30 s"),
-        ("SQLITE_FULL", "the disk is full"),
-        ("SQLITE_CORRUPT", "odd"),
-    ],
-)
+@cases("code", "words")
 def test_an_error_of_the_disk_is_one_sentence_that_says_what_is_kept(tmp_path: Path, code: str, words: str):
     with Store(tmp_path / NAME) as store:
         store.put("0", outcome(M))
