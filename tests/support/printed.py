@@ -53,30 +53,17 @@ def run(*words: str | Path) -> int:
     return left.value.code
 
 
-READERS: tuple[tuple[str, ...], ...] = (
-    ("matrix",),
-    ("matrix", "--grid"),
-    ("matrix", "--cell", "LATE-human"),
-    ("matrix", "--margins", "--parameter", "human"),
-    ("mutants", "--cell", "LATE-human"),
-    ("mutants", "--check"),
-    ("signals",),
-    ("signals", "speed_mps"),
-    ("seams",),
-    ("operators",),
-    ("axes",),
-    ("axes", "--grid", "search"),
-    ("status",),
-    ("score",),
-    ("kills",),
-    ("kills", "--show", "suite", "--situation", "T0O0W0D0H?"),
-    ("kills", "--show", "subsumption"),
-    ("coverage",),
-    ("dispositions",),
-    ("worksheet",),
-    ("compare", "CAMPAIGN", "CAMPAIGN"),
-    ("compare", "CAMPAIGN", "CAMPAIGN", "--flights"),
-    ("doctor", "--no-flight"),
+def commands(text: str) -> tuple[tuple[str, ...], ...]:
+    """The words of each command of a text, in which a semicolon stands between two."""
+    return tuple(tuple(one.split()) for one in text.split(";"))
+
+
+READERS = commands(
+    "matrix; matrix --grid; matrix --cell LATE-human; matrix --margins --parameter human; "
+    "mutants --cell LATE-human; mutants --check; signals; signals speed_mps; seams; operators; axes; "
+    "axes --grid search; status; score; kills; kills --show suite --situation T0O0W0D0H?; "
+    "kills --show subsumption; coverage; dispositions; worksheet; compare CAMPAIGN CAMPAIGN; "
+    "compare CAMPAIGN CAMPAIGN --flights; doctor --no-flight"
 )
 """Verbs that print tables and fly nothing, on a campaign."""
 

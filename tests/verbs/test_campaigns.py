@@ -17,7 +17,7 @@ from click.testing import CliRunner, Result
 from crafted import ONE, Crafted, campaign, crafted, sql
 from hypothesis import given
 from paper_flyer import Paper, made
-from printed import STUDY, Call, of_form, sentence, told_by
+from printed import STUDY, Call, commands, of_form, sentence, told_by
 from studies import copied
 
 from scaloft_fi.campaign.flights.fly import Flight
@@ -244,21 +244,11 @@ def test_a_campaign_does_not_differ_from_itself(outcomes: list[Outcome]):
 NAME = "outcomes.sqlite"
 FIXED = (("status",), ("report", "--output", "OUT"))
 """These read every table."""
-OTHERS = (
-    ("score", "--all"),
-    ("score", "--format", "json"),
-    ("kills",),
-    ("kills", "--format", "json", "--show", "survivors"),
-    ("coverage",),
-    ("compare", "CRAFTED", "GOOD"),
-    ("compare", "GOOD", "CRAFTED", "--flights"),
-    ("export",),
-    ("export", "--format", "junit"),
-    ("export", "--format", "parquet", "--output", "OUT"),
-    ("worksheet", "--format", "csv"),
-    ("dispositions",),
-    ("matrix", "--margins"),
-    ("score", "--baseline-from", "CRAFTED"),
+OTHERS = commands(
+    "score --all; score --format json; kills; kills --format json --show survivors; coverage; "
+    "compare CRAFTED GOOD; compare GOOD CRAFTED --flights; export; export --format junit; "
+    "export --format parquet --output OUT; worksheet --format csv; dispositions; matrix --margins; "
+    "score --baseline-from CRAFTED"
 )
 turn = count()
 

@@ -18,7 +18,7 @@ from click.testing import CliRunner, Result
 from options import usually
 from paper_flyer import Whole
 from papers import flight
-from printed import Call, obeyed
+from printed import Call, commands, obeyed
 from studies import copied
 
 from scaloft_fi.campaign.flights.fly import Flight
@@ -34,23 +34,10 @@ _ANYWHERE = {"title", "intent", "meaning", "node", "category", "source"}
 FREE = _ANYWHERE | {"deviation", "reason", "effect", "causes", "predicted"}
 """Keys of a study whose values are texts that nothing reads but people."""
 FORMATS = ("table", "markdown", "csv", "json", "latex")
-VERBS: tuple[tuple[str, ...], ...] = (
-    ("matrix",),
-    ("matrix", "--grid"),
-    ("matrix", "--cell", "LATE-human"),
-    ("matrix", "--margins"),
-    ("mutants", "--cell", "LATE-human"),
-    ("signals",),
-    ("seams", "person"),
-    ("axes",),
-    ("axes", "T"),
-    ("status",),
-    ("score", "--all", "--by", "parameter"),
-    ("worksheet",),
-    ("dispositions",),
-    ("kills",),
-    ("coverage",),
-    ("diff",),
+VERBS = commands(
+    "matrix; matrix --grid; matrix --cell LATE-human; matrix --margins; mutants --cell LATE-human; signals; "
+    "seams person; axes; axes T; status; score --all --by parameter; worksheet; dispositions; kills; coverage; "
+    "diff"
 )
 EXPORTS = ("json", "csv", "gsn", "junit", "markdown", "mutation-testing", "sace", "sace-json", "sarif")
 

@@ -518,7 +518,7 @@ def again(
         ask,
         study_of_replicate.folder / "c",
         progress=progress or quiet(),
-        flyer_of_replicate=flyer_of_replicate,
+        flyer=flyer_of_replicate,
     )
 
 
@@ -556,7 +556,7 @@ def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_anothe
         {kept.name: [REPLICATE_LATE]},
         study_of_replicate.folder / "d",
         progress=quiet(),
-        flyer_of_replicate=flyer_of_replicate,
+        flyer=flyer_of_replicate,
     )
     assert elsewhere.first == finding.FRESH + finding.BLOCK
 
