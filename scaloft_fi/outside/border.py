@@ -20,9 +20,19 @@ from scaloft_fi.marks import Choices
 from scaloft_fi.output import line as inert
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.flight import StackError
-from scaloft_fi.stack import messages
 from scaloft_fi.stack.declaration import STEP_HZ, TICK_HZ
-from scaloft_fi.stack.messages import Bumper
+from scaloft_fi.stack.messages import (
+    Battery,
+    Bumper,
+    DepthFrame,
+    Detections,
+    Imu,
+    Point,
+    Stamp,
+    Vector,
+    field_names,
+    image_fields,
+)
 from scaloft_fi.stack.reference.messages import PoseEstimate, SpeedLimit
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -355,7 +365,7 @@ def to_plain(sample: Any) -> Any:
     {'stamp_s': 1.5, 'hull': True, 'gear': False}
     """
     if hasattr(sample, "_fields"):
-        images = messages.image_fields(type(sample))
+        images = image_fields(type(sample))
         return {name: (_packed if name in images else to_plain)(getattr(sample, name)) for name in sample._fields}
     if isinstance(sample, np.ndarray):
         return sample.tolist()
@@ -379,12 +389,12 @@ def from_plain(message: type, value: Any, name: str = "data") -> Any:
     if not isinstance(value, dict):
         raise MisfitError(f"{name} must be a mapping")
     hints = get_type_hints(message)
-    images = messages.image_fields(message)
+    images = image_fields(message)
     unknown = sorted(str(key) for key in value.keys() - hints.keys())
     if unknown:
         raise MisfitError(f"{name}.{unknown[0]} is no field of {message.__name__}: {', '.join(hints)}")
     made = {}
-    for key in messages.field_names(message):
+    for key in field_names(message):
         path = f"{name}.{key}"
         if key not in value:
             if key in getattr(message, "_field_defaults", ()):
@@ -410,7 +420,7 @@ def _value(hint: Any, value: Any, path: str) -> Any:
         if type(value) is not hint or not sound(value):
             raise MisfitError(f"{path} must be {must}")
         return value
-    if hint == messages.Point:
+    if hint == Point:
         return tuple(_numbers(value, path, 3))
     if get_origin(hint) is tuple:
         if not isinstance(value, list) or len(value) > LONGEST:
@@ -451,7 +461,7 @@ def _image(_hint: Any, value: Any, path: str) -> Any:
 class CameraInfo(NamedTuple):
     """Geometry of the depth camera, with each image.  fx, fy: focal lengths; cx, cy: optical centre [pixel]."""
 
-    stamp_s: messages.Stamp
+    stamp_s: Stamp
     width: int
     height: int
     fx: float
@@ -463,20 +473,20 @@ class CameraInfo(NamedTuple):
 class Motion(NamedTuple):
     """A velocity command.  velocity: (3,) [m/s, in the frame of the topic]; turn_radps: rate of turn, left positive."""
 
-    velocity: messages.Vector
+    velocity: Vector
     turn_radps: float
 
 
 class Goal(NamedTuple):
     """The place to fly to [m, world]."""
 
-    point: messages.Point
+    point: Point
 
 
 class Land(NamedTuple):
     """The order to land here and now."""
 
-    stamp_s: messages.Stamp
+    stamp_s: Stamp
 
 
 @dataclass(frozen=True)
@@ -503,13 +513,11 @@ PORTS: Mapping[str, Port] = {
         PoseEstimate, True, "pose and velocity by the autopilot's estimate", TICK_HZ,
         {"position": "m", "velocity": "m/s"},
     ),
-    "depth": Port(messages.DepthFrame, True, "depth image", TICK_HZ, {"depth": "m"}),
+    "depth": Port(DepthFrame, True, "depth image", TICK_HZ, {"depth": "m"}),
     "camera_info": Port(CameraInfo, True, "geometry of the depth camera, with each image"),
-    "inertial": Port(
-        messages.Imu, True, "angular rate and specific force", STEP_HZ, {"rate": "rad/s", "force": "m/s2"}
-    ),
-    "detections": Port(messages.Detections, True, "persons in a picture, if there are any"),
-    "battery": Port(messages.Battery, True, "charge and voltage"),
+    "inertial": Port(Imu, True, "angular rate and specific force", STEP_HZ, {"rate": "rad/s", "force": "m/s2"}),
+    "detections": Port(Detections, True, "persons in a picture, if there are any"),
+    "battery": Port(Battery, True, "charge and voltage"),
     "contacts": Port(Bumper, True, "whether hull and landing gear touch something"),
     "velocity": Port(Motion, False, "velocity command to flight control", TICK_HZ, {"velocity": "m/s"}),
     "goal": Port(Goal, False, "place to fly to, for our planner", TICK_HZ, {"point": "m"}),

@@ -26,7 +26,17 @@ from pathlib import Path
 from typing import Any
 
 from scaloft_fi.output import line as inert
-from scaloft_fi.outside import border
+from scaloft_fi.outside.border import (
+    Arrival,
+    BorderError,
+    MisfitError,
+    Topic,
+    TopicsBorder,
+    from_plain,
+    given,
+    taken,
+    to_plain,
+)
 from scaloft_fi.outside.client import VARIABLE
 
 LONGEST_LINE = 1 << 20
@@ -38,14 +48,14 @@ STALL_S = 10.0
 """How long a process may leave its messages unread before it counts as gone [s, wall]."""
 
 
-def plain_of(topic: border.Topic, sample: Any) -> Any:
+def plain_of(topic: Topic, sample: Any) -> Any:
     """What stands in a line for a sample."""
-    return border.given(border.to_plain(sample), topic.fields)
+    return given(to_plain(sample), topic.fields)
 
 
-def sample_of(topic: border.Topic, data: Any, _clock_s: float) -> Any:
+def sample_of(topic: Topic, data: Any, _clock_s: float) -> Any:
     """The sample that a line has; raises MisfitError."""
-    return border.from_plain(topic.message, border.taken(data, topic.fields))
+    return from_plain(topic.message, taken(data, topic.fields))
 
 
 @dataclass(frozen=True)
@@ -57,8 +67,8 @@ class Codec:
         read: (topic, what stands in the line, clock [s]) -> sample; raises MisfitError.
     """
 
-    written: Callable[[border.Topic, Any], Any] = plain_of
-    read: Callable[[border.Topic, Any, float], Any] = sample_of
+    written: Callable[[Topic, Any], Any] = plain_of
+    read: Callable[[Topic, Any, float], Any] = sample_of
 
 
 @dataclass(eq=False)
@@ -72,7 +82,7 @@ class _Peer:
 
 
 @dataclass(eq=False)
-class LinesBorder(border.TopicsBorder):
+class LinesBorder(TopicsBorder):
     """A border over a Unix socket."""
 
     codec: Codec = field(default_factory=Codec)
@@ -85,7 +95,7 @@ class LinesBorder(border.TopicsBorder):
         self._strange = ""
 
     @staticmethod
-    def misfit(topic: border.Topic) -> str:
+    def misfit(topic: Topic) -> str:
         """What of a topic's settings JSON lines cannot carry; "" if all of it."""
         unused = [name for name, value in (("type", topic.type), ("qos", topic.qos)) if value]
         return f"{unused[0]} is nothing that border=lines has" if unused else ""
@@ -115,7 +125,7 @@ class LinesBorder(border.TopicsBorder):
             listener.listen(MOST_PROCESSES)
         except OSError as error:
             listener.close()
-            raise border.BorderError(f"{self._path}: the socket cannot be opened: {error.strerror or error}") from error
+            raise BorderError(f"{self._path}: the socket cannot be opened: {error.strerror or error}") from error
         listener.setblocking(False)
         self._listener = listener
 
@@ -149,7 +159,7 @@ class LinesBorder(border.TopicsBorder):
             peer.read = 0
         self._write({"clock": t_s})
 
-    def take(self, seam: str) -> border.Arrival:
+    def take(self, seam: str) -> Arrival:
         """What came, the newest sample last; where none was refused, a strange line is."""
         arrival, strange, self._strange = super().take(seam), self._strange, ""
         return replace(arrival, refused=arrival.refused or strange)
@@ -223,8 +233,8 @@ class LinesBorder(border.TopicsBorder):
                 return
             name = message.get("topic")
             if not isinstance(name, str) or name not in self._by_name:
-                raise border.MisfitError(f"topic={inert(repr(name))[:100]} is none of {', '.join(self._by_name)}")
-        except border.MisfitError as error:
+                raise MisfitError(f"topic={inert(repr(name))[:100]} is none of {', '.join(self._by_name)}")
+        except MisfitError as error:
             self._strange = self._strange or str(error)
             return
         box = self._by_name[name]
@@ -233,7 +243,7 @@ class LinesBorder(border.TopicsBorder):
             stamp_s = message.get("stamp_s", 0.0)
             self._check_stamp(f"stamp_s={stamp_s!r}", stamp_s)
             box.sample = self.codec.read(box.topic, message.get("data"), self.clock_s)
-        except (border.MisfitError, TypeError) as error:
+        except (MisfitError, TypeError) as error:
             box.refuse(str(error))
             return
         box.fresh = True
@@ -248,11 +258,11 @@ def _json(line: bytes) -> dict[str, Any]:
     try:
         message = json.loads(line, parse_constant=_refuse)
     except (ValueError, RecursionError) as error:
-        raise border.MisfitError(f"a line is not JSON: {inert(str(error))[:200]}") from error
+        raise MisfitError(f"a line is not JSON: {inert(str(error))[:200]}") from error
     if not isinstance(message, dict):
-        raise border.MisfitError("a line must be a mapping")
+        raise MisfitError("a line must be a mapping")
     return message
 
 
 def _refuse(constant: str) -> float:
-    raise border.MisfitError(f"{constant} is no number of JSON")
+    raise MisfitError(f"{constant} is no number of JSON")

@@ -26,7 +26,22 @@ import numpy as np
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.output import line as inert
 from scaloft_fi.output import write_whole
-from scaloft_fi.outside import border
+from scaloft_fi.outside.border import (
+    BorderError,
+    CameraInfo,
+    Goal,
+    Inbox,
+    Land,
+    MisfitError,
+    Motion,
+    Topic,
+    TopicsBorder,
+    from_plain,
+    given,
+    picked,
+    taken,
+    to_plain,
+)
 from scaloft_fi.stack.messages import Battery, Bumper, DepthFrame, Detections, Imu
 from scaloft_fi.stack.reference.messages import PoseEstimate, SpeedLimit
 
@@ -97,7 +112,7 @@ def image(frame: DepthFrame) -> Fields:
     }
 
 
-def camera_info(info: border.CameraInfo) -> Fields:
+def camera_info(info: CameraInfo) -> Fields:
     """`sensor_msgs/CameraInfo` of a pinhole camera without distortion."""
     fx, fy, cx, cy = info.fx, info.fy, info.cx, info.cy
     return {
@@ -189,7 +204,7 @@ LAYOUTS: Mapping[type, tuple[Layout, ...]] = MappingProxyType(
             Layout("geometry_msgs/PoseStamped", pose_stamped, WORLD),
         ),
         DepthFrame: (Layout("sensor_msgs/Image", image, OPTICAL),),
-        border.CameraInfo: (Layout("sensor_msgs/CameraInfo", camera_info, OPTICAL),),
+        CameraInfo: (Layout("sensor_msgs/CameraInfo", camera_info, OPTICAL),),
         Imu: (Layout("sensor_msgs/Imu", imu, BODY),),
         Detections: (
             Layout("sensor_msgs/PointCloud2", point_cloud, BODY),
@@ -197,16 +212,16 @@ LAYOUTS: Mapping[type, tuple[Layout, ...]] = MappingProxyType(
         ),
         Battery: (Layout("sensor_msgs/BatteryState", battery, BODY),),
         Bumper: (Layout("std_msgs/Bool", hull),),
-        border.Motion: (
+        Motion: (
             Layout("geometry_msgs/Twist", read=TWIST),
             Layout("geometry_msgs/TwistStamped", read={f"twist.{theirs}": ours for theirs, ours in TWIST.items()}),
         ),
-        border.Goal: (
+        Goal: (
             Layout("geometry_msgs/PoseStamped", read=_of("pose.position", "point")),
             Layout("geometry_msgs/PointStamped", read=_of("point", "point")),
         ),
         SpeedLimit: (Layout("std_msgs/Float64", read={"data": "limit_mps"}, also={"norm": "euclidean"}),),
-        border.Land: (Layout("std_msgs/Empty"),),
+        Land: (Layout("std_msgs/Empty"),),
     }
 )
 """The usual messages of each port, the first one where a topic names none."""
@@ -221,7 +236,7 @@ def plain_type(name: str) -> str:
     return name.replace("/msg/", "/", 1)
 
 
-def layout_of(topic: border.Topic, layouts: Mapping[type, tuple[Layout, ...]]) -> Layout:
+def layout_of(topic: Topic, layouts: Mapping[type, tuple[Layout, ...]]) -> Layout:
     """The layout of a topic: its own fields where it has some, else the usual one of its type.
 
     Args:
@@ -238,7 +253,7 @@ def layout_of(topic: border.Topic, layouts: Mapping[type, tuple[Layout, ...]]) -
             raise ValueError(f"type='' is missing: {topic.message.__name__} has no usual message")
         if not topic.outward:
             return Layout(name, read=topic.fields, also=usual[0].also if usual else {})
-        return Layout(name, lambda sample: border.given(border.to_plain(sample), topic.fields), WORLD)
+        return Layout(name, lambda sample: given(to_plain(sample), topic.fields), WORLD)
     if not topic.type and usual:
         return usual[0]
     known = {one.type: one for one in usual}
@@ -249,7 +264,7 @@ def layout_of(topic: border.Topic, layouts: Mapping[type, tuple[Layout, ...]]) -
     return known[name]
 
 
-def sample_in(topic: border.Topic, layout: Layout, message: Any, stamp_s: float) -> Any:
+def sample_in(topic: Topic, layout: Layout, message: Any, stamp_s: float) -> Any:
     """The sample that a message stands for.
 
     Args:
@@ -261,10 +276,10 @@ def sample_in(topic: border.Topic, layout: Layout, message: Any, stamp_s: float)
     Raises:
         MisfitError: it does not fit.
     """
-    plain = {**layout.also, **(border.taken(message, layout.read) if layout.read else {})}
+    plain = {**layout.also, **(taken(message, layout.read) if layout.read else {})}
     if "stamp_s" in topic.message.__annotations__:
         plain.setdefault("stamp_s", stamp_s)
-    return border.from_plain(topic.message, plain)
+    return from_plain(topic.message, plain)
 
 
 SETTLE_S = 0.2
@@ -371,7 +386,7 @@ OLDER = ("humble", "iron", "jazzy")
 
 
 @dataclass(eq=False)
-class Ros2Border(border.TopicsBorder):
+class Ros2Border(TopicsBorder):
     """A border over topics of ROS 2."""
 
     _ends: Ends = field(default_factory=Ends)
@@ -388,7 +403,7 @@ class Ros2Border(border.TopicsBorder):
         self._layouts = {topic.seam: layout_of(topic, LAYOUTS) for topic in self.topics}
 
     @staticmethod
-    def misfit(topic: border.Topic) -> str:
+    def misfit(topic: Topic) -> str:
         """What of a topic's settings ROS 2 cannot carry; "" if all of it."""
         try:
             layout_of(topic, LAYOUTS)
@@ -432,7 +447,7 @@ class Ros2Border(border.TopicsBorder):
         """
         self._domain = take_domain()
         if self._domain is None:
-            raise border.BorderError("all domains of ROS 2 on this machine are in use")
+            raise BorderError("all domains of ROS 2 on this machine are in use")
         write_whole(self.folder / "profile.xml", PROFILE.encode())
         os.environ.update(self.environment)
         try:
@@ -446,9 +461,9 @@ class Ros2Border(border.TopicsBorder):
             self._executor.add_node(self._node)
             self._open_topics()
         except ImportError as error:
-            raise border.BorderError(f"ROS 2 lacks {inert(str(error))[:200]}: {MISSING}") from error
+            raise BorderError(f"ROS 2 lacks {inert(str(error))[:200]}: {MISSING}") from error
         except RuntimeError as error:  # of the middleware
-            raise border.BorderError(f"ROS 2: {inert(str(error))[:300]}") from error
+            raise BorderError(f"ROS 2: {inert(str(error))[:300]}") from error
 
     def _open_topics(self) -> None:
         for topic in self.topics:
@@ -515,24 +530,24 @@ class Ros2Border(border.TopicsBorder):
                 one.callback(taken_[0])
         return True
 
-    def _come(self, box: border.Inbox, layout: Layout, type_: Any, raw: bytes) -> None:
+    def _come(self, box: Inbox, layout: Layout, type_: Any, raw: bytes) -> None:
         """Take a message of an inward topic."""
         from rclpy.serialization import deserialize_message
 
         box.count += 1
         try:
             if len(raw) > LARGEST_MESSAGE:
-                raise border.MisfitError(f"a message of {len(raw):,} bytes, of which {LARGEST_MESSAGE:,} are allowed")
+                raise MisfitError(f"a message of {len(raw):,} bytes, of which {LARGEST_MESSAGE:,} are allowed")
             message = deserialize_message(raw, type_)
             box.sample = self._sample(box.topic, layout, message)
             box.fresh = True
-        except (border.MisfitError, RuntimeError, TypeError, ValueError) as error:
+        except (MisfitError, RuntimeError, TypeError, ValueError) as error:
             box.refuse(str(error))
 
-    def _sample(self, topic: border.Topic, layout: Layout, message: Any) -> Any:
+    def _sample(self, topic: Topic, layout: Layout, message: Any) -> Any:
         stamp_s = _time(message.header.stamp) if hasattr(message, "header") else 0.0
         self._check_stamp(f"its stamp, {stamp_s:g} s,", stamp_s)
-        return sample_in(topic, layout, border.picked(message, layout.read), stamp_s or self.clock_s)
+        return sample_in(topic, layout, picked(message, layout.read), stamp_s or self.clock_s)
 
 
 def message_class(name: str) -> Any:
@@ -584,7 +599,7 @@ def _time(stamp: Any) -> float:
     return float(stamp.sec + stamp.nanosec * 1e-9)
 
 
-def _profile(topic: border.Topic) -> Any:
+def _profile(topic: Topic) -> Any:
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
     qos = topic.qos

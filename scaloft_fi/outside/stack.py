@@ -15,12 +15,35 @@ from scaloft_fi.mutants.operator import Hold, Period, Seconds, Tap, TapContext, 
 from scaloft_fi.mutants.sample import within
 from scaloft_fi.outside.border import BORDERS, PORTS, CameraInfo, Goal, Motion
 from scaloft_fi.outside.exchange import Exchange, OutsideConfig
-from scaloft_fi.stack import messages
 from scaloft_fi.stack.declaration import TICK_S, ConfigError, Declaration, FastPath, Seam, Stack, Task, Wire
-from scaloft_fi.stack.reference import messages as reference
+from scaloft_fi.stack.messages import (
+    Array,
+    Bumper,
+    DepthCamera,
+    DepthFrame,
+    Detections,
+    Exposure,
+    Imu,
+    Person,
+    Point,
+    SensorFrames,
+    Stamps,
+    Thrust,
+)
 from scaloft_fi.stack.reference.declaration import SEAMS
 from scaloft_fi.stack.reference.estimator import Estimator, EstimatorConfig
 from scaloft_fi.stack.reference.flight_control import ControlConfig, FailsafeConfig, FlightControl, MakeFlightControl
+from scaloft_fi.stack.reference.messages import (
+    BELIEFS,
+    MODES,
+    Failsafe,
+    GoalCheck,
+    PoseEstimate,
+    Route,
+    SpeedLimit,
+    Target,
+    VelocityCommand,
+)
 from scaloft_fi.stack.reference.mission import Mission, SpeedLimitStage
 from scaloft_fi.stack.reference.stack import ReferenceConfig, ReferenceStack
 
@@ -28,7 +51,7 @@ FLIGHT_CONTROL = ("imu", "fix", "thrust")
 """Seams of our drone that are left where velocities come from outside."""
 REPLACED = ("person", "route", "goal", "speedlimit")
 """Seams of the reference stack that nobody uses where the mission is outside."""
-_MOVED = tuple(one for one in reference.BELIEFS if one.name.startswith(("cmd_", "est_")) or one.name == "mode")
+_MOVED = tuple(one for one in BELIEFS if one.name.startswith(("cmd_", "est_")) or one.name == "mode")
 
 
 def seams_of(config: OutsideConfig) -> tuple[Seam, ...]:
@@ -65,7 +88,7 @@ def shaped(settings: Any) -> Declaration:
     return replace(
         OUTSIDE,
         seams=seams_of(config),
-        beliefs=_MOVED if config.below == "flight_control" else reference.BELIEFS,
+        beliefs=_MOVED if config.below == "flight_control" else BELIEFS,
         settings=lambda: VelocityConfig if config.below == "flight_control" else GoalConfig,
         canaries=(*orders[:1], *odometry[:1]),
         deterministic=config.deterministic,
@@ -124,7 +147,7 @@ class GoalMission(Mission):
         goal: the newest goal [m, world]; None before the first one, so the drone holds its place.
     """
 
-    goal: messages.Point | None = None
+    goal: Point | None = None
     _returns = False
 
     def fly_to(self, goal: Goal | None) -> None:
@@ -138,37 +161,35 @@ class GoalMission(Mission):
         """Follow the order to land here."""
         self.phase = "land"
 
-    def plan(self, route: reference.Route | None) -> None:
+    def plan(self, route: Route | None) -> None:
         """Take no route: the mission outside has its own."""
 
-    def follow(self, failsafe: reference.Failsafe | None) -> None:
+    def follow(self, failsafe: Failsafe | None) -> None:
         """Follow our battery monitor, which overrules the mission outside."""
         if failsafe is not None and failsafe.action == "land":
             self.land()
         elif failsafe is not None:
             self.goal, self._returns = self.home, True
 
-    def check(self, pose: reference.PoseEstimate) -> reference.GoalCheck | None:
+    def check(self, pose: PoseEstimate) -> GoalCheck | None:
         """Return None: the mission outside tests itself whether a goal is reached."""
         return None
 
-    def target(self) -> reference.Target | None:
+    def target(self) -> Target | None:
         """The newest goal, for the planner."""
-        return reference.Target(self.index, self.goal) if self.phase == "fly" and self.goal is not None else None
+        return Target(self.index, self.goal) if self.phase == "fly" and self.goal is not None else None
 
 
 class TakenLimit(SpeedLimitStage):
     """The speed limit comes from outside; cruise speed holds until the first one comes."""
 
-    newest: reference.SpeedLimit | None = None
+    newest: SpeedLimit | None = None
 
-    def update(
-        self, now_s: float, detections: messages.Detections | None
-    ) -> tuple[reference.SpeedLimit | None, messages.Person | None]:
+    def update(self, now_s: float, detections: Detections | None) -> tuple[SpeedLimit | None, Person | None]:
         """The limit that came at this tick; at the first tick cruise speed."""
         limit, self.newest = self.newest, None
         if limit is None and not self._published:
-            limit = reference.SpeedLimit(now_s, self.cruise_mps, "euclidean")
+            limit = SpeedLimit(now_s, self.cruise_mps, "euclidean")
         self._published = True
         return limit, None
 
@@ -232,9 +253,7 @@ def words_of(task: Task) -> Mapping[str, str]:
     }
 
 
-def offered(
-    frames: messages.SensorFrames, pose: reference.PoseEstimate, camera: messages.DepthCamera
-) -> Mapping[str, Any]:
+def offered(frames: SensorFrames, pose: PoseEstimate, camera: DepthCamera) -> Mapping[str, Any]:
     """The sample of each outward port at a tick; None where there is none."""
     return {
         "odometry": pose,
@@ -246,7 +265,7 @@ def offered(
     }
 
 
-def camera_info(frame: messages.DepthFrame | None, camera: messages.DepthCamera) -> CameraInfo | None:
+def camera_info(frame: DepthFrame | None, camera: DepthCamera) -> CameraInfo | None:
     """The pinhole geometry of an image, x right and y down as cameras have it."""
     if frame is None:
         return None
@@ -288,7 +307,7 @@ class VelocityStack(_Outside):
     ) -> None:
         config: VelocityConfig = task.settings
         inside = config.inside
-        self.exposure = messages.Exposure(0.0, 1.0, 0.0)
+        self.exposure = Exposure(0.0, 1.0, 0.0)
         self._camera, self._wire, self._exchange = task.camera, wire, exchange
         self._estimator = Estimator(inside.estimator, np.array(task.home), task.yaw_rad)
         self._control = flight_control(inside.control, inside.failsafe, self._estimator, task.yaw_rad)
@@ -300,17 +319,17 @@ class VelocityStack(_Outside):
         self._inertial = next((name for name, seam in config.seams.items() if seam.carries == "inertial"), "")
         self.fast_path: FastPath | None = None if self._inertial else self._control.fast_path
 
-    def stamps(self, now_s: float) -> messages.Stamps:
+    def stamps(self, now_s: float) -> Stamps:
         """The true time."""
-        return messages.Stamps(now_s, now_s, now_s)
+        return Stamps(now_s, now_s, now_s)
 
-    def autopilot(self, now_s: float, frames: messages.SensorFrames) -> None:
+    def autopilot(self, now_s: float, frames: SensorFrames) -> None:
         """Correct the estimate and check flight control's time-outs."""
         self._pose = self._estimator.tick(now_s, self._wire.cross("fix", now_s, frames.fix))
         self._control.watch(now_s)
         self._control.deliver(now_s, frames)
 
-    def companion(self, now_s: float, frames: messages.SensorFrames) -> None:
+    def companion(self, now_s: float, frames: SensorFrames) -> None:
         """Exchange samples with the stages outside, and follow their orders."""
         if self._exchange is None:
             return
@@ -327,19 +346,19 @@ class VelocityStack(_Outside):
             x, y = cos * x - sin * y, sin * x + cos * y
         self._ordered = np.array([x, y, z])
         self._control.command(
-            now_s, reference.VelocityCommand(now_s, self._ordered, self._yaw_rad), self._control.config.accel_mps2
+            now_s, VelocityCommand(now_s, self._ordered, self._yaw_rad), self._control.config.accel_mps2
         )
 
-    def step(self, now_s: float, imu: messages.Imu) -> messages.Thrust | None:
+    def step(self, now_s: float, imu: Imu) -> Thrust | None:
         """One step of flight control."""
         cross = self._wire.cross
         if self._inertial and self._exchange is not None:
             self._exchange.send(self._inertial, now_s, imu)
         return cross("thrust", now_s, self._control.step(now_s, cross("imu", now_s, imu), imu))
 
-    def beliefs(self, now_s: float) -> messages.Array:
+    def beliefs(self, now_s: float) -> Array:
         """The values of the declared beliefs."""
-        mode = float(reference.MODES.index(self._control.mode))
+        mode = float(MODES.index(self._control.mode))
         return np.array((*self._ordered, self._yaw_rad, *self._estimator.state[:6].tolist(), mode))
 
 
@@ -357,7 +376,7 @@ class GoalStack(_Outside, ReferenceStack):
         self._companion.stages = replace(stages, mission=self._mission, speed_limit=self._limit)
         self._camera, self._exchange = task.camera, exchange
 
-    def companion(self, now_s: float, frames: messages.SensorFrames) -> None:
+    def companion(self, now_s: float, frames: SensorFrames) -> None:
         """Exchange samples with the mission outside, then run the stages below it."""
         if self._exchange is not None:
             taken = self._exchange.tick(now_s, offered(frames, self._pose, self._camera))
@@ -368,11 +387,11 @@ class GoalStack(_Outside, ReferenceStack):
         super().companion(now_s, frames)
 
 
-_FREE = messages.Bumper(0.0, hull=False, gear=False)
+_FREE = Bumper(0.0, hull=False, gear=False)
 
 
 @on(
-    messages.Bumper,
+    Bumper,
     "false_contact",
     {"hold_s": 0.05, "period_s": 0.1},
     (_FREE,) * 4,

@@ -161,6 +161,11 @@ def _of_archive(told: CampaignStatus) -> tuple[str, ...]:
 def status(study: Study, campaign: options.Campaign) -> Answer:
     """How many flights a campaign holds, by status, and why those are stale that do not count any more.
 
+    Examples:
+        Count the flights of the campaign, and say why some are stale: `scaloft-fi status`
+        Look at another campaign: `scaloft-fi status --campaign night`
+        Let a script read it: `scaloft-fi status --format json`
+
     Raises:
         InputError: there is no such campaign.
     """
@@ -170,14 +175,7 @@ def status(study: Study, campaign: options.Campaign) -> Answer:
     return Answer(STATUS, lambda: told, lambda: [said(one, of_tests=of_tests) for one in status_tables(told, then)])
 
 
-status_command = options.verb(
-    "status",
-    examples=(
-        ("Count the flights of the campaign, and say why some are stale", "scaloft-fi status"),
-        ("Look at another campaign", "scaloft-fi status --campaign night"),
-        ("Let a script read it", "scaloft-fi status --format json"),
-    ),
-)(status)
+status_command = options.verb("status")(status)
 
 
 MERGE = Output("merge", "1.0", Merged, rows="summary")
@@ -215,14 +213,7 @@ MergedPlatform = Annotated[
 ]
 
 
-@options.verb(
-    "merge",
-    examples=(
-        ("Join two parts, flown with --shard 1/2 and --shard 2/2", "scaloft-fi merge part1 part2"),
-        ("Join them into a campaign of another name", "scaloft-fi merge part1 part2 --campaign whole"),
-        ("Join a folder from another machine, bits and all", "scaloft-fi merge /data/night/campaign --same-platform"),
-    ),
-)
+@options.verb("merge")
 def merge_command(
     *,
     sources: MergedCampaigns,
@@ -237,6 +228,11 @@ def merge_command(
     of the first stay, because a mutant is judged beside a baseline of its own platform.
 
     The run's own command, without --shard, then holds the gates over the whole and prints the tables; it flies nothing.
+
+    Examples:
+        Join two parts, flown with --shard 1/2 and --shard 2/2: `scaloft-fi merge part1 part2`
+        Join them into a campaign of another name: `scaloft-fi merge part1 part2 --campaign whole`
+        Join a folder from another machine, bits and all: `scaloft-fi merge /data/night/campaign --same-platform`
     """
     study = study_of_all(study_folder, [*sources, campaign])
     options.answer(merge(study, campaign, sources, same_platform=same_platform), style)
@@ -484,18 +480,7 @@ def _answer(told: CampaignComparison, warnings: Sequence[str]) -> Answer:
     return Answer(COMPARE, lambda: told, lambda: tables, rows=rows, warnings=warnings)
 
 
-@options.verb(
-    "compare",
-    examples=(
-        ("See what a new version no longer shows", "scaloft-fi compare default night"),
-        (
-            "Hold a stack against another, each in a study of its own",
-            "scaloft-fi compare default ../b/results/campaigns/b",
-        ),
-        ("Fail a pipeline where a fault is lost", "scaloft-fi compare default night --fail-on-lost --output both.html"),
-        ("List the flights that differ", "scaloft-fi compare default night --flights"),
-    ),
-)
+@options.verb("compare")
 def compare_command(
     *,
     campaign: Compared,
@@ -511,7 +496,14 @@ def compare_command(
     style: options.TableFormat,
     tables_folder: options.TablesFolder,
 ) -> int:
-    """Say what only the first or only the second campaign of a matrix shows: other stacks, versions or settings."""
+    """Say what only the first or only the second campaign of a matrix shows: other stacks, versions or settings.
+
+    Examples:
+        See what a new version no longer shows: `scaloft-fi compare default night`
+        Hold a stack against another, each in a study of its own: `scaloft-fi compare default ../b/results/campaigns/b`
+        Fail a pipeline where a fault is lost: `scaloft-fi compare default night --fail-on-lost --output both.html`
+        List the flights that differ: `scaloft-fi compare default night --flights`
+    """
     options.check_writable(output, ".html")
     told, matrix, warnings = compared_by(Study.open(study_folder), campaign, other, flights=flights)
     if output is not None:
@@ -528,6 +520,11 @@ def diff(study: Study, campaign: Compared, other: Compared) -> Answer:
 
     What was flown with other data or code counts too, unless the campaign has the flight as the study describes it now.
 
+    Examples:
+        Compare two campaigns: `scaloft-fi diff default night`
+        Compare with a folder from another machine: `scaloft-fi diff default /data/night/campaign`
+        Keep the comparison as a table in a document: `scaloft-fi diff default night --format markdown`
+
     Raises:
         InputError: there is no such campaign, or the two were flown over different grids.
     """
@@ -539,14 +536,7 @@ def diff(study: Study, campaign: Compared, other: Compared) -> Answer:
 
 RENAMED = "`diff` is `compare --flights` now; the old name goes with the next release"
 
-diff_command = options.verb(
-    "diff",
-    examples=(
-        ("Compare two campaigns", "scaloft-fi diff default night"),
-        ("Compare with a folder from another machine", "scaloft-fi diff default /data/night/campaign"),
-        ("Keep the comparison as a table in a document", "scaloft-fi diff default night --format markdown"),
-    ),
-)(diff)
+diff_command = options.verb("diff")(diff)
 
 
 SIGNS = {

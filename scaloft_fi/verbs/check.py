@@ -70,14 +70,7 @@ def checked(check: Check) -> Answer:
     return Answer(CHECK, lambda: check, lambda: check_tables(check), told=told)
 
 
-@verb(
-    "check",
-    examples=(
-        ("Check the study before the first flight", "scaloft-fi check"),
-        ("See too which seams the stack polls, by one flight", "scaloft-fi check --fly"),
-        ("Let a script read the findings", "scaloft-fi check --study my_study --format json"),
-    ),
-)
+@verb("check")
 def check_command(
     *,
     study_folder: StudyFolder,
@@ -90,6 +83,11 @@ def check_command(
 
     An error (exit code 2) is what a verb would refuse, or what no flight can mean; a note (exit code 0) is what
     somebody should know.  Nothing in the study is written.
+
+    Examples:
+        Check the study before the first flight: `scaloft-fi check`
+        See too which seams the stack polls, by one flight: `scaloft-fi check --fly`
+        Let a script read the findings: `scaloft-fi check --study my_study --format json`
     """
     allowed = partial(allow, untrusted=untrusted)
     check = check_study(find_study(study_folder), fly=fly, allow=allowed)

@@ -117,14 +117,7 @@ def answered(command: click.Command, asked: str) -> str:
     return f"{text}\n" if text else ""
 
 
-@verb(
-    "completion",
-    examples=(
-        ("Switch it on in bash, here and now", "scaloft-fi completion bash"),
-        ("See the script for zsh", "scaloft-fi completion zsh"),
-        ("See the script for fish", "scaloft-fi completion fish"),
-    ),
-)
+@verb("completion")
 def completion_command(*, shell: Annotated[str, Option("", "", type=click.Choice(tuple(SHELLS)))]) -> None:
     """Print a script that lets a shell complete verbs, options, mutants, situations, grids and campaigns.
 
@@ -132,6 +125,11 @@ def completion_command(*, shell: Annotated[str, Option("", "", type=click.Choice
     after compinit.  fish: `scaloft-fi completion fish > ~/.config/fish/completions/scaloft-fi.fish`.
 
     The names come from the study that a verb would use; a study that cannot be read has none.
+
+    Examples:
+        Switch it on in bash, here and now: `scaloft-fi completion bash`
+        See the script for zsh: `scaloft-fi completion zsh`
+        See the script for fish: `scaloft-fi completion fish`
     """
     context = click.get_current_context().parent
     assert context is not None

@@ -285,14 +285,7 @@ def _places(study: FoundStudy, machine: Machine) -> Table:
     return Table("Places", ("what", "value"), rows)
 
 
-@verb(
-    "doctor",
-    examples=(
-        ("See whether this machine has the published bits", "scaloft-fi doctor"),
-        ("List versions only, and fly nothing", "scaloft-fi doctor --no-flight"),
-        ("Check that plugins and a study load", "scaloft-fi doctor --study my_study --no-flight"),
-    ),
-)
+@verb("doctor")
 def doctor_command(
     *,
     study_folder: StudyFolder,
@@ -303,6 +296,11 @@ def doctor_command(
     """Print what decides the bits of a flight and what is installed, and fly a flight whose digest is published.
 
     Other bits on another platform are no failure; another status, ending or violation is: exit code 4.
+
+    Examples:
+        See whether this machine has the published bits: `scaloft-fi doctor`
+        List versions only, and fly nothing: `scaloft-fi doctor --no-flight`
+        Check that plugins and a study load: `scaloft-fi doctor --study my_study --no-flight`
     """
     one_thread_each()
 

@@ -383,6 +383,11 @@ def hazop(
     `worksheet --output` wrote with the study.  Without --write nothing is written; with it drafts go into new files,
     and an edited value changes in place.
 
+    Examples:
+        See what a sheet would bring: `scaloft-fi hazop import risks.xlsx`
+        Write its drafts into the study: `scaloft-fi hazop import risks.xlsx --write`
+        Show what the meeting edited: `scaloft-fi hazop diff worksheet.xlsx`
+
     Raises:
         InputError: the sheet cannot be read, has no heads that are known, or what it says is not allowed in a study.
     """
@@ -403,11 +408,4 @@ def hazop(
     return Answer(HAZOP, lambda: told, lambda: tables_of(told, differ=action == "diff"), rows=rows)
 
 
-hazop_command = verb(
-    "hazop",
-    examples=(
-        ("See what a sheet would bring", "scaloft-fi hazop import risks.xlsx"),
-        ("Write its drafts into the study", "scaloft-fi hazop import risks.xlsx --write"),
-        ("Show what the meeting edited", "scaloft-fi hazop diff worksheet.xlsx"),
-    ),
-)(hazop)
+hazop_command = verb("hazop")(hazop)

@@ -332,6 +332,12 @@ def judge(
     Nothing is flown and no campaign is read.  A violation is a finding: the exit code is 0.  A record that cannot be
     judged is told after the verdicts of the others: the exit code is 2.
 
+    Examples:
+        Judge a record of a flight in a known situation: `scaloft-fi judge flight.csv --situation T0O0W0D0H1`
+        Judge PX4's logs: `scaloft-fi judge monday.ulg tuesday.ulg --record px4`
+        See what a log holds, and draft a mapping: `scaloft-fi judge flight.ulg --fields`
+        Let a script read the verdicts: `scaloft-fi judge bag/ --format json`
+
     Raises:
         InputError: a file or the mapping cannot be read, or there is no such situation.
     """
@@ -357,12 +363,4 @@ def judge(
     return Answer(JUDGE, lambda: told, lambda: (judged_table(told),) if records else (), errors=errors)
 
 
-judge_command = verb(
-    "judge",
-    examples=(
-        ("Judge a record of a flight in a known situation", "scaloft-fi judge flight.csv --situation T0O0W0D0H1"),
-        ("Judge PX4's logs", "scaloft-fi judge monday.ulg tuesday.ulg --record px4"),
-        ("See what a log holds, and draft a mapping", "scaloft-fi judge flight.ulg --fields"),
-        ("Let a script read the verdicts", "scaloft-fi judge bag/ --format json"),
-    ),
-)(judge)
+judge_command = verb("judge")(judge)

@@ -514,14 +514,7 @@ Together = Annotated[
 ByRequirement = Annotated[bool, Option("Subsumption tells kills by different requirements of a situation apart.")]
 
 
-@verb(
-    "kills",
-    examples=(
-        ("See where every mutant is killed", "scaloft-fi kills"),
-        ("Ask what to do about one survivor", "scaloft-fi kills MORE-human --show survivors"),
-        ("Find the fewest situations that keep every kill", "scaloft-fi kills --show suite"),
-    ),
-)
+@verb("kills")
 def kills_command(
     *,
     mutants: KilledMutants = (),
@@ -537,6 +530,11 @@ def kills_command(
     """Print where each mutant is killed, which situations are needed, and what to do about the survivors.
 
     MUTANT is an id, a cell's name or a pattern; without any it is every mutant flown but the controls.
+
+    Examples:
+        See where every mutant is killed: `scaloft-fi kills`
+        Ask what to do about one survivor: `scaloft-fi kills MORE-human --show survivors`
+        Find the fewest situations that keep every kill: `scaloft-fi kills --show suite`
     """
     check_writable(output, *PICTURES)
 

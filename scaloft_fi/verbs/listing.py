@@ -355,14 +355,7 @@ def _carried(study: Study, seam: str) -> str:
     return f"our relay from {relay.source} to {relay.to} over {relay.border}"
 
 
-@verb(
-    "seams",
-    examples=(
-        ("List all seams", "scaloft-fi seams"),
-        ("Show one whole, with the operators that fit", "scaloft-fi seams velcmd"),
-        ("Write them all as JSON", "scaloft-fi seams --format json"),
-    ),
-)
+@verb("seams")
 def seams_command(
     study: Study, names: Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=seams)] = ()
 ) -> Answer:
@@ -370,6 +363,11 @@ def seams_command(
 
     Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: the fields with their units,
     what the consumer acts on, the operators that fit, and the cells that use the seam.
+
+    Examples:
+        List all seams: `scaloft-fi seams`
+        Show one whole, with the operators that fit: `scaloft-fi seams velcmd`
+        Write them all as JSON: `scaloft-fi seams --format json`
     """
     return seam_list(study).answer(names)
 
@@ -663,14 +661,7 @@ def _said(value: Any) -> str:
     return f"{value:g}" if isinstance(value, int | float) else str(value)
 
 
-@verb(
-    "operators",
-    examples=(
-        ("List all operators", "scaloft-fi operators"),
-        ("Show one whole, with its example", "scaloft-fi operators delay"),
-        ("Write those that begin with `drop` as JSON", "scaloft-fi operators 'drop*' --format json"),
-    ),
-)
+@verb("operators")
 def operators_command(
     study: Study, names: Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=operators)] = ()
 ) -> Answer:
@@ -678,6 +669,11 @@ def operators_command(
 
     Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: arguments with units and
     ranges, the seams of this study that it fits, the package that declares it, and samples before and after it.
+
+    Examples:
+        List all operators: `scaloft-fi operators`
+        Show one whole, with its example: `scaloft-fi operators delay`
+        Write those that begin with `drop` as JSON: `scaloft-fi operators 'drop*' --format json`
     """
     return operator_list(study).answer(names)
 
@@ -734,14 +730,7 @@ _IN_TERMINAL = ("id", "default", "seam", "operator", "arguments")
 """Guideword and parameter are read from the id."""
 
 
-@verb(
-    "mutants",
-    examples=(
-        ("List the ladder of one cell", "scaloft-fi mutants 'LATE-human*'"),
-        ("Derive the catalogue again after an edit of the matrix", "scaloft-fi mutants --write"),
-        ("Fail where the catalogue is stale, as in CI", "scaloft-fi mutants --check"),
-    ),
-)
+@verb("mutants")
 def mutants_command(
     *,
     patterns: Annotated[tuple[str, ...], Option("", "", metavar="[PATTERN]...", complete=names.mutants)] = (),
@@ -759,6 +748,11 @@ def mutants_command(
 
     PATTERN is a cell's name (its default mutant), an id, or a pattern with *, ? or [ over names and ids:
     `LATE-human*` is the whole ladder, `*-human` the default of every cell of `human`.
+
+    Examples:
+        List the ladder of one cell: `scaloft-fi mutants 'LATE-human*'`
+        Derive the catalogue again after an edit of the matrix: `scaloft-fi mutants --write`
+        Fail where the catalogue is stale, as in CI: `scaloft-fi mutants --check`
     """
     if write and check:
         raise click.UsageError("--write and --check exclude each other")

@@ -608,14 +608,6 @@ Tolerance = Annotated[
 
 @verb(
     "margin",
-    examples=(
-        ("Find how late a detection may come", "scaloft-fi margin LATE-human"),
-        (
-            "Search two faults in light only, to a tenth of their unit",
-            "scaloft-fi margin LESS-depth LATE-human --situation '*D0*' --tolerance 0.1",
-        ),
-        ("Show at which times of the flight a fault is killed", "scaloft-fi margin NO-depth --when"),
-    ),
     sections={
         "Where": "--study --campaign --grid",
         "What is flown": "--situation --seeds --tolerance --when --operability",
@@ -654,6 +646,12 @@ def margin_command(
     first fault; an id with a magnitude picks a fault by the unit, and a phase by #, a time or an event (NO-depth@3s#5s,
     NO-depth@3s#waypoint).  The flights are ordinary flights of the campaign: nothing is flown twice, and
     `scaloft-fi matrix --margins` shows what was found.
+
+    Examples:
+        Find how late a detection may come: `scaloft-fi margin LATE-human`
+        Search two faults in light only, to a tenth of their unit:
+            `scaloft-fi margin LESS-depth LATE-human --situation '*D0*' --tolerance 0.1`
+        Show at which times of the flight a fault is killed: `scaloft-fi margin NO-depth --when`
     """
     one_thread_each()
     campaign = campaign_over(grid, campaign)

@@ -25,14 +25,7 @@ if TYPE_CHECKING:
     from scaloft_fi.verbs.margin import CellMargin
 
 
-@verb(
-    "matrix",
-    examples=(
-        ("See every cell of the study's matrix", "scaloft-fi matrix"),
-        ("Read one cell whole: causes, effect, fault, mutants", "scaloft-fi matrix --cell LATE-human"),
-        ("Compare the smallest magnitude that is killed in each cell", "scaloft-fi matrix --margins"),
-    ),
-)
+@verb("matrix")
 def matrix_command(
     *,
     study_folder: StudyFolder,
@@ -60,7 +53,13 @@ def matrix_command(
     campaign: Campaign,
     style: TableFormat,
 ) -> None:
-    """Print the HAZOP deviation matrix: a grid of marks, then every cell with its deviation or its reason."""
+    """Print the HAZOP deviation matrix: a grid of marks, then every cell with its deviation or its reason.
+
+    Examples:
+        See every cell of the study's matrix: `scaloft-fi matrix`
+        Read one cell whole: causes, effect, fault, mutants: `scaloft-fi matrix --cell LATE-human`
+        Compare the smallest magnitude that is killed in each cell: `scaloft-fi matrix --margins`
+    """
     if cell and (guidewords or parameters or grid_only or with_margins):
         raise click.UsageError("--cell tells one cell and goes with no --guideword, --parameter, --grid or --margins")
     matrix = load_matrix(find_study(study_folder) / "hazop")

@@ -267,15 +267,7 @@ class Written:
 NEW = Output("new", "1.0", Written, rows="files")
 
 
-@verb(
-    "new",
-    examples=(
-        ("Write a study to edit", "scaloft-fi new my_mine"),
-        ("Write a package with an operator, a stack, a sensor and a signal", "scaloft-fi new my_faults --plugin"),
-        ("Put a planner of your own into the reference drone", "scaloft-fi new my_planner --planner"),
-        ("Put a real autopilot below the companion", "scaloft-fi new my_px4 --firmware px4 --program /opt/px4/bin/px4"),
-    ),
-)
+@verb("new")
 def new_command(
     *,
     folder: Annotated[Path, Option("", "", metavar="DIR")],
@@ -318,6 +310,12 @@ def new_command(
 
     The first line of each document names its JSON Schema in schemas/, with which an editor completes keys; in a
     package, `scaloft-fi schema --write` makes that folder once the package is installed.
+
+    Examples:
+        Write a study to edit: `scaloft-fi new my_mine`
+        Write a package with an operator, a stack, a sensor and a signal: `scaloft-fi new my_faults --plugin`
+        Put a planner of your own into the reference drone: `scaloft-fi new my_planner --planner`
+        Put a real autopilot below the companion: `scaloft-fi new my_px4 --firmware px4 --program /opt/px4/bin/px4`
     """
     from scaloft_fi.verbs.schema import pointed, schema_files
 
@@ -464,14 +462,7 @@ def example(name: str) -> ShippedExample:
     return ShippedExample(name, " ".join(readme.split("\n\n")[1].split()), tuple(sorted(files)), tuple(commands))
 
 
-@verb(
-    "example",
-    examples=(
-        ("List the examples", "scaloft-fi example"),
-        ("Copy one into a folder of its name", "scaloft-fi example own_tests"),
-        ("Copy one into another folder", "scaloft-fi example outside_planner my_planner"),
-    ),
-)
+@verb("example")
 def example_command(
     *,
     name: Annotated[str | None, Option("", "", complete=examples)] = None,
@@ -481,6 +472,11 @@ def example_command(
 
     DIR must be empty or new; without it the folder has the example's name.  What of a study an example leaves to the
     reference study is copied too, so that it flies wherever it is put.
+
+    Examples:
+        List the examples: `scaloft-fi example`
+        Copy one into a folder of its name: `scaloft-fi example own_tests`
+        Copy one into another folder: `scaloft-fi example outside_planner my_planner`
     """
     if name is None:
         every = ShippedExamples(tuple(map(example, example_names())))

@@ -649,20 +649,29 @@ class Verb(click.Command):
             formatter.write_examples(self.examples)
 
 
+_EXAMPLES = re.compile(r"\n\nExamples:(?:\n {4}.*)+")
+_EXAMPLE = re.compile(r"^ {4}(\S[^\n]*?):\s+`([^`]+)`$", re.MULTILINE)
+
+
 def verb(
-    name: str, *, examples: Sequence[tuple[str, str]], sections: Mapping[str, str] | None = None, cls: type[Verb] = Verb
+    name: str, *, sections: Mapping[str, str] | None = None, cls: type[Verb] = Verb
 ) -> Callable[[Callable[..., Any]], Verb]:
     """Declare the function below as the verb `name`: its parameters are its options, its docstring is its help.
 
+    Three commands under `Examples:` in the docstring, each with what it does before it, end the help; a test parses
+    them.
+
     Args:
         name: of the verb.
-        examples: three commands, each with what it does before it; they end the help, and a test parses them.
         sections: names of options by heading, for a verb of many options.
         cls: the class of the command.
     """
 
     def declared(function: Callable[..., Any]) -> Verb:
-        about = cleandoc(function.__doc__ or "").partition("\n\nRaises:\n")[0]
+        doc = cleandoc(function.__doc__ or "")
+        examples = _EXAMPLE.findall(doc)
+        function.__doc__ = _EXAMPLES.sub("", doc)  # a script types no command
+        about = function.__doc__.partition("\n\nRaises:\n")[0]
         options = list(parameters_of(function))
         return cls(name, callback=called(function), params=options, help=about, examples=examples, sections=sections)
 

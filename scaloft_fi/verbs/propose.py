@@ -243,11 +243,6 @@ Entries = Annotated[
 
 @verb(
     "propose",
-    examples=(
-        ("Propose a requirement for each fault that violates none", "scaloft-fi propose"),
-        ("On more seeds, for all that an own campaign does not show", "scaloft-fi propose --campaign night --seeds 5"),
-        ("For one fault, and write the entry to paste", "scaloft-fi propose MORE-depth --output missing.yaml"),
-    ),
     sections={
         "Where": "--study --campaign",
         "How": "--seeds --most --jobs --untrusted",
@@ -273,6 +268,11 @@ def propose_command(
     after a definition of the study holds, are held against the mutant and the unmutated drone on the first seeds.  The
     one with the widest margin is tested on fresh seeds, by the score's own test, at the study's alpha over all that
     were chosen.
+
+    Examples:
+        Propose a requirement for each fault that violates none: `scaloft-fi propose`
+        On more seeds, for all that an own campaign does not show: `scaloft-fi propose --campaign night --seeds 5`
+        For one fault, and write the entry to paste: `scaloft-fi propose MORE-depth --output missing.yaml`
     """
     one_thread_each()
     options.check_writable(output)

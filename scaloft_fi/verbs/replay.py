@@ -412,17 +412,7 @@ def _stamp(t_s: float) -> dict[str, int]:
 ENDS = (".svg", ".png", ".mcap", ".csv")
 
 
-@verb(
-    "replay",
-    examples=(
-        ("Fly one flight again and compare its digest", "scaloft-fi replay LATE-human@3s/T0O0W0D0H1/0"),
-        (
-            "Draw it on the map, the baseline beside it",
-            "scaloft-fi replay LATE-human@3s/T0O0W0D0H1/0 --output flight.svg",
-        ),
-        ("Record the unmutated drone for Foxglove", "scaloft-fi replay baseline/T0O0W0D0H1/0 --output flight.mcap"),
-    ),
-)
+@verb("replay")
 def replay_command(
     *,
     name: Annotated[str, Option("", "", metavar="MUTANT/SITUATION/SEED", complete=names.flights)],
@@ -449,6 +439,11 @@ def replay_command(
     """Fly one flight again and compare its digest with the campaign's; on another platform, status and ending too.
 
     MUTANT is `baseline`, `PLACEBO` or a mutant's id.  The map shows the baseline beside the mutant.
+
+    Examples:
+        Fly one flight again and compare its digest: `scaloft-fi replay LATE-human@3s/T0O0W0D0H1/0`
+        Draw it on the map, the baseline beside it: `scaloft-fi replay LATE-human@3s/T0O0W0D0H1/0 --output flight.svg`
+        Record the unmutated drone for Foxglove: `scaloft-fi replay baseline/T0O0W0D0H1/0 --output flight.mcap`
     """
     check_writable(output, *ENDS)
 

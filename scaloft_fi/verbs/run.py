@@ -90,11 +90,6 @@ MaxInvalid = Annotated[
 
 @verb(
     "run",
-    examples=(
-        ("Fly one fault over the whole grid; the same command resumes", "scaloft-fi run --mutant LATE-human"),
-        ("Fly every fault of a guideword with three seeds", "scaloft-fi run --mutant 'NO-*' --seeds 3"),
-        ("Fly every cell's default within two hours, as in CI", "scaloft-fi run --budget 2h --fail-under-firm 0.25"),
-    ),
     sections={
         "Where": "--study --campaign --grid",
         "Which faults": "--mutant",
@@ -139,6 +134,11 @@ def run_command(
     """Fly the baseline, PLACEBO and the mutants in every situation, then print which faults the tests would have shown.
 
     A flight that the campaign holds is not flown again, so the same command resumes an interrupted run.
+
+    Examples:
+        Fly one fault over the whole grid; the same command resumes: `scaloft-fi run --mutant LATE-human`
+        Fly every fault of a guideword with three seeds: `scaloft-fi run --mutant 'NO-*' --seeds 3`
+        Fly every cell's default within two hours, as in CI: `scaloft-fi run --budget 2h --fail-under-firm 0.25`
     """
     from scaloft_fi.campaign.processes import one_thread_each
 

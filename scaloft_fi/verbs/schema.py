@@ -414,15 +414,7 @@ def _key_said(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-@verb(
-    "schema",
-    examples=(
-        ("List the documents that have a schema", "scaloft-fi schema"),
-        ("Show the keys of sim/world.yaml, and what they mean", "scaloft-fi schema world"),
-        ("Show the keys of what `score --format json` prints", "scaloft-fi schema score --answer"),
-        ("Write all schemas for an editor, those of installed plugins included", "scaloft-fi schema --write schemas"),
-    ),
-)
+@verb("schema")
 def schema_command(
     *,
     name: Annotated[str | None, Option("", "", complete=documents)] = None,
@@ -447,6 +439,12 @@ def schema_command(
     The schemas know the seams of the study, and what installed plugins declare.  An editor with a language server for
     YAML completes keys and shows what they mean, when the first line of the document is
     `# yaml-language-server: $schema=` with the path of the schema, which --write writes.
+
+    Examples:
+        List the documents that have a schema: `scaloft-fi schema`
+        Show the keys of sim/world.yaml, and what they mean: `scaloft-fi schema world`
+        Show the keys of what `score --format json` prints: `scaloft-fi schema score --answer`
+        Write all schemas for an editor, those of installed plugins included: `scaloft-fi schema --write schemas`
     """
     if name and folder:
         raise click.UsageError("--write writes every schema and goes with no NAME")

@@ -175,14 +175,7 @@ def judged_survivors(study: Study, scored: Score, today: date | None = None) -> 
     return judge(scored, study.roster, study.dispositions, today or date.today())  # noqa: DTZ011 - the user's own day
 
 
-@verb(
-    "dispositions",
-    examples=(
-        ("List what survives, and what was accepted", "scaloft-fi dispositions"),
-        ("Draft an entry for each open survivor", "scaloft-fi dispositions --write"),
-        ("See what will have expired by a day", "scaloft-fi dispositions --today 2027-01-31"),
-    ),
-)
+@verb("dispositions")
 def dispositions_command(
     *,
     study_folder: StudyFolder,
@@ -201,6 +194,11 @@ def dispositions_command(
     """List the survivors of a campaign beside the study's dispositions.
 
     `scaloft-fi score --ratchet` makes a gate of it.
+
+    Examples:
+        List what survives, and what was accepted: `scaloft-fi dispositions`
+        Draft an entry for each open survivor: `scaloft-fi dispositions --write`
+        See what will have expired by a day: `scaloft-fi dispositions --today 2027-01-31`
     """
     study = Study.open(study_folder)
     if writing:
@@ -492,11 +490,6 @@ GROUPINGS = tuple(map(str, By))
 
 @verb(
     "score",
-    examples=(
-        ("Ask which faults the tests would have shown", "scaloft-fi score"),
-        ("See every mutant, and the score of each guideword", "scaloft-fi score --all --by guideword"),
-        ("Hold a pipeline to what a team has accepted", "scaloft-fi score --fail-under-firm 0.25 --ratchet"),
-    ),
     sections={
         "Where": "--study --campaign --baseline-from",
         "What fails": "--fail-under --fail-under-firm --ratchet --today",
@@ -532,7 +525,13 @@ def score_command(
     tables_folder: options.TablesFolder,
     today: options.Today,
 ) -> int:
-    """Say which faults the tests would have shown, which not, how sure that is, and what to do next."""
+    """Say which faults the tests would have shown, which not, how sure that is, and what to do next.
+
+    Examples:
+        Ask which faults the tests would have shown: `scaloft-fi score`
+        See every mutant, and the score of each guideword: `scaloft-fi score --all --by guideword`
+        Hold a pipeline to what a team has accepted: `scaloft-fi score --fail-under-firm 0.25 --ratchet`
+    """
     scored = scored_campaign(Study.open(study_folder), campaign, baseline_from, today)
     scored = replace(scored, by=By(grouping) if grouping else None)
     bars = bars_of(fail_under, fail_under_firm)

@@ -398,15 +398,6 @@ Anyhow = Annotated[
 
 @verb(
     "seek",
-    examples=(
-        ("Seek situations for all that the last score calls not detected", "scaloft-fi seek --budget 1h"),
-        (
-            "Seek a situation for one fault, with 2,000 flights at most",
-            "scaloft-fi seek LESS-depth --budget 2000flights",
-        ),
-        ("Seek situations that break the unmutated drone", "scaloft-fi seek baseline --budget 30m"),
-        ("Fly what was found on seeds that nothing before used", "scaloft-fi seek --replicate"),
-    ),
     sections={
         "Where": "--study --campaign --grid --into",
         "How": "--replicate --budget --seed --any --jobs --same-platform --untrusted",
@@ -443,6 +434,12 @@ def seek_command(
 
     `seek baseline` finds situations that break the unmutated drone itself, each in a way of its own: it violates
     another requirement, strikes something else or elsewhere, or another stage believed what is not true.
+
+    Examples:
+        Seek situations for all that the last score calls not detected: `scaloft-fi seek --budget 1h`
+        Seek a situation for one fault, with 2,000 flights at most: `scaloft-fi seek LESS-depth --budget 2000flights`
+        Seek situations that break the unmutated drone: `scaloft-fi seek baseline --budget 30m`
+        Fly what was found on seeds that nothing before used: `scaloft-fi seek --replicate`
     """
     one_thread_each()
 

@@ -339,18 +339,16 @@ def _listed(found: Found, cap: Cap | None, recorded: Mapping[str, str] | None) -
 Names = Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=signals)]
 
 
-@verb(
-    "signals",
-    examples=(
-        ("List all signals", "scaloft-fi signals"),
-        ("Show two of them whole", "scaloft-fi signals person_sight_m speed_mps"),
-        ("List what the grid `wide` adds, as CSV", "scaloft-fi signals --grid wide --format csv"),
-    ),
-)
+@verb("signals")
 def signals_command(names: Names = (), *, study_folder: StudyFolder, grid: GridOfStudy) -> Answer:
     """List the signals that the study's requirements and the predicates of its axes may use.
 
     Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: range, unit, what the signal
     reads where there is nothing to measure, where it comes from, and a formula that uses it.
+
+    Examples:
+        List all signals: `scaloft-fi signals`
+        Show two of them whole: `scaloft-fi signals person_sight_m speed_mps`
+        List what the grid `wide` adds, as CSV: `scaloft-fi signals --grid wide --format csv`
     """
     return signal_list(Study.open(study_folder, grid)).answer(names)

@@ -220,19 +220,17 @@ def _shape(own: Drawn) -> str:
 Names = Annotated[tuple[str, ...], options.Option("", "", metavar="[NAME]...", complete=axes)]
 
 
-@options.verb(
-    "axes",
-    examples=(
-        ("List the axes of the study's own grid", "scaloft-fi axes"),
-        ("Show one whole", "scaloft-fi axes H"),
-        ("List those of the grid `search`, as Markdown", "scaloft-fi axes --grid search --format markdown"),
-    ),
-)
+@options.verb("axes")
 def axes_command(names: Names = (), *, study_folder: options.StudyFolder, grid: options.GridOfStudy) -> Answer:
     """List the axes of a grid of situations.
 
     Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: what each value sets, and the
     formula by which a flight is known to have met it.
+
+    Examples:
+        List the axes of the study's own grid: `scaloft-fi axes`
+        Show one whole: `scaloft-fi axes H`
+        List those of the grid `search`, as Markdown: `scaloft-fi axes --grid search --format markdown`
     """
     return axis_list(Study.open(study_folder, grid).grid).answer(names)
 
@@ -342,6 +340,11 @@ def _t_way(covered: Coverage, axes: int) -> Table:
 def coverage(study: Study, campaign: options.Campaign) -> Answer:
     """How much of the situations a campaign covers, number by number.
 
+    Examples:
+        Ask how much of the grid was flown, pair by pair: `scaloft-fi coverage`
+        Look at another campaign: `scaloft-fi coverage --campaign night`
+        Let a script read it: `scaloft-fi coverage --format json`
+
     Raises:
         InputError: there is no such campaign, or it holds no flight that counts.
     """
@@ -354,14 +357,7 @@ def coverage(study: Study, campaign: options.Campaign) -> Answer:
     return Answer(COVERAGE, lambda: told, lambda: tables, warnings=stale.sentences)
 
 
-coverage_command = options.verb(
-    "coverage",
-    examples=(
-        ("Ask how much of the grid was flown, pair by pair", "scaloft-fi coverage"),
-        ("Look at another campaign", "scaloft-fi coverage --campaign night"),
-        ("Let a script read it", "scaloft-fi coverage --format json"),
-    ),
-)(coverage)
+coverage_command = options.verb("coverage")(coverage)
 
 
 @dataclass(frozen=True)
@@ -574,14 +570,7 @@ def map_table(study: Study, situation: Situation) -> Table:
 PICTURES = (".svg", ".png")
 
 
-@options.verb(
-    "map",
-    examples=(
-        ("Tell what stands and happens in the benign situation", "scaloft-fi map"),
-        ("Draw a situation with a corner and a person", "scaloft-fi map T1O0W0D0H1 --output map.svg"),
-        ("Draw a situation of the grid `wide`", "scaloft-fi map --grid wide --output map.png"),
-    ),
-)
+@options.verb("map")
 def map_command(
     *,
     situation: Annotated[str | None, options.Option("", "", complete=situations)] = None,
@@ -600,6 +589,11 @@ def map_command(
 
     SITUATION is a key or another name of it; by default every axis has its benign value.
     A mesh with flaws is drawn with a ring at each, even where it cannot be flown.
+
+    Examples:
+        Tell what stands and happens in the benign situation: `scaloft-fi map`
+        Draw a situation with a corner and a person: `scaloft-fi map T1O0W0D0H1 --output map.svg`
+        Draw a situation of the grid `wide`: `scaloft-fi map --grid wide --output map.png`
     """
     options.check_writable(output, *PICTURES)
     try:

@@ -313,11 +313,6 @@ Reach = Annotated[bool, Option("Say which faults reach which test and what a run
 
 @verb(
     "suite",
-    examples=(
-        ("Put every fault to your own tests; the same command resumes", "scaloft-fi suite suite.yaml"),
-        ("See beforehand which fault reaches which test", "scaloft-fi suite suite.yaml --reach"),
-        ("In CI: what a branch has changed", "scaloft-fi suite suite.yaml --since origin/main --fail-under-firm 0.25"),
-    ),
     sections={
         "Where": "--study --campaign",
         "Which faults": "--mutant --shard --since --reach",
@@ -350,6 +345,11 @@ def suite_command(
     Each test runs ten times without a fault, then with PLACEBO and with a control that has to turn a test red.  Each
     fault then runs once at the tests that it reaches, and up to ten times where a test turned red, by the looks of
     `run --sequential`.  The campaign is read by `score`, `kills`, `report` and `export` as one of flights.
+
+    Examples:
+        Put every fault to your own tests; the same command resumes: `scaloft-fi suite suite.yaml`
+        See beforehand which fault reaches which test: `scaloft-fi suite suite.yaml --reach`
+        In CI: what a branch has changed: `scaloft-fi suite suite.yaml --since origin/main --fail-under-firm 0.25`
     """
     one_thread_each()
     study = Study.open(study_folder)

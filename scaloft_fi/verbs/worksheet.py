@@ -595,14 +595,7 @@ def worksheet(study: Study, campaign: options.Campaign) -> Worksheet:
     return Worksheet(rows, stale, finds.warnings)
 
 
-@verb(
-    "worksheet",
-    examples=(
-        ("Print the worksheet with what the flights found", "scaloft-fi worksheet"),
-        ("Bring it to the HAZOP meeting as a workbook", "scaloft-fi worksheet --format xlsx --output worksheet.xlsx"),
-        ("Put it into a paper", "scaloft-fi worksheet --format latex --output worksheet.tex"),
-    ),
-)
+@verb("worksheet")
 def worksheet_command(
     *,
     study_folder: options.StudyFolder,
@@ -623,6 +616,11 @@ def worksheet_command(
 
     Deviations that are not credible stand in a log with their reason.  What only a team can judge (likelihood,
     recommendation, ...) is left empty; severity is the class that the study gives.
+
+    Examples:
+        Print the worksheet with what the flights found: `scaloft-fi worksheet`
+        Bring it to the HAZOP meeting as a workbook: `scaloft-fi worksheet --format xlsx --output worksheet.xlsx`
+        Put it into a paper: `scaloft-fi worksheet --format latex --output worksheet.tex`
     """
     if style == XLSX and output is None:
         raise click.UsageError("--format xlsx goes into a file: name it with --output")

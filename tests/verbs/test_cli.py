@@ -241,9 +241,14 @@ def test_help_fits_the_terminal_and_breaks_no_option(name: str, monkeypatch: pyt
 def test_headings_and_commands_of_help_are_marked_only_where_colours_are_wanted(
     monkeypatch: pytest.MonkeyPatch,
 ):
-    @verb("fly", examples=(("Fly", "scaloft-fi fly"),) * 3)
+    @verb("fly")
     def fly() -> None:
-        """Fly."""
+        """Fly.
+
+        Examples:
+            Fly: `scaloft-fi fly`
+            Fly again: `scaloft-fi fly --again`
+        """
 
     monkeypatch.delenv("NO_COLOR", raising=False)
     plain = fly.get_help(Page(fly, info_name="fly"))
@@ -255,7 +260,7 @@ def test_headings_and_commands_of_help_are_marked_only_where_colours_are_wanted(
 
 
 def test_an_option_that_no_section_names_comes_last():
-    @verb("fly", examples=(), sections={"Where": "--study"})
+    @verb("fly", sections={"Where": "--study"})
     def fly(
         *, fast: Annotated[bool, Option("Fast.")], study_folder: Annotated[str, Option("Here.", "--study")]
     ) -> None:

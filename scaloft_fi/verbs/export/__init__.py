@@ -45,15 +45,7 @@ class ExportCommand(options.Verb):
         return [*super().sections(ctx), ("Formats", formats)]
 
 
-@verb(
-    "export",
-    examples=(
-        ("Write one row per flight for pandas", "scaloft-fi export --format parquet --output flights.parquet"),
-        ("Give what is not detected to a code host", "scaloft-fi export --format sarif --output scaloft.sarif"),
-        ("Keep a campaign with its study for a paper", "scaloft-fi export --format archive --output campaign.zip"),
-    ),
-    cls=ExportCommand,
-)
+@verb("export", cls=ExportCommand)
 def export_command(
     *,
     study_folder: options.StudyFolder,
@@ -68,6 +60,11 @@ def export_command(
     """Print one row per flight, ordered by mutant, situation and seed, or the campaign in another tool's format.
 
     Facts of the simulation only: no clock, host or worker is in it; the day decides which survivors are accepted.
+
+    Examples:
+        Write one row per flight for pandas: `scaloft-fi export --format parquet --output flights.parquet`
+        Give what is not detected to a code host: `scaloft-fi export --format sarif --output scaloft.sarif`
+        Keep a campaign with its study for a paper: `scaloft-fi export --format archive --output campaign.zip`
     """
     if style == ARCHIVE and output is not None and output.suffix != ZIP:
         _check_new(output)

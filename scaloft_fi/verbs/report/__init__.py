@@ -37,14 +37,7 @@ REPORT = Output("report", "1.1", Written, rows="summary")
 NAME = "report.html"
 
 
-@verb(
-    "report",
-    examples=(
-        ("Write the page into the campaign's folder", "scaloft-fi report"),
-        ("Write it elsewhere", "scaloft-fi report --output report.html"),
-        ("Mark dispositions that have expired by a day", "scaloft-fi report --today 2027-01-31"),
-    ),
-)
+@verb("report")
 def report_command(
     *,
     study_folder: options.StudyFolder,
@@ -55,7 +48,13 @@ def report_command(
     today: options.AsOf,
     style: options.LineFormat,
 ) -> None:
-    """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows."""
+    """Write one HTML file that opens from disk, without a network: both matrices, every flight, what follows.
+
+    Examples:
+        Write the page into the campaign's folder: `scaloft-fi report`
+        Write it elsewhere: `scaloft-fi report --output report.html`
+        Mark dispositions that have expired by a day: `scaloft-fi report --today 2027-01-31`
+    """
     check_writable(output)
     study = Study.open(study_folder)
     folder = campaign_folder(study, campaign)
