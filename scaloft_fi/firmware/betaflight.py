@@ -12,6 +12,7 @@ import hashlib
 import math
 import struct
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -153,11 +154,12 @@ def _save(path: Path, config: FirmwareConfig, study: Path, still: Samples, lines
             if "###ERROR" in (heard := told(f"{line}\n".encode(), LINE_S)):
                 said = " ".join(heard.partition("###ERROR")[2].split())[:100]
                 raise InputError(f"{', '.join(config.parameters) or 'Betaflight'}: {line!r} is refused: {said}")
-        told(b"save\n", 10.0)
-    except FirmwareError:  # `save` ends it
-        pass
-    finally:
+        with suppress(FirmwareError):  # `save` ends it
+            told(b"save\n", 10.0)
         content = program.file(EEPROM)
+    except FirmwareError as error:
+        raise BorderError(f"Betaflight ended before it was told its settings: {error}") from error
+    finally:
         program.close()
     if not content:
         raise BorderError("Betaflight did not save its settings")

@@ -91,12 +91,15 @@ class Program:
     _flight: FlightFolder
     _processes: Processes
     _channel: socket.socket
+    _listener: socket.socket | None
 
     @classmethod
     def start(
         cls, run: Sequence[str], files: Mapping[str, bytes], study: Path, elsewhere: Sequence[Path] = ()
     ) -> Program:
         """Start the program in a private folder.
+
+        Until it sends a first datagram it may replace itself, as a script does with `exec`; its time begins anew then.
 
         Args:
             run: program and arguments.
@@ -123,19 +126,13 @@ class Program:
             undo.callback(processes.stop)
             processes.start()
             listener.settimeout(0.05)
-            due_s = time.monotonic() + ANSWER_S
-            while True:
-                with suppress(TimeoutError):
-                    channel, _ = listener.accept()
-                    break
-                ended = processes.ended()
-                if ended or time.monotonic() > due_s:
-                    said = processes.last_lines()
-                    raise BorderError(f"the firmware never came up: {ended or 'no answer'}; its last lines: {said}")
+            if (channel := _connected(listener, processes)) is None:
+                said = processes.last_lines()
+                raise BorderError(
+                    f"the firmware never came up: {processes.ended() or 'no answer'}; its last lines: {said}"
+                )
             undo.pop_all()
-            listener.close()
-        channel.settimeout(ANSWER_S)
-        made = cls(home, 0, flight, processes, channel)
+        made = cls(home, 0, flight, processes, channel, listener)
         with made.booting("the firmware"):
             made._answer()
         return made
@@ -161,6 +158,10 @@ class Program:
             raise BorderError(f"the firmware has not answered for {ANSWER_S:g} s{self.said()}") from None
         except OSError:
             message = b""
+        if not message and self._listener and (channel := _connected(self._listener, self._processes)):
+            self._channel.close()
+            self._channel = channel
+            return self._answer()
         if not message:
             ended = self._processes.ended(within_s=ENDS_S) or "it closed its socket"
             raise (BorderError if self._processes.how == KILLED else FirmwareError)(f"{ended}{self.said()}")
@@ -170,7 +171,14 @@ class Program:
             port, length = struct.unpack_from("<HH", message, at)
             found.append(Datagram(port, message[at + 4 : at + 4 + length]))
             at += 4 + length
+        if found:
+            self._stop_listening()
         return found
+
+    def _stop_listening(self) -> None:
+        if self._listener:
+            self._listener.close()
+        self._listener = None
 
     @contextmanager
     def booting(self, name: str) -> Iterator[None]:
@@ -201,5 +209,18 @@ class Program:
     def close(self) -> None:
         """End the program and remove its folder; may be called twice."""
         self._channel.close()
+        self._stop_listening()
         self._processes.stop()
         self._flight.close()
+
+
+def _connected(listener: socket.socket, processes: Processes) -> socket.socket | None:
+    """The connection that the program opens next; None where it ends, or opens none in time."""
+    due_s = time.monotonic() + ANSWER_S
+    while True:
+        with suppress(TimeoutError):
+            channel, _ = listener.accept()
+            channel.settimeout(ANSWER_S)
+            return channel
+        if processes.ended() or time.monotonic() > due_s:
+            return None

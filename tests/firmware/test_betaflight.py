@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import io
 import os
 import shutil
@@ -18,11 +19,14 @@ from printed import of_form, run
 from processes import ROOT
 
 import scaloft_fi
-from scaloft_fi.firmware.betaflight import state_packet, stick_packet
-from scaloft_fi.firmware.kind import Accelerometer, AttitudeOrder, Gyro, Samples
+from scaloft_fi.firmware.betaflight import EEPROM, eeprom, state_packet, stick_packet
+from scaloft_fi.firmware.kind import Accelerometer, AttitudeOrder, FirmwareConfig, Gyro, Samples
+from scaloft_fi.outside.border import BorderError
 
 VERSION = "0.0.6"
 TARGET = "src/platform/SIMULATOR/target/SITL/target.h"
+BUILD = ("make", "TARGET=SITL", "OPTIMISATION_BASE=", "OPTIMISE_DEFAULT=-O2", "OPTIMISE_SPEED=-O2")
+"""Without the approximations of `-Ofast`, which differ by the processor."""
 SITUATIONS = ("T0O0W0D0H0", "T0O1W0D0H0")
 
 
@@ -42,11 +46,28 @@ def test_sticks_say_what_the_outer_loop_orders():
     assert struct.unpack("<d16H", stick_packet(1.0, order, armed=False))[5] == 1000
 
 
+def test_the_guide_tells_how_the_tests_build_it():
+    assert " ".join(BUILD) in (ROOT / "docs" / "firmware.md").read_text()
+
+
+def test_a_betaflight_that_ends_before_it_saved_leaves_no_memory(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    script = tmp_path / "program"
+    script.write_text(f"#!/bin/sh\necho of the factory > {EEPROM}\nexec date\n")
+    script.chmod(0o755)
+    config = FirmwareConfig("betaflight", str(script), "none")
+    vehicle = Samples(None, None, None, np.array([0.0, 0.0, 0.0, 1.0]), np.zeros(3), 1.65, "hold")
+    with pytest.raises(BorderError, match="Betaflight ended before it was told its settings"):
+        eeprom(config, tmp_path, vehicle)
+    assert not list((tmp_path / "cache").glob("*/betaflight/*"))
+
+
 @pytest.fixture(scope="module")
 def program() -> Path:
     """The firmware with its own attitude estimate, built once a machine."""
     cache = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "scaloft-fi" / "tests"
-    built = cache / f"betaflight-{VERSION}" / "program"
+    mark = hashlib.sha256(" ".join(BUILD).encode()).hexdigest()[:8]
+    built = cache / f"betaflight-{VERSION}-{mark}" / "program"
     if built.is_file():
         return built
     if shutil.which("make") is None or shutil.which("cc") is None:
@@ -60,7 +81,7 @@ def program() -> Path:
     source = folder / f"betaflight-{VERSION}" / "betaflight" / "firmware"
     text = (source / TARGET).read_text()
     (source / TARGET).write_text(text.replace("#undef USE_IMU_CALC", "#define USE_IMU_CALC"))
-    subprocess.run(["make", "TARGET=SITL", "-j2"], cwd=source, capture_output=True, check=True)
+    subprocess.run([*BUILD, "-j2"], cwd=source, capture_output=True, check=True)
     (made,) = source.glob("obj/betaflight_*_SITL")
     built.parent.mkdir(exist_ok=True)
     shutil.copy(made, built)

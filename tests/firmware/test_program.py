@@ -110,6 +110,18 @@ def test_a_program_may_be_a_script_that_replaces_itself(built: Path, tmp_path: P
     assert talk(script, tmp_path) == talk(built / "loop", tmp_path)
 
 
+def test_a_script_may_read_the_clock_before_it_replaces_itself(built: Path, tmp_path: Path):
+    script = tmp_path / "script"
+    script.write_text(f"#!/bin/bash\necho $SECONDS > seconds\nexec bash -c 'exec {built / 'loop'}'\n")
+    script.chmod(0o755)
+    heard = [(port, text) for _, port, text in talk(script, tmp_path, 40)]
+    with load():
+        assert [(port, text) for _, port, text in talk(script, tmp_path, 40)] == heard
+    alone = [(port, text) for _, port, text in talk(built / "loop", tmp_path, 40)]
+    assert heard[2:] == alone[2:]  # what was sent to the shells is lost
+    assert len(heard) == len(alone)
+
+
 def test_two_programs_at_once_share_no_port(built: Path, tmp_path: Path):
     alone = talk(built / "loop", tmp_path)
     with multiprocessing.get_context("spawn").Pool(3) as pool:
