@@ -120,6 +120,11 @@ class Pair:
             return State.STEADY
         return State.RED if 2 * self.violated > self.flights else State.UNSTEADY
 
+    def called(self, *, of_tests: bool) -> State:
+        """The state as people are told it: a test with a red run among ten is called flaky, though it tests faults."""
+        flaky = of_tests and self.state is State.STEADY and self.violated
+        return State.UNSTEADY if flaky else self.state
+
     @cached_property
     def tests(self) -> bool:
         """Whether the pair enters the stratified test: it is neither unknown nor vacuous nor open."""

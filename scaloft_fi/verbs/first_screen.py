@@ -273,10 +273,11 @@ def composition_table(scored: Score) -> Table:
 
 def pair_table(pool: detection.Pool, space: Space) -> Table:
     """The pairs of situation and requirement that put no fault to the test."""
-    others = [pair for pair in pool.pairs.values() if pair.state is not detection.State.STEADY]
+    called = {pair: pair.called(of_tests=space.of_tests) for pair in pool.pairs.values()}
+    others = [pair for pair, state in called.items() if state is not detection.State.STEADY]
     others.sort(key=lambda pair: (space.rank(pair.situation), pair.requirement))
     rows = tuple(
-        (pair.situation, pair.requirement, pair.state.value, f"{pair.violated}/{pair.flights}", pair.open)
+        (pair.situation, pair.requirement, called[pair].value, f"{pair.violated}/{pair.flights}", pair.open)
         for pair in others
     )
     steady = Ratio(len(pool.pairs) - len(others), len(pool.pairs))

@@ -46,7 +46,7 @@ STATES: Mapping[State, str] = {
     State.VACUOUS: "skipped",
     State.UNKNOWN: "unknown",
 }
-"""What a test is without a fault, by the state of its pair; one red run in ten makes a steady pair a flaky test."""
+"""What a test is without a fault, by the state of its pair."""
 
 
 @dataclass(frozen=True)
@@ -199,11 +199,8 @@ SUITE = Output("suite", "1.0", TestedSuite, "tests", "what each of one's own tes
 
 def state_of(pair: Pair | None) -> str:
     """What a test is without a fault."""
-    if pair is None:
-        return STATES[State.UNKNOWN]
-    if pair.state is State.STEADY and pair.violated:
-        return STATES[State.UNSTEADY]
-    return STATES.get(pair.state, STATES[State.UNKNOWN])
+    state = State.UNKNOWN if pair is None else pair.called(of_tests=True)
+    return STATES.get(state, STATES[State.UNKNOWN])
 
 
 def changed_since(revision: str, folder: Path) -> list[Path]:

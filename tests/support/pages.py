@@ -60,10 +60,11 @@ Opened = Callable[..., Visit]
 
 
 def embedded(text: str, name: str) -> Any:
-    """The JSON of a script element by its id."""
+    """The JSON of a script element by its id; that of the figures is deflated."""
     found = re.findall(rf'<script type="application/json" id="{name}">(.*?)</script>', text, re.DOTALL)
     assert len(found) == 1
-    return json.loads(found[0])
+    told = json.loads(found[0])
+    return json.loads(zlib.decompress(base64.b64decode(told))) if name == "figures" else told
 
 
 def unpacked(pack: str, quanta: list[float]) -> list[dict[str, Any]]:

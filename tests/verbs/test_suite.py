@@ -26,7 +26,7 @@ from pages import embedded
 from printed import of_form, run
 
 import scaloft_fi
-from scaloft_fi.analysis.detection import LEAST, Pool, Sample, Spending, detect
+from scaloft_fi.analysis.detection import LEAST, Pool, Sample, Spending, State, detect
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.flights.suite import SuiteStudy, outcome_of
 from scaloft_fi.campaign.plan import canary
@@ -41,7 +41,7 @@ from scaloft_fi.outside.exchange import Processes
 from scaloft_fi.outside.suite import Colour, Ran, Result
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.suite import asked_mutants
+from scaloft_fi.verbs.suite import STATES, asked_mutants
 from scaloft_fi.views.table import of_tests_words
 
 ROOT = Path(__file__).parents[2]
@@ -260,6 +260,20 @@ def test_the_page_of_a_campaign_of_tests_has_its_words_and_one_of_flights_none(
     assert (content["axes"], content["besides"]) == ([], [])
     assert "operability" not in {one["name"] for one in content["ratios"]}
     assert {one["next"] for one in content["survivors"]} == {"test"}
+    called = {pair["situation"]: STATES[State(pair["called"])] for pair in content["pairs"]}
+    assert called.items() <= {one["test"]: one["state"] for one in told["tests"]}.items()
+    assert called["planted::flaky01"] == called["planted::flaky03"] == "flaky"
+
+
+def test_the_table_of_tests_that_are_not_steady_calls_them_as_the_suite_does(
+    told: dict[str, Any], planted: Planted, capsys: pytest.CaptureFixture[str]
+):
+    assert run("score", "--all", "--study", ROOT, "--campaign", planted.folder / "flown") == 0
+    _, _, table = capsys.readouterr().out.partition("Tests that are not steady without a fault")
+    listed = {line.split()[0]: line.split()[1:] for line in table.splitlines() if line.startswith("planted::")}
+    states = {one["test"]: one["state"] for one in told["tests"]}
+    assert {test: words[1] for test, words in listed.items()} == {k: v for k, v in states.items() if v != "steady"}
+    assert "1/10" in listed["planted::flaky01"]
 
 
 def test_an_archive_of_the_campaign_is_read_without_the_tests(

@@ -1,5 +1,9 @@
-/* The figures that the page carries, and its flights: one deflated pack a situation, opened when first asked for. */
-const DATA = JSON.parse(document.getElementById("figures").textContent);
+/* The figures that the page carries, deflated, and its flights: one deflated pack a situation, opened when first asked for. */
+if (typeof DecompressionStream !== "function") {
+  document.getElementById("main").textContent = "This browser cannot open the figures in this file: it has no DecompressionStream (Chrome 80, Firefox 113 and Safari 16.4 have it).  The command scaloft-fi score prints the tables.";
+  return;
+}
+const DATA = JSON.parse(new TextDecoder().decode(await inflated(JSON.parse(document.getElementById("figures").textContent))));
 const PACKS = JSON.parse(document.getElementById("flights").textContent);
 
 const MUTANTS = new Map(DATA.mutants.map((mutant) => [mutant.id, mutant]));
@@ -24,6 +28,8 @@ const wordsOf = (key) => DATA.situations[PLACES.get(key)]?.words.join(", ") ?? k
 const withKey = (key) => (OF_TESTS ? key : [wordsOf(key), " ", h("span", { class: "faint small" }, key)]);
 const pairOf = (situation, requirement) => PAIRS.get(`${situation} ${requirement}`);
 const stateOf = (situation, requirement) => pairOf(situation, requirement)?.state ?? "unknown";
+/** The state as it is told: a test that is red now and then is called flaky, though it tests. */
+const calledOf = (situation, requirement) => pairOf(situation, requirement)?.called ?? "unknown";
 const besideText = (pair) => `unmutated drone ${pair.violated} of ${pair.flights - pair.open}`;
 /** Of the requirements that are not steady, the state that says most. */
 const untested = (situation) => ["red", "unsteady", "open", "unknown", "vacuous"].find((state) => SAFETY.some((name) => stateOf(situation, name) === state));
@@ -48,7 +54,6 @@ function shown(result, situation) {
   return { state, glyph, seed, by, said: [what, ...others.map(beside)].join("\n"), counts: by.length ? `${violated[by[0]]}/${flown}` : "" };
 }
 
-const CAN_INFLATE = typeof DecompressionStream === "function";
 const opened = new Map();
 
 /** The flights of a situation with their tracks; null when the page has none. */

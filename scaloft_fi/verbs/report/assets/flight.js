@@ -1,12 +1,11 @@
 /* The sheet of one flight: verdict, map, signals over time beside the unmutated drone's, robustness, the command that flies it. */
 async function flightSheet(mutant, situation, seed) {
-  const flights = CAN_INFLATE ? await flightsIn(situation) : null;
+  const flights = await flightsIn(situation);
   const clean = flights?.find((one) => one.mutant === "baseline" && one.seed === seed) ?? null;
   const flight = flights?.find((one) => one.mutant === mutant && one.seed === seed) ?? null;
   const title = mutant === "baseline" ? "the unmutated drone" : mutant;
   const body = [];
-  if (!CAN_INFLATE) body.push(h("p", { class: "notice" }, "This browser cannot open the flights in this file: it has no DecompressionStream (Chrome 80, Firefox 113 and Safari 16.4 have it).  Everything else on the page works; the command below shows the flight."));
-  else if (!flight) body.push(h("p", { class: "notice" }, DATA.listed < DATA.flights ? `The page lists ${DATA.listed.toLocaleString("en")} of ${DATA.flights.toLocaleString("en")} flights one by one, those of the lowest seeds; ${mutant}/${situation}/${seed} is not among them.  Its figures count all.` : `The campaign holds no flight ${mutant}/${situation}/${seed}.`));
+  if (!flight) body.push(h("p", { class: "notice" }, DATA.listed < DATA.flights ? `The page lists ${DATA.listed.toLocaleString("en")} of ${DATA.flights.toLocaleString("en")} flights one by one, those of the lowest seeds; ${mutant}/${situation}/${seed} is not among them.  Its figures count all.` : `The campaign holds no flight ${mutant}/${situation}/${seed}.`));
   body.push(chooseFlight(flights, mutant, situation, seed));
   if (flight) body.push(...verdict(flight, situation));
   if (flight && !OF_TESTS) body.push(...pictures(situation, flight, clean), readings(flight, mutant === "baseline" ? null : clean));

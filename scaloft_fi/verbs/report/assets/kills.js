@@ -73,7 +73,7 @@ function strip() {
   const tests = SAFETY.map((name) => row(`${name} tests`, DATA.situations.map(({ key }) => {
     const state = stateOf(key, name);
     const pair = pairOf(key, name);
-    return h("td", { class: "mark test", "data-pair": state, title: `${name} ${state}${pair ? `: violated by the ${besideText(pair)}` : ""}` }, h("span", {}, pair && STATES[state][0]));
+    return h("td", { class: "mark test", "data-pair": state, title: `${name} ${calledOf(key, name)}${pair ? `: violated by the ${besideText(pair)}` : ""}` }, h("span", {}, pair && STATES[state][0]));
   })));
   tests[0]?.classList.add("tests");
   [...rows, ...tests].at(-1)?.append(h("th", { class: "side", scope: "col" }, term("verdict"), ", killed of tested"), h("th", { class: "side", scope: "col" }, "killed ", term("where")));

@@ -24,7 +24,7 @@ async function tellingFlight(mutant, told) {
   if (OF_TESTS) return [];
   const places = DATA.situations.map(({ key }, place) => ({ situation: key, ...shown(mutant.results[place], key) }));
   const { situation, seed } = mutant.first ?? told?.loss ?? places.find(({ state }) => ["seen", "tested", "masked", "no_test"].includes(state)) ?? {};
-  const flights = situation && CAN_INFLATE ? await flightsIn(situation) : null;
+  const flights = situation ? await flightsIn(situation) : null;
   const [flight, clean] = [mutant.id, "baseline"].map((id) => flights?.find((one) => one.mutant === id && one.seed === seed));
   if (!flight) return [];
   const chosen = mutant.first ? "its earliest violation" : told?.loss?.share > 0 ? `of all its flights ${told.loss.requirement} lost the most of its margin here` : "one of its flights";

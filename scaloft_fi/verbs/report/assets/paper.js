@@ -20,7 +20,7 @@ async function drawOnPaper() {
   if (!section) return;
   const flights = new Map();
   addEventListener("beforeprint", () => section.append(...shownOnPaper().map((mutant) => detailOnPaper(mutant, flights.get(mutant.first?.situation)))), { once: true });
-  for (const { first } of CAN_INFLATE ? shownOnPaper() : []) {
+  for (const { first } of shownOnPaper()) {
     if (!first || flights.has(first.situation)) continue;
     await new Promise((resolve) => { (globalThis.requestIdleCallback ?? setTimeout)(resolve); });
     flights.set(first.situation, await flightsIn(first.situation));

@@ -3,11 +3,11 @@ function unmutated() {
   const names = [...SAFETY, ...DATA.requirements.filter((one) => one.kind === "operability").map((one) => one.name)];
   const pooled = DATA.situations.map(({ key }) => key).filter((key) => names.some((name) => stateOf(key, name) !== "unknown"));
   const lost = pooled.filter((key) => SAFETY.every((name) => stateOf(key, name) !== "steady"));
-  const ill = DATA.situations.map(({ key }) => key).filter((key) => names.some((name) => ["red", "unsteady", "open"].includes(stateOf(key, name))));
+  const ill = DATA.situations.map(({ key }) => key).filter((key) => names.some((name) => ["red", "unsteady", "open"].includes(calledOf(key, name))));
   const firsts = new Map(DATA.firsts.map((first) => [first.situation, first]));
-  return part("baseline", "What the unmutated drone does", `Without any fault: ${names.map((name) => `${name} is steady in ${pooled.filter((key) => stateOf(key, name) === "steady").length}`).join(", ")} of ${plural(pooled.length, "situation")} with ten flights or more.  Only a steady pair of situation and requirement puts a fault to the test; a red or unsteady one is a finding about the drone, or about what is asked of it.`,
+  return part("baseline", "What the unmutated drone does", `Without any fault: ${names.map((name) => `${name} is steady in ${pooled.filter((key) => calledOf(key, name) === "steady").length}`).join(", ")} of ${plural(pooled.length, "situation")} with ten flights or more.  Only a steady pair of situation and requirement puts a fault to the test; a red or unsteady one is a finding about the drone, or about what is asked of it.`,
     table(["pair", ...names.map((text) => ({ text, number: true }))],
-      Object.entries(STATES).map(([state, [, says]]) => [[state, h("span", { class: "faint small" }, ` \u2013 ${says}`)], ...names.map((name) => String(DATA.pairs.filter((pair) => pair.requirement === name && pair.state === state).length))]), { stack: false }),
+      Object.entries(STATES).map(([state, [, says]]) => [[state, h("span", { class: "faint small" }, ` \u2013 ${says}`)], ...names.map((name) => String(DATA.pairs.filter((pair) => pair.requirement === name && pair.called === state).length))]), { stack: false }),
     h("p", { class: "note" }, lost.length ? [h("b", {}, `${plural(lost.length, "situation")} of ${pooled.length} put no fault to the safety test`), ", because no safety requirement is steady there: ", lost.map((key, number) => [number ? "; " : "", wordsOf(key)]), "."] : pooled.length ? "Every situation with a pool puts faults to the safety test." : "There is no pool: no situation has ten flights of the unmutated drone."),
     folded("Show each situation and requirement", () => [ill.length > 0 && table(["situation", ...names, "tests", "first"], ill.map((key) => pairRow(key, names, firsts.get(key))), { caption: "Situations with a red, unsteady or open pair: flights that violate, of those judged to their ends." }),
     !OF_TESTS && [h("h3", { class: "sub" }, "Requirements over the flights of the unmutated drone"),
@@ -21,7 +21,7 @@ function pairRow(key, names, first) {
   const steady = SAFETY.filter((name) => stateOf(key, name) === "steady");
   const pair = (name) => {
     const found = pairOf(key, name);
-    const state = stateOf(key, name);
+    const state = calledOf(key, name);
     const count = ["vacuous", "unknown"].includes(state) ? "" : state === "open" ? ` ${found.open}/${found.flights}` : ` ${found.violated}/${found.flights - found.open}`;
     return h("span", { class: "pair", "data-pair": state }, state, count);
   };

@@ -20,7 +20,7 @@ function situationSheet(key) {
         !OF_TESTS && h("figure", {}, mapOf(DATA.scenes.situations[key], null, null)?.root, h("ul", { class: "keys" }, h("li", {}, lineOf("route"), "route of the mission"))),
         h("div", {},
           h("dl", { class: "pairs" }, DATA.axes.map((axis, number) => [h("dt", {}, axis.title), h("dd", {}, situation.words[number])])),
-          pairs.length > 0 && table(["requirement", "state", { text: "the unmutated drone violates", number: true }], pairs.map((pair) => [pair.requirement, stateWord(pair.state), shortText({ part: pair.violated, whole: pair.flights - pair.open })]), { stack: false }),
+          pairs.length > 0 && table(["requirement", "state", { text: "the unmutated drone violates", number: true }], pairs.map((pair) => [pair.requirement, stateWord(pair.called), shortText({ part: pair.violated, whole: pair.flights - pair.open })]), { stack: false }),
           DATA.seeds.length > 0 && h("p", {}, h("a", { href: flightHash("baseline", key, DATA.seeds[0]) }, `The flight of the unmutated drone, seed ${DATA.seeds[0]}`)))),
       h("h3", { class: "sub" }, `Killed here: ${plural(new Set(killed.map(([mutant]) => mutant.id)).size, "mutant")}`),
       killed.length > 0 && table(["mutant", "killed by", { text: "violated", number: true }, { text: "violated at", number: true }, "flight"], killed.map(([mutant, kill]) => [
@@ -35,5 +35,5 @@ function situationList() {
   return h("details", { class: "fold" }, h("summary", {}, "The situations by name"),
     table(["situation", "key", "alias", ...SAFETY, { text: "killed there", number: true }], DATA.situations.map((situation, place) => [
       h("a", { href: situationHash(situation.key) }, situation.words.join(", ")), h("span", { class: "id" }, situation.key), situation.aliases.join(", "),
-      ...SAFETY.map((name) => stateWord(stateOf(situation.key, name))), String(DATA.by_situation[place].killed)])));
+      ...SAFETY.map((name) => stateWord(calledOf(situation.key, name))), String(DATA.by_situation[place].killed)])));
 }
