@@ -397,8 +397,8 @@ class Study(Setup):
         modules = self.operator_modules
         added = {module: digest_of(closure([module], beside=code)) for module in {*modules.values()}}
         return {
-            "sim": _digest([documents, others, roles]),
-            "requirements": _digest(judged),
+            "sim": value_digest([documents, others, roles]),
+            "requirements": value_digest(judged),
             "code": digest_of(code),
             **{f"operator {name}": added[module] for name, module in modules.items()},
         }
@@ -492,7 +492,7 @@ def _files(folder: Path) -> Iterator[Path]:
     return (path for path in sorted(folder.rglob("*")) if is_file(path) and not path.name.startswith("."))
 
 
-def _digest(content: Any) -> str:
-    """A hash of plain JSON values."""
+def value_digest(content: Any) -> str:
+    """A hash of plain JSON values, independent of the order of keys."""
     text = json.dumps(content, sort_keys=True, ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()

@@ -444,7 +444,7 @@ def test_any_words_have_the_tree_of_rtamt_or_are_refused_by_both(text: str):
 
 @settings(deadline=None, max_examples=usually(25, release=150))
 @given(trees)
-def test_a_text_in_brackets_has_the_tree_it_was_written_from_of_as_rtamt(tree: Node):
+def test_a_text_in_brackets_has_the_tree_that_rtamt_reads_too(tree: Node):
     text = bracketed(tree)
     assert repr(ours(text)) == repr(tree) == repr(theirs(text))
 

@@ -8,8 +8,6 @@ record is judged by looks.
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
@@ -26,7 +24,7 @@ from scaloft_fi.judge.outcome import BASELINE, TRACK_EVERY, Outcome, track_value
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.sim.log import SAMPLE_HZ
-from scaloft_fi.study import Study
+from scaloft_fi.study import Study, value_digest
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.situation import Situation
@@ -41,12 +39,14 @@ class Keys:
 
     def __init__(self, study: Study) -> None:
         self._study = study
-        self._mutant = cache(lambda mutant: digest(mutant.to_json()) if mutant else "")
+        self._mutant = cache(lambda mutant: value_digest(mutant.to_json()) if mutant else "")
         self._situation = cache(self._hashed)
 
     def _hashed(self, situation: Situation) -> tuple[str, str]:
         """Hashes of the values that a situation sets, and of the predicates of its values."""
-        return digest([situation.key, self._study.changes(situation)]), digest(self._study.realised(situation))
+        return value_digest([situation.key, self._study.changes(situation)]), value_digest(
+            self._study.realised(situation)
+        )
 
     def origin(self, flight: Flight) -> Origin:
         """The origin of the flight's outcome.
@@ -73,12 +73,6 @@ class Keys:
         """The entry of a flight in the plan of the store."""
         origin = self.origin(flight)
         return Planned(origin.key(flight.seed), flight.subject.id, flight.situation.key, flight.seed, canary, origin)
-
-
-def digest(content: Any) -> str:
-    """A hash of plain JSON values, independent of the order of keys."""
-    text = json.dumps(content, sort_keys=True, ensure_ascii=False)
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 @dataclass(frozen=True)

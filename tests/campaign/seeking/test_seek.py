@@ -499,91 +499,83 @@ SITUATION = "T0D0H1Cs=0.9"
 
 
 @pytest.fixture
-def study_of_replicate(tmp_path: Path) -> Study:
+def own_study(tmp_path: Path) -> Study:
     return small_study(tmp_path / "study")
 
 
 @pytest.fixture
-def flyer_of_replicate(tmp_path: Path) -> Ruled:
+def own_flyer(tmp_path: Path) -> Ruled:
     return Ruled(tmp_path / "flown.txt", {REPLICATE_LATE: fast, REPLICATE_MORE: never})
 
 
-def again(
-    study_of_replicate: Study, flyer_of_replicate: Ruled, *finds: Find, progress: Progress | None = None
-) -> finding.SeekReport:
+def again(own_study: Study, own_flyer: Ruled, *finds: Find, progress: Progress | None = None) -> finding.SeekReport:
     ask = {find.name: list(find.shows) for find in finds}
     return finding.replicate(
-        study_of_replicate,
+        own_study,
         finds,
         ask,
-        study_of_replicate.folder / "c",
+        own_study.folder / "c",
         progress=progress or quiet(),
-        flyer=flyer_of_replicate,
+        flyer=own_flyer,
     )
 
 
-def seeds(flyer_of_replicate: Ruled, subject: str) -> set[int]:
-    return {int(name.rsplit("/", 1)[1]) for name in flyer_of_replicate.flown if name.startswith(subject)}
+def seeds(own_flyer: Ruled, subject: str) -> set[int]:
+    return {int(name.rsplit("/", 1)[1]) for name in own_flyer.flown if name.startswith(subject)}
 
 
-def test_each_pair_flies_on_ten_seeds_beside_thirty_baselines_that_nothing_used(
-    study_of_replicate: Study, flyer_of_replicate: Ruled
-):
-    report = again(study_of_replicate, flyer_of_replicate, found(REPLICATE_LATE, SITUATION, others=(REPLICATE_MORE,)))
+def test_each_pair_flies_on_ten_seeds_beside_thirty_baselines_that_nothing_used(own_study: Study, own_flyer: Ruled):
+    report = again(own_study, own_flyer, found(REPLICATE_LATE, SITUATION, others=(REPLICATE_MORE,)))
     assert [(one.mutant, one.holds) for one in report.replicas] == [(REPLICATE_LATE, True), (REPLICATE_MORE, False)]
     assert (
-        seeds(flyer_of_replicate, REPLICATE_LATE)
-        == seeds(flyer_of_replicate, REPLICATE_MORE)
+        seeds(own_flyer, REPLICATE_LATE)
+        == seeds(own_flyer, REPLICATE_MORE)
         == set(range(finding.FRESH, finding.FRESH + SEEDS))
     )
-    assert seeds(flyer_of_replicate, "baseline") == set(range(finding.FRESH, finding.FRESH + POOL))
+    assert seeds(own_flyer, "baseline") == set(range(finding.FRESH, finding.FRESH + POOL))
     assert (report.used, report.first) == (POOL + 2 * SEEDS, finding.FRESH)
 
 
-def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_another(
-    study_of_replicate: Study, flyer_of_replicate: Ruled
-):
+def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_another(own_study: Study, own_flyer: Ruled):
     find = found(REPLICATE_LATE, SITUATION)
     first, second = (
-        again(study_of_replicate, flyer_of_replicate, find),
-        again(study_of_replicate, flyer_of_replicate, find),
+        again(own_study, own_flyer, find),
+        again(own_study, own_flyer, find),
     )
     assert (first.first, second.first) == (finding.FRESH, finding.FRESH + finding.BLOCK)
     (kept,) = finding.holding([find], first.replicas)
     elsewhere = finding.replicate(
-        study_of_replicate,
+        own_study,
         [kept],
         {kept.name: [REPLICATE_LATE]},
-        study_of_replicate.folder / "d",
+        own_study.folder / "d",
         progress=quiet(),
-        flyer=flyer_of_replicate,
+        flyer=own_flyer,
     )
     assert elsewhere.first == finding.FRESH + finding.BLOCK
 
 
-def test_an_interrupted_replication_goes_on_with_its_seeds(study_of_replicate: Study, flyer_of_replicate: Ruled):
+def test_an_interrupted_replication_goes_on_with_its_seeds(own_study: Study, own_flyer: Ruled):
     with pytest.raises(Interrupted):
         again(
-            study_of_replicate,
-            flyer_of_replicate,
+            own_study,
+            own_flyer,
             found(REPLICATE_LATE, SITUATION),
             progress=dying(7, Interrupted("stopped")),
         )
-    report = again(study_of_replicate, flyer_of_replicate, found(REPLICATE_LATE, SITUATION))
+    report = again(own_study, own_flyer, found(REPLICATE_LATE, SITUATION))
     assert report.first == finding.FRESH
     assert report.flown < report.used
 
 
-def test_what_does_not_hold_leaves_and_the_find_takes_the_name_of_what_does(
-    study_of_replicate: Study, flyer_of_replicate: Ruled
-):
+def test_what_does_not_hold_leaves_and_the_find_takes_the_name_of_what_does(own_study: Study, own_flyer: Ruled):
     find, left = found(REPLICATE_MORE, SITUATION, others=(REPLICATE_LATE,)), found("NO-depth@3s", "T0D0H0Cs=0.9")
-    finding.saver(study_of_replicate.folder / "sim", "small")([find, left])
-    finding.break_saver(study_of_replicate.folder / "sim", "small")([BAR])
-    report = again(study_of_replicate, flyer_of_replicate, find, left)
+    finding.saver(own_study.folder / "sim", "small")([find, left])
+    finding.break_saver(own_study.folder / "sim", "small")([BAR])
+    report = again(own_study, own_flyer, find, left)
     kept = finding.holding([find, left], report.replicas)
-    finding.keep(study_of_replicate.folder / "sim", "small", kept)
-    written = read_finds(study_of_replicate.folder / "sim")
+    finding.keep(own_study.folder / "sim", "small", kept)
+    written = read_finds(own_study.folder / "sim")
     assert [(one.name, one.mutant, list(one.shows)) for one in written.finds] == [
         (f"shows-{REPLICATE_LATE}", REPLICATE_LATE, [REPLICATE_LATE])
     ]
@@ -593,11 +585,9 @@ def test_what_does_not_hold_leaves_and_the_find_takes_the_name_of_what_does(
     assert told.p == pytest.approx(report.replicas[1].again.p, rel=1e-3)
 
 
-def test_what_was_not_replicated_stays_and_a_name_that_is_taken_is_not_given_twice(
-    study_of_replicate: Study, flyer_of_replicate: Ruled
-):
+def test_what_was_not_replicated_stays_and_a_name_that_is_taken_is_not_given_twice(own_study: Study, own_flyer: Ruled):
     find, other = found(REPLICATE_MORE, SITUATION, others=(REPLICATE_LATE,)), found(REPLICATE_LATE, "T0D1H1Cs=0.9")
-    report = again(study_of_replicate, flyer_of_replicate, find)
+    report = again(own_study, own_flyer, find)
     kept = finding.holding([find, other], report.replicas)
     assert [(one.name, one.mutant) for one in kept] == [
         (f"shows-{REPLICATE_LATE}", REPLICATE_LATE),
