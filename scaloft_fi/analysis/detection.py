@@ -174,6 +174,15 @@ class Pool:
         return {place: pair.state for place, pair in self.pairs.items()}
 
     @cached_property
+    def tested(self) -> Mapping[str, Mapping[str, Pair]]:
+        """By requirement, the pairs that enter the stratified test, by situation."""
+        tested: dict[str, dict[str, Pair]] = {}
+        for (situation, name), pair in self.pairs.items():
+            if pair.tests:
+                tested.setdefault(name, {})[situation] = pair
+        return tested
+
+    @cached_property
     def _requirements(self) -> Mapping[str, Kind]:
         return {name: pair.kind for (_, name), pair in self.pairs.items()}
 
@@ -510,10 +519,11 @@ def _strata(
     samples: Iterable[Sample], pool: Pool, name: str, left_out: int | None, own: int | None = None
 ) -> Iterable[Stratum]:
     """The situations that test a requirement, without a seed of the pool, and without a seed of the mutant's `own`."""
+    tested = pool.tested.get(name, {})
     gone = pool.by_seed.get(left_out, {}) if left_out is not None else {}
     for sample in samples:
-        pair = pool.pairs.get((sample.situation, name))
-        if pair is not None and pair.tests:
+        pair = tested.get(sample.situation)
+        if pair is not None:
             violated, judged = gone.get((sample.situation, name), (0, 0)) if gone else (0, 0)
             k, n, at = sample.counts.get(name, 0), len(sample.violated), None if own is None else sample.places.get(own)
             if at is not None:
@@ -602,10 +612,17 @@ def firmness(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spend
     looks = [([sample.at(seeds) for sample in samples], share) for seeds, share in spending.looks(mutant, flown)]
     own = sorted({seed for sample in samples for seed in sample.seeds})
     names = pool.requirements(kind)
+    # what decides without a seed is most often what decides with it, so that is asked first
+    tries = sorted(
+        ((looked, name, share) for looked, share in looks for name in names),
+        key=lambda one: p_value(_strata(one[0], pool, one[1], None)) / one[2],
+    )
 
-    def detected(left: Sequence[Sample], seed: int | None, own_seed: int | None, share: float) -> bool:
-        strata = (_strata(left, pool, name, seed, own_seed) for name in names)
-        return any(reaches(min(1.0, len(names) * p_value(one)), share) for one in strata)  # the least of Holm's
+    def detected(tries: Iterable[tuple[Sequence[Sample], str, float]], seed: int | None, own_seed: int | None) -> bool:
+        return any(  # the least of Holm's
+            reaches(min(1.0, len(names) * p_value(_strata(left, pool, name, seed, own_seed))), share)
+            for left, name, share in tries
+        )
 
     lost = [
         (seed, own_seed)
@@ -613,7 +630,7 @@ def firmness(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spend
             *((None, seed) for seed in own if len(own) > 1),
             *((seed, None) for seed in pool.by_seed),
         )
-        if not any(detected(looked, seed, own_seed, share) for looked, share in looks)
+        if not detected(tries, seed, own_seed)
     ]
     if not lost:
         return Firmness.FIRM if len(own) > 1 else Firmness.FIRM_BY_POOL
@@ -621,7 +638,7 @@ def firmness(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spend
         left = looked if own_seed is None else [sample.without(own_seed) for sample in looked]
         # the flights that put the fault to the test, if each violated all that it could
         worst = at_worst([one for one in left if one.infected and pool.steady(one.situation, kind)], pool, kind)
-        if detected(worst, seed, None, share):
+        if detected([(worst, name, share) for name in names], seed, None):
             return Firmness.HANGS
     return Firmness.TOO_FEW
 

@@ -704,7 +704,7 @@ def score_of(
 
 def _behaviours(counted: Iterable[MutantScore], rulings: Rulings) -> tuple[tuple[str, ...], ...]:
     """The detected among the counted mutants, grouped by equal flights, in order."""
-    groups: dict[str, list[str]] = {}
+    groups: dict[int, list[str]] = {}
     for mutant in counted:
         if mutant.detected:
             groups.setdefault(rulings.behaviours[mutant.subject.id], []).append(mutant.subject.id)

@@ -391,14 +391,15 @@ class CampaignFacts:
         for flight in flights_of(outcomes):
             if flight.status is not Status.INVALID:
                 flights.setdefault(flight.outcome.mutant, []).append(flight)
+        scores = {mutant.subject.id: mutant for mutant in scored.mutants}
         carrying: dict[str, set[str]] = {}
         for id_, background in backgrounds.items():
-            reached = {flight.outcome.situation for flight in flights.get(id_, ()) if flight.outcome.carried}
+            reached = {result.situation for result in scores[id_].results if result.reached} if id_ in scores else ()
             carrying.setdefault(background.seam, set()).update(reached)
         return cls(
             space=matrix.space,
             pool=scored.pool,
-            scores={mutant.subject.id: mutant for mutant in scored.mutants},
+            scores=scores,
             flights=flights,
             carrying={seam: frozenset(keys) for seam, keys in carrying.items()},
             units=units,

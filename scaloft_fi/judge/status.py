@@ -8,7 +8,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
-from hashlib import sha256
 from operator import attrgetter, itemgetter
 from typing import NamedTuple
 
@@ -192,13 +191,13 @@ class Rulings:
         baselines: outcomes of the drone without a fault.
         mutants: flights by mutant (PLACEBO included).
         draws: situations and seeds with a valid flight of a mutant.
-        behaviours: by id of the mutant a digest of all its valid flights; equal ones flew the same everywhere.
+        behaviours: by id of the mutant a number that stands for its valid flights; equal ones flew the same everywhere.
     """
 
     baselines: tuple[Outcome, ...]
     mutants: Mapping[Subject, Situations]
     draws: frozenset[tuple[str, int]]
-    behaviours: Mapping[str, str]
+    behaviours: Mapping[str, int]
 
     @property
     def situations(self) -> set[str]:
@@ -212,23 +211,33 @@ class Rulings:
 
 def rulings_of(outcomes: Iterable[Outcome]) -> Rulings:
     """The rulings of outcomes, which may be in any order."""
-    baselines, flown = apart(outcomes)
+    return rulings_beside(*apart(outcomes))
+
+
+def rulings_beside(baselines: Sequence[Outcome], flown: Iterable[Outcome]) -> Rulings:
+    """The rulings of flights of mutants beside their baselines; of a flight no more is read than `Baseline.rule` asks.
+
+    Args:
+        baselines: outcomes of the drone without a fault.
+        flown: outcomes of mutants and PLACEBO, in any order, read once.
+    """
     counted = _counting(baselines)
-    subjects = {outcome.subject.id: outcome.subject for outcome in flown}
+    subjects, draws = dict[str, Subject](), set[tuple[str, int]]()
     flights = defaultdict[tuple[str, str], list[Ruled]](list)
-    digests = defaultdict[str, list[str]](list)
+    behaviours = defaultdict[str, int](int)
     for outcome in flown:
-        ruling = rule(outcome, counted.get((outcome.situation, outcome.seed)))
+        subject, draw = outcome.subject, (outcome.situation, outcome.seed)
+        ruling = rule(outcome, counted.get(draw))
         violations = () if ruling is INVALID else outcome.violations
-        flights[outcome.subject.id, outcome.situation].append(Ruled(outcome.seed, ruling, violations))
+        flights[subject.id, outcome.situation].append(Ruled(outcome.seed, ruling, violations))
+        subjects[subject.id] = subject
         if not outcome.invalid:
-            digests[outcome.subject.id].append(f"{outcome.situation}/{outcome.seed} {outcome.digest}")
+            draws.add(draw)
+            behaviours[subject.id] += hash((draw, outcome.digest))  # a sum, because their order does not count
     mutants = defaultdict[Subject, dict[str, Sequence[Ruled]]](dict)
     for (mutant, situation), ruled in flights.items():
         mutants[subjects[mutant]][situation] = sorted(ruled, key=_seed)
-    draws = frozenset((outcome.situation, outcome.seed) for outcome in flown if not outcome.invalid)
-    behaviours = {mutant: sha256("\n".join(sorted(own)).encode()).hexdigest() for mutant, own in digests.items()}
-    return Rulings(tuple(baselines), dict(mutants), draws, behaviours)
+    return Rulings(tuple(baselines), dict(mutants), frozenset(draws), behaviours)
 
 
 _seed = itemgetter(0)

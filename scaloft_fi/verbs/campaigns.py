@@ -22,12 +22,12 @@ from scaloft_fi.hazop.load import nearest_study
 from scaloft_fi.hazop.matrix import Matrix, class_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import Facts, baseline_status, facts_of, flights_of, rulings_of
+from scaloft_fi.judge.status import Facts, baseline_status, facts_of, rulings_of
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.output import line, say
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import options
-from scaloft_fi.verbs.export.dossier import WAITING, FlightStatus, ordered
+from scaloft_fi.verbs.export.dossier import WAITING, FlightStatus
 from scaloft_fi.verbs.names import campaigns
 from scaloft_fi.verbs.snapshot import Reason, Snapshot, snapshot
 from scaloft_fi.views.output import Answer, Output
@@ -95,13 +95,14 @@ STATUS = Output("status", "1.2", CampaignStatus, rows="statuses")
 
 def campaign_status(now: Snapshot) -> CampaignStatus:
     """How many flights a campaign holds, by status."""
-    held = now.held
-    flown = ordered(held.current, now.study.roster, now.study.space)
-    clean = [outcome for outcome in flown if outcome.mutant == BASELINE]
+    held, ruled, rank = now.held, now.ruled, now.study.space.rank
+    clean = sorted(ruled.baselines, key=lambda outcome: (rank(outcome.situation), outcome.seed))
     home = {(outcome.situation, outcome.seed) for outcome in clean}
     mutants = Counter(
-        flight.status.value if (flight.outcome.situation, flight.outcome.seed) in home else WAITING
-        for flight in flights_of(flown)
+        one.ruling.status.value if (key, one.seed) in home else WAITING
+        for subject in sorted(ruled.mutants, key=lambda subject: now.study.roster.rank(subject.id))
+        for key in sorted(ruled.mutants[subject], key=rank)
+        for one in ruled.mutants[subject][key]
     )
     return CampaignStatus(
         campaign=str(held.folder),
@@ -109,13 +110,13 @@ def campaign_status(now: Snapshot) -> CampaignStatus:
         platform=now.platform,
         stack=now.study.stack.title,
         grid=now.study.grid.name,
-        counted=len(flown),
+        counted=len(clean) + mutants.total(),
         owed=held.owed,
         stale=held.stale,
         flown_again=held.flown_again,
         command=now.stale.command,
-        subjects=len({outcome.mutant for outcome in flown}),
-        situations=len({outcome.situation for outcome in flown}),
+        subjects=len(ruled.mutants) + bool(clean),
+        situations=len(ruled.situations),
         platforms=now.mixture or None,
         statuses=(
             *(CountedStatus("baseline", *each) for each in Counter(map(baseline_status, clean)).items()),
@@ -416,7 +417,7 @@ def compared_by(
 
 def _flown(name: str, now: Snapshot, warnings: list[str]) -> Flown:
     """The flights that count; where none does, as after a change of the stack, all as they were flown."""
-    if now.held.current:
+    if now.ruled:
         warnings += [f"{name}: {text}" for text in (now.platform_warning, *now.stale.sentences) if text]
         return Flown(name, now.rulings, now.score)
     rulings = rulings_of(now.latest or nothing_to_show(now.study, now.store, now.folder))

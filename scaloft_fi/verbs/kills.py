@@ -324,8 +324,9 @@ def _chosen(now: Snapshot, patterns: Sequence[str]) -> KillMatrix:
 def _survivors(now: Snapshot, matrix: KillMatrix) -> tuple[Survivor, ...]:
     """The survivors among `matrix`, judged beside all that the campaign holds."""
     ids = {row.id for row in matrix.mutants if row.verdict is not Verdict.DETECTED}
-    seeds = sorted({outcome.seed for outcome in now.outcomes if outcome.mutant in ids})
-    tracked = now.with_tracks(now.outcomes, lambda one: one.seed in seeds[:1] and one.mutant in {BASELINE, *ids})
+    outcomes = now.outcomes_of({BASELINE, *ids})
+    seeds = sorted({outcome.seed for outcome in outcomes if outcome.mutant in ids})
+    tracked = now.with_tracks(outcomes, lambda one: one.seed in seeds[:1])
     known = backgrounds(now.study.matrix, [mutant.subject.id for mutant in now.score.mutants])
     units = short_units(now.study.requirements)
     return survivors(tracked, now.score, matrix, known, units, now.name, now.study.finds)

@@ -434,7 +434,7 @@ def scored_campaign(
     """
     with snapshot(study, campaign) as now:
         study, rulings, spending, warning = now.study, now.rulings, now.spending, now.platform_warning
-        noise, stale, campaign = _noise(study, now.outcomes), now.stale, now.name
+        noise, stale, campaign = () if study.stack.deterministic else noise_of(now.outcomes), now.stale, now.name
     flown = rulings.situations
     keys = [key for key, _ in study.space.holding(flown).situations if key in flown]
     others = borrowed(study, baseline_from, keys) if baseline_from else ()
@@ -461,7 +461,7 @@ def scored_run(flown: FlownRun, campaign: str) -> ScoredFlights:
     study = planned.study
     score = score_of(flown.rulings, study.roster, study.space, report.spending, planned.others)
     left = () if planned.request.sequential else unflown(planned.plan, report.left)
-    noise = _noise(study, report.outcomes)
+    noise = () if study.stack.deterministic else noise_of(report.outcomes)
     with snapshot(study, campaign) as now:
         stale = now.stale
     accepted, looks = _accepted(study, score, None), tuple(flown.looks)
@@ -479,10 +479,6 @@ def _dispositions(study: Study) -> tuple[tuple[Disposition, ...], str]:
         return study.dispositions, ""
     except InputError as error:
         return (), f"no survivor counts as accepted: {error}"
-
-
-def _noise(study: Study, outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:
-    return noise_of(outcomes) if not study.stack.deterministic else ()
 
 
 GROUPINGS = tuple(map(str, By))

@@ -20,7 +20,7 @@ from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.hazop.matrix import cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
-from scaloft_fi.judge.status import Rulings, rulings_of
+from scaloft_fi.judge.status import Rulings, rulings_beside, rulings_of
 from scaloft_fi.mutants.catalogue import defaults
 from scaloft_fi.sim.grid import ALL
 from scaloft_fi.study import Study
@@ -163,18 +163,29 @@ class Snapshot:
         """The study as it is now, beside which stored flights count or are stale."""
         return holding.Now(self.study, self.store)
 
+    def outcomes_of(self, subjects: Collection[str]) -> tuple[Outcome, ...]:
+        """Those of some subjects."""
+        return self.store.standing(self.now.stands, subjects)
+
     @cached_property
+    def ruled(self) -> Rulings:
+        """What each of these flights, of which there may be none, shows beside its baseline: all that a score needs."""
+        if "outcomes" in self.__dict__:  # read already
+            return rulings_of(self.outcomes)
+        return rulings_beside(self.outcomes_of({BASELINE}), self.store.standing_mutants(self.now.stands))
+
+    @property
     def rulings(self) -> Rulings:
-        """What each of these flights shows beside its baseline: all that a score needs.
+        """The same.
 
         Raises:
             InputError: there are none.
         """
-        return rulings_of(self.outcomes)
+        return self.ruled or holding.nothing_to_show(self.study, self.store, self.folder)
 
     @cached_property
     def held(self) -> holding.Held:
-        """The same outcomes, of which there may be none, beside what is stale and what is planned and not flown."""
+        """What is stale, and what is planned and not flown."""
         return holding.held_in(self.now, self.folder)
 
     @cached_property
@@ -216,17 +227,23 @@ class Snapshot:
     @cached_property
     def platform(self) -> Mapping[str, str]:
         """On which most flights that count were flown, part by part; `other platforms` tells of the rest."""
-        platform = next((one for one, _ in self._platforms.by_platform(self.held.current)), self._platforms.own)
+        platform = next((one for one, _ in self._platforms.by_platform(self._counting)), self._platforms.own)
         return {**platform, **({"other platforms": self.mixture} if self.mixture else {})}
 
     @cached_property
     def mixture(self) -> str:
         """A sentence about the platforms of the flights that count; empty for one platform."""
-        return self._platforms.mixture(self.held.current)
+        return self._platforms.mixture(self._counting)
 
     @cached_property
     def _platforms(self) -> Platforms:
         return Platforms(self.store)
+
+    @cached_property
+    def _counting(self) -> Sequence[FlownFlight]:
+        """The flights that count; of those of one platform no more than one of each mutant in each situation."""
+        flights = self.now.flights if self._platforms.several else self.store.flights(one_each=True)
+        return [flight for flight in flights if self.now.stands(flight)]
 
     @cached_property
     def platform_warning(self) -> str:
@@ -235,7 +252,9 @@ class Snapshot:
         Raises:
             InputError: there are no outcomes.
         """
-        return self.mixture if self.archive else warning_for(self._platforms, self.outcomes)
+        if not self._counting:
+            holding.nothing_to_show(self.study, self.store, self.folder)
+        return self.mixture if self.archive else warning_for(self._platforms, self._counting)
 
     @cached_property
     def choices(self) -> Sequence[holding.Remembered]:

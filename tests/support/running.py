@@ -16,7 +16,7 @@ from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Report, run
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.campaign.store.held import Held, Now, held_in
+from scaloft_fi.campaign.store.held import Held, Now, current_in, held_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
@@ -76,6 +76,11 @@ class Runs:
         """What a campaign holds."""
         with self.store(name) as store:
             return held_in(Now(self.study, store), self.folder(name))
+
+    def current(self, name: str = "c") -> tuple[Outcome, ...]:
+        """The outcomes of a campaign that count."""
+        with self.store(name) as store:
+            return current_in(self.study, store)
 
     def export(self, outcomes: Sequence[Outcome]) -> str:
         """What `export` writes of outcomes."""

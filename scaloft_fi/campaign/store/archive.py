@@ -554,9 +554,14 @@ class Archive(Store):
         wanted = self._flown if keys is None else self._flown.keys() & set(keys)
         return [(key, self._flown[key][1]) for key in self._flown if key in wanted]
 
-    def standing(self, stands: Stands) -> tuple[Outcome, ...]:
+    def standing(self, stands: Stands, subjects: Collection[str] | None = None) -> tuple[Outcome, ...]:
         """The outcomes of the current flights, without their tracks, ordered by mutant, situation, seed."""
-        return tuple(outcome for flight, outcome in self._flown.values() if stands(flight))
+        flown = (pair for pair in self._flown.values() if subjects is None or pair[0].mutant in subjects)
+        return tuple(outcome for flight, outcome in flown if stands(flight))
+
+    def standing_mutants(self, stands: Stands) -> Iterator[Outcome]:
+        """Those of mutants and PLACEBO."""
+        return (outcome for outcome in self.standing(stands) if outcome.mutant != BASELINE)
 
     def origins(self) -> dict[int, Origin]:
         """None: why a flight would be stale is not asked of a record."""

@@ -77,18 +77,16 @@ class Keys:
 
 @dataclass(frozen=True)
 class Held:
-    """The outcomes of a campaign.
+    """What a campaign holds beside its current outcomes.
 
     Attributes:
         folder: folder of the campaign.
-        current: current outcomes, ordered by mutant, situation, seed.
         why: number of stale outcomes by reason; the commonest reason is first.
         owed: number of planned, current flights without a valid outcome.
         flown_again: number of stale outcomes of flights that have a current one too.
     """
 
     folder: Path
-    current: tuple[Outcome, ...]
     why: Mapping[str, int] = field(default_factory=dict)
     owed: int = 0
     flown_again: int = 0
@@ -113,13 +111,12 @@ class StaleFlights:
 
 
 def held_in(now: Now, folder: Path) -> Held:
-    """Read the outcomes of an open store."""
+    """Read what an open store holds."""
     with now.store.snapshot():
         planned = now.store.planned()
         due = {flight.key for flight in planned if now.origin(flight.mutant, flight.situation) == flight.origin}
         return Held(
             folder=folder,
-            current=now.store.standing(now.stands),
             why=_counted(map(now.why, now.stale)),
             owed=len(due - now.store.known(due)),
             flown_again=len(now.stale) - len(now.lost),

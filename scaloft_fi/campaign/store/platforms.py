@@ -154,6 +154,11 @@ class Platforms:
         """The platform of the flights of a pair."""
         return self._platforms[self._pairs.get(pair, self._own)]
 
+    @property
+    def several(self) -> bool:
+        """Whether the flights of the store may come from more than one platform."""
+        return bool(self._pairs)
+
     def only(self, ours: Platform) -> bool:
         """Whether every flight of the store has the bits of the platform `ours`."""
         return not self._pairs and self.equal(self.own, ours)
@@ -190,15 +195,14 @@ class Platforms:
             if not (self.equal(theirs, ours) or (not only_bits and self.shown(FACTS, theirs, ours)))
         ]
 
-    def mixture(self, outcomes: Iterable[Outcome]) -> str:
-        """A sentence about `outcomes` that come from several platforms; empty for one platform."""
-        groups = self.by_platform(outcomes)
+    def mixture(self, flights: Iterable[F]) -> str:
+        """A sentence about flights that come from several platforms; empty for one platform."""
+        groups = self.by_platform(flights)
         if len(groups) < 2:
             return ""
         (first, most), *rest = groups
         others = [
-            f"{len(flights)} of another ({', '.join(differences(other, first, '{} {}, not {}'))})"
-            for other, flights in rest
+            f"{len(own)} of another ({', '.join(differences(other, first, '{} {}, not {}'))})" for other, own in rest
         ]
         return (
             f"{len(most)} flights of one platform and {' and '.join(others)}: "
@@ -206,9 +210,9 @@ class Platforms:
         )
 
 
-def warning_for(known: Platforms, outcomes: Iterable[Outcome]) -> str:
-    """The warning about the platforms of `outcomes` for verbs that only read; empty without one."""
-    listed = list(outcomes)
+def warning_for(known: Platforms, flights: Iterable[F]) -> str:
+    """The warning about the platforms of flights for verbs that only read; empty without one."""
+    listed = list(flights)
     changed = "; ".join(known.unproved(fingerprint(), listed))
     unsampled = f"flown on another platform, and no sample was flown again on this one: {changed}" if changed else ""
     return "; ".join(filter(None, (known.mixture(listed), unsampled)))

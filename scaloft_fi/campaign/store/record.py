@@ -7,7 +7,7 @@ import json
 import math
 import os
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from itertools import chain, repeat, starmap
 from operator import attrgetter
 from sys import intern
@@ -189,6 +189,8 @@ and `_Lines` parses a line once.
 """
 KEY = len(COLUMNS)
 """Place of the key in a row of the store, which begins with `COLUMNS`."""
+RULED = (*SUBJECT, "situation", "seed", "invalid", "carried", "altered", "digest", "violations")
+"""The columns by which a mutant's flight is ruled beside its baseline."""
 
 _READING: Mapping[str, Cell] = {
     "requirement": LABEL,
@@ -212,6 +214,7 @@ _PER_FLIGHT = 512
 """Greatest mean number of characters of a flight's texts, and of its lines that no other flight has."""
 _TEXTS = ("invalid", "digest", "perceived_digest", "stack_error")
 _FIELDS = tuple(field.name for field in fields(Outcome))
+_LEFT_OUT = {field.name: repeat(field.default) for field in fields(Outcome) if field.default is not MISSING}
 
 
 def to_row(outcome: Outcome) -> Record:
@@ -237,9 +240,14 @@ def _lines(entries: Iterable[Sequence[Any]]) -> str:
 
 
 class Reader:
-    """Makes outcomes from rows, whose cells it checks; equal parts of outcomes are one object."""
+    """Makes outcomes from rows, whose cells it checks; equal parts of outcomes are one object.
 
-    def __init__(self) -> None:
+    Args:
+        columns: the columns with which a row begins, a key after them; what they leave out is empty in the outcomes.
+    """
+
+    def __init__(self, columns: Collection[str] = tuple(COLUMNS)) -> None:
+        self._columns = {name: COLUMNS[name] for name in columns}
         self._subjects = _Subjects()
         self._readings = _Lines("readings", _READING, _reading)
         self._violations = _Lines("violations", _VIOLATION, _violation, attrgetter("requirement"))
@@ -247,7 +255,7 @@ class Reader:
         self._characters, self._most_characters = 0, most_flights() * _PER_FLIGHT
 
     def __call__(self, rows: Sequence[Record], tracks: Iterable[bytes] = repeat(b"")) -> list[Outcome]:
-        """The outcomes of rows, with their tracks; a row begins with the values of `to_row` and a key.
+        """The outcomes of rows, with their tracks.
 
         Raises:
             BadCellError: a cell has a value that `to_row` does not make.
@@ -255,22 +263,25 @@ class Reader:
         """
         if not rows:
             return []
-        check_rows("outcomes", rows, COLUMNS, KEY)
-        columns = dict(zip(COLUMNS, zip(*rows, strict=True), strict=False))
-        self._characters += sum(sum(map(len, columns[name])) for name in _TEXTS)
+        check_rows("outcomes", rows, self._columns, len(self._columns))
+        columns = dict(zip(self._columns, zip(*rows, strict=True), strict=False))
+        self._characters += sum(sum(map(len, columns[name])) for name in _TEXTS if name in columns)
         if self._characters > self._most_characters:
             raise TooLargeError("outcomes", "text")
         made: dict[str, Iterable[Any]] = {
+            **_LEFT_OUT,
             **columns,
             "subject": map(self._subjects.__getitem__, zip(*(columns[name] for name in SUBJECT), strict=True)),
-            **{name: map(intern, columns[name]) for name in ("situation", "ending", "struck")},
+            **{name: map(intern, columns[name]) for name in ("situation", "ending", "struck") if name in columns},
             "track": tracks,
         }
         for lines in (self._readings, self._violations, self._realised):
+            if lines.name not in columns:
+                continue
             try:
                 made[lines.name] = lines.of(columns[lines.name])
             except BadCellError as error:
-                key = rows[columns[lines.name].index(error.value)][KEY]
+                key = rows[columns[lines.name].index(error.value)][len(self._columns)]
                 raise BadCellError(
                     lines.name, error.allowed, f"table outcomes, key {shown(key)}", error.value
                 ) from None

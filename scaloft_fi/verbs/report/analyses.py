@@ -23,7 +23,6 @@ from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score, cover, term_text
 from scaloft_fi.analysis.survivor import FAILING, Disposition, Judged, PhasedFault, backgrounds, judge
 from scaloft_fi.campaign.seeking.finds import words_of
-from scaloft_fi.campaign.store.held import nothing_to_show
 from scaloft_fi.hazop.matrix import Matrix, cell_of, class_of, parse, split_magnitude
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import TRIGGER, Kind, Requirement, comparisons
@@ -74,12 +73,11 @@ def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
         InputError: there is none, or it holds no flight that counts.
     """
     with snapshot(study, campaign) as now:
-        known = now.held.current or nothing_to_show(now.study, now.store, now.folder)
-        pairs = listed(known)
+        pairs = listed(now.outcomes)
         return Evidence(
             study=now.study,
             campaign=now.name,
-            outcomes=now.with_tracks(known, lambda one: (one.situation, one.seed) in pairs),
+            outcomes=now.with_tracks(now.outcomes, lambda one: (one.situation, one.seed) in pairs),
             listed=pairs,
             stale=now.stale,
             owed=now.held.owed,

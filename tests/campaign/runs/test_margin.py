@@ -165,7 +165,7 @@ def test_more_seeds_than_asked_for_count_and_are_not_flown_again(study: Any, lat
 
 def test_magnitudes_off_the_ladder_are_in_no_ratio(study: Any, late: Any):
     search(study, late)
-    outcomes = Runs(study, late).held().current
+    outcomes = Runs(study, late).current()
     scored = score(outcomes, study.roster, study.space)
     only = [outcome for outcome in outcomes if outcome.mutant in (BASELINE, PLACEBO.id, "LATE-human@3s")]
     bare = score(only, study.roster, study.space)
@@ -176,7 +176,7 @@ def test_magnitudes_off_the_ladder_are_in_no_ratio(study: Any, late: Any):
 
 def test_the_matrix_shows_the_margin_from_the_store_alone(study: Any, late: Any):
     found = search(study, late)
-    outcomes = Runs(study, late).held().current
+    outcomes = Runs(study, late).current()
     scored = score(outcomes, study.roster, study.space)
     told = margin_texts(study.matrix, cell_margins(outcomes, scored, study.matrix))
     assert told["LATE-human"] == margin_text(lowest(found.values()))

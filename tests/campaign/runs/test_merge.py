@@ -13,7 +13,7 @@ from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.plan import Plan
 from scaloft_fi.campaign.runs.merge import merge
 from scaloft_fi.campaign.store.archive import LOG_NAME, STORE_NAME
-from scaloft_fi.campaign.store.held import Now, held_in
+from scaloft_fi.campaign.store.held import current_in
 from scaloft_fi.campaign.store.platforms import Platforms
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import GateError, InputError
@@ -31,7 +31,7 @@ def _run(fly: Runs, planned: Plan, name: str, *, shard: bool = False) -> Path:
 
 
 def _export(fly: Runs, folder: Path) -> str:
-    return fly.export(fly.held(folder.name).current)
+    return fly.export(fly.current(folder.name))
 
 
 @pytest.mark.parametrize("shards", [2, 3, 8])
@@ -134,13 +134,13 @@ def test_parts_of_two_platforms_join_and_every_mutant_keeps_a_baseline_of_its_ow
         folder = study.folder / f"merged {len(parts)} {parts[-1].name}"
         merge(study, folder, parts)
         with Store(folder / STORE_NAME, create=False) as store:
-            current = held_in(Now(study, store), folder).current
+            current = current_in(study, store)
             mixture = Platforms(store).mixture(current)
         here = {(o.situation, o.seed, o.digest.startswith("other")) for o in current}
         assert len(here) == len({(situation, seed) for situation, seed, _ in here}) == 8
         assert len({other for _, _, other in here}) == 2
         assert "each mutant is judged beside a baseline of its own platform" in mixture
-        alone = fly.held("whole").current
+        alone = fly.current("whole")
         asked = {o.name for o in current} & {o.name for o in alone}
         assert len(asked) >= 24
         assert {n: f for n, f in facts_of(current).items() if n in asked} == {

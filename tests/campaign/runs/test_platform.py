@@ -136,7 +136,7 @@ def test_a_flight_that_is_missing_beside_flights_of_another_platform_has_its_pai
     }
     assert "stored flights of another platform are flown again" in said
     by_pair: dict[tuple[str, int], set[bool]] = {}
-    current = fly.held().current
+    current = fly.current()
     for outcome in current:
         here = outcome.digest.endswith("last bit other")
         by_pair.setdefault((outcome.situation, outcome.seed), set()).add(here)
@@ -186,7 +186,7 @@ def test_flights_with_other_facts_or_bits_by_the_strict_rule_are_outgrown_with_t
     assert ("in more than bits: " in said) == (change is _landless)
     assert all(outcome.digest.endswith("last bit other") for outcome in report.outcomes)
     now = fly.held()
-    assert len(now.current) == FLIGHTS
+    assert len(fly.current()) == FLIGHTS
     assert now.why == {"flown on a platform with other digests: numpy 2 here, 1 there": FLIGHTS}
     assert now.owed == 0
     assert _warning(fly) == ""
@@ -222,7 +222,7 @@ def test_there_and_back_again_loses_no_flight_and_doubles_none(log: Any, fly: Ru
         report, _ = _run(fly, same_platform=True)
         assert report.flown == FLIGHTS
     now = fly.held()
-    assert len(now.current) == FLIGHTS
+    assert len(fly.current()) == FLIGHTS
     assert sorted(now.why.values()) == [FLIGHTS, FLIGHTS]
 
 
@@ -234,7 +234,7 @@ def test_flights_that_do_not_count_anyway_are_set_apart_without_a_sample(study: 
     report = fly(of=changed)
     assert report.flown == FLIGHTS
     assert len(log.flown) == before + FLIGHTS + 1
-    assert fly.held().current == ()
+    assert fly.current() == ()
 
 
 def test_a_sample_that_the_harness_cannot_fly_decides_nothing(log: Any, fly: Runs, move: Move):

@@ -222,7 +222,7 @@ def test_a_flight_that_the_study_no_longer_has_is_stale(folder: Path, files: dic
     axes.write_text(re.sub(r"\bT(?=[:01])", "U", axes.read_text()))
     now, store = archives.opened(Study.open(study), place)
     held = held_in(Now(now, store), place)
-    assert held.current == ()
+    assert store.standing(Now(now, store).stands) == ()
     assert held.why == {"the situation is not in the grid any more": len(store.flights())}
 
 

@@ -29,8 +29,9 @@ from scaloft_fi.campaign.store import store
 from scaloft_fi.campaign.store.record import COLUMNS, Origin, Planned, Reader, Record, to_row
 from scaloft_fi.campaign.store.store import SCHEMA, FlownFlight, Store, told_when_slow
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.judge.status import rulings_beside, rulings_of
 
 M = "LATE-human@3s"
 
@@ -335,6 +336,21 @@ def test_the_flights_that_stand_are_read_and_no_others(flown: list[Outcome], dat
         store.put_all(rows)
         standing = store.standing(lambda flight: flight.key not in stale)
     assert {one.name for one in standing} == {one.name for key, one in rows if key not in stale}
+
+
+@settings(deadline=None, max_examples=usually(25, release=60))
+@given(st.one_of(campaigns(), seeded()))
+def test_what_is_read_for_rulings_has_all_that_rules_a_flight(flown: list[Outcome]):
+    with tempfile.TemporaryDirectory() as folder, Store(Path(folder) / "s.sqlite") as store:
+        store.put_all((str(number), one) for number, one in enumerate(flown))
+        whole = store.standing(lambda _: True)
+        baselines = store.standing(lambda _: True, {BASELINE})
+        brief = list(store.standing_mutants(lambda _: True))
+    assert baselines == tuple(one for one in whole if one.mutant == BASELINE)
+    assert sorted(one.name for one in brief) == sorted(one.name for one in whole if one.mutant != BASELINE)
+    assert not any(one.readings or one.realised for one in brief)
+    found, expected = rulings_beside(baselines, brief), rulings_of(whole)
+    assert found == expected
 
 
 def test_whether_flights_stand_is_asked_once_of_what_they_were_made_from(tmp_path: Path):
