@@ -1,10 +1,12 @@
 """Measure the speed of flights: CPU time of the 32 baselines of seed 0, beside a bare PyBullet loop in the same mine.
 
-    python benchmarks/flight.py [--situation GLOB ...]
+    python benchmarks/flight.py [--situation GLOB ...] [--gym]
 
 `sim_s_per_cpu_s`: simulated seconds per CPU second of one core: scenario, flight and requirements, kernels compiled.
 `bare_pybullet_sim_s_per_cpu_s`: a loop that reads the state, applies forces, steps at 240 Hz and renders the same
 number of frames with TinyRenderer, over the same simulated time, in the same run.
+`gym_sim_s_per_cpu_s`: with --gym, a hover of gym-pybullet-drones' own drone under its own control at 60 Hz, in the same
+mine with pictures of the same size and number; the package must be importable.
 `server_only_sim_s_per_cpu_s`: the flights once more, with every physics step in the physics server.
 `ms_per_sim_s`: CPU time by part, from a second, instrumented pass; the probes cost time, so the parts are scaled to the
 total of the first pass.
@@ -145,6 +147,35 @@ def bare_loop(study: Study, situation: Any, simulated_s: float) -> float:
     return spent_s
 
 
+def gym_loop(study: Study, situation: Any, simulated_s: float) -> float:
+    """CPU seconds of the same by gym-pybullet-drones."""
+    from gym_pybullet_drones.control.DSLPIDControl import DSLPIDControl  # type: ignore[import-not-found]
+    from gym_pybullet_drones.envs.CtrlAviary import CtrlAviary  # type: ignore[import-not-found]
+    from gym_pybullet_drones.utils.enums import DroneModel  # type: ignore[import-not-found]
+
+    scenario, place = study.sim.scenario(situation), np.array([[0.0, 0.0, 1.65]])
+    camera = scenario.sensors.depth.camera
+    env = CtrlAviary(initial_xyzs=place, pyb_freq=240, ctrl_freq=60, gui=False)
+    env.IMG_RES, blank = np.array([camera.width, camera.height]), 0.0
+    env.reset()
+    build(env.CLIENT, scenario.world)
+    draw(env.CLIENT, scenario.world.scene)
+    control, rotors = DSLPIDControl(drone_model=DroneModel.CF2X), np.zeros((1, 4))
+    begin = time.process_time()
+    for step in range(round(simulated_s * 60)):
+        seen, *_ = env.step(rotors)
+        rotors[0], *_ = control.computeControlFromState(1.0 / 60.0, seen[0], target_pos=place[0])
+        if step % 3 == 0:
+            _, depth, _ = env._getDroneImages(0, segmentation=False)
+            blank = max(blank, float(np.mean(depth == 1.0)))
+    spent_s = time.process_time() - begin
+    fallen_m = float(np.linalg.norm(seen[0][:3] - place[0]))
+    env.close()
+    if blank > 0.05 or fallen_m > 0.2:
+        raise SystemExit(f"gym-pybullet-drones: {blank:.0%} of a picture is blank, {fallen_m:.2f} m from the hover")
+    return spent_s
+
+
 def draw(client: int, scene: Any) -> None:
     """Add the triangles of the world as visual shapes; the renderer draws nothing else, and only front sides."""
     import pybullet
@@ -171,6 +202,7 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--situation", action="append", default=[], help="key or glob, repeatable (default: all)")
+    parser.add_argument("--gym", action="store_true", help="fly gym-pybullet-drones too")
     options = parser.parse_args()
     study = Study.open(None)
     situations = list(study.sim.grid.select(options.situation))
@@ -183,6 +215,7 @@ def main() -> None:
         _, probed_s = flights(study, situations, clock)
     bare_s = sum(bare_loop(study, situation, 10.0) for situation in situations[::8])
     bare_simulated_s = 10.0 * len(situations[::8])
+    gym_s = sum(gym_loop(study, situation, 10.0) for situation in situations[::8]) if options.gym else 0.0
     parts = {**clock.spent, "rest": probed_s - sum(clock.spent.values())}
     scale = cpu_s / probed_s * 1000.0 / simulated_s
     figures = {
@@ -192,6 +225,7 @@ def main() -> None:
         "sim_s_per_cpu_s": round(simulated_s / cpu_s, 1),
         "server_only_sim_s_per_cpu_s": round(server_simulated_s / server_s, 1),
         "bare_pybullet_sim_s_per_cpu_s": round(bare_simulated_s / bare_s, 1),
+        **({"gym_sim_s_per_cpu_s": round(bare_simulated_s / gym_s, 1)} if gym_s else {}),
         "ms_per_sim_s": {part: round(spent * scale, 2) for part, spent in sorted(parts.items(), key=lambda p: -p[1])},
     }
     for name, figure in figures.items():
