@@ -250,6 +250,11 @@ class KillMatrix:
         """Per mutant with a kill its situations, as the scores count; controls and PLACEBO are not in it."""
         return {row.id: row.kills for row in self.mutants if row.kills}
 
+    @cached_property
+    def subsumption(self) -> Subsumption:
+        """The graph of these sets."""
+        return subsumption(self.kills)
+
     def kill_sets(self, by_requirement: bool = False) -> Mapping[str, frozenset[str]]:
         """Per mutant with a kill what kills it; `by_requirement`: as `SITUATION REQUIREMENT`, each for itself.
 
@@ -675,7 +680,7 @@ class SituationKills:
 
 def situation_kills(matrix: KillMatrix) -> tuple[SituationKills, ...]:
     """Every situation flown, in the grid's order, those that kill nothing too."""
-    graph = subsumption(matrix.kills)
+    graph = matrix.subsumption
     tested = Counter(entry.situation for row in matrix.mutants for entry in row.entries if entry.tested)
     return tuple(
         SituationKills(
@@ -711,7 +716,7 @@ def chosen_kills(matrix: KillMatrix, situations: Iterable[str]) -> ChosenKills:
     keys = tuple(dict.fromkeys(situations))
     lost = tuple(id_ for id_, kills in matrix.kills.items() if not kills & set(keys))
     whole = len(matrix.kills)
-    return ChosenKills(keys, Ratio(whole - len(lost), whole), subsumption(matrix.kills).dominator_score(keys), lost)
+    return ChosenKills(keys, Ratio(whole - len(lost), whole), matrix.subsumption.dominator_score(keys), lost)
 
 
 NIST = {
