@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from builders import with_range
 from options import cases
+from pages import embedded
 from paper_flyer import Paper
 from printed import STUDY, Call, sentence, told_by
 from studies import GRIDS, edit_in
@@ -218,9 +219,9 @@ def test_a_run_flies_what_the_grid_chooses_and_the_verbs_that_read_know_the_grid
     assert (record["coverage"]["situations"]["part"], record["coverage"]["situations"]["whole"]) == (2, 3)
     page = call("report", "--output", str(study.parent / "page.html"), study=study)
     assert page.exit_code == 0
-    text = (study.parent / "page.html").read_text(encoding="utf-8")
-    assert "dim" in text
-    assert '"grid":"light"' in text.replace('": "', '":"')
+    figures = embedded((study.parent / "page.html").read_text(encoding="utf-8"), "figures")
+    assert '"dim"' in (text := json.dumps(figures, separators=(",", ":")))
+    assert '"grid":"light"' in text
     told = json.loads(call("export", "--format", "mutation-testing", study=study).stdout)
     assert list(told["testFiles"]) == ["sim/grids/light.yaml"]
 
