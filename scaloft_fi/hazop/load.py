@@ -6,7 +6,10 @@ module keeps.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -22,6 +25,22 @@ if TYPE_CHECKING:
 
 FOLDERS = ("hazop", "mutants", "sim")
 _PACKAGE = Path(__file__).resolve().parents[1]
+
+
+STUDY_OPTION: ContextVar[str] = ContextVar("STUDY_OPTION", default="")
+"""The option that names the study as the user did, with a space before it; "" where the same one is found without."""
+
+
+@contextmanager
+def named_study(folder: Path | None) -> Iterator[None]:
+    """Within it the commands that are printed name the study as the user did."""
+    nearest = nearest_study() if folder is not None else None
+    same = folder is None or (nearest is not None and folder.resolve() == nearest.resolve())
+    before = STUDY_OPTION.set("" if same else f" --study {shlex.quote(str(folder))}")
+    try:
+        yield
+    finally:
+        STUDY_OPTION.reset(before)
 
 
 def find_study(path: Path | str | None = None) -> Path:

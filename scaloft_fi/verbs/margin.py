@@ -402,7 +402,7 @@ def margin_tables(
         campaign: name of the campaign, for commands.
         grid: name of its grid, where that is a further grid of the study.
     """
-    where = in_campaign(campaign), f" --campaign NAME{f' --grid {grid}' if grid else ''}"
+    where = in_campaign(campaign), f"{in_campaign('NAME')}{f' --grid {grid}' if grid else ''}"
     tables = []
     for fault, listed in by_fault.items():
         least = lowest(listed)

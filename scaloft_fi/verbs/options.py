@@ -27,7 +27,7 @@ from click.core import ParameterSource
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.document import is_there, parse_date, read_text
 from scaloft_fi.errors import InputError
-from scaloft_fi.hazop.load import find_study, nearest_study
+from scaloft_fi.hazop.load import find_study, named_study, nearest_study
 from scaloft_fi.output import (
     PROSE,
     Style,
@@ -120,9 +120,14 @@ def called(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function, called with what the command line gives: the study opened, the answer printed."""
     hints = get_annotations(function, eval_str=True)
 
+    name = next((name for name in ("study", "study_folder") if name in hints), None)
+
     @wraps(function)
     def call(**given: Any) -> Any:
-        name = next((name for name in ("study", "study_folder") if name in hints), None)
+        with named_study(given.get(name or "")):
+            return answered(given)
+
+    def answered(given: dict[str, Any]) -> Any:
         if (name is not None and hasattr(hints[name], "__metadata__")) or name == "study":
             tell_study(given[name], quiet=given.get("quiet", False), campaign=given.get("campaign") or "")
         if name == "study":

@@ -13,6 +13,7 @@ from scaloft_fi.analysis.detection import LARGER, LEAST, State, Verdict
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.survivor import Background, CampaignFacts, Case, Disposition, Loss
 from scaloft_fi.defaults import CAMPAIGN
+from scaloft_fi.hazop.load import STUDY_OPTION
 from scaloft_fi.hazop.matrix import cell_of, class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
@@ -31,12 +32,12 @@ MOST_NAMED = 4
 
 
 def in_campaign(campaign: str) -> str:
-    """The option that names a campaign, with a space before it; empty for the default campaign.
+    """The options that name the study, as the user did, and a campaign, with a space before each; empty for defaults.
 
     >>> in_campaign("wide"), in_campaign("default"), in_campaign("a b")
     (' --campaign wide', '', " --campaign 'a b'")
     """
-    return f" --campaign {shlex.quote(campaign)}" if campaign != CAMPAIGN else ""
+    return STUDY_OPTION.get() + (f" --campaign {shlex.quote(campaign)}" if campaign != CAMPAIGN else "")
 
 
 def command(
@@ -93,7 +94,7 @@ def next_step(scored: Score, study: Study, campaign: str) -> str:
     if study.tests_of:
         if faults and all(mutant.detected for mutant in faults):
             return "nothing: every fault is shown."
-        return f"`{study.again}` says which test to write next."
+        return f"`{study.again}{in_campaign(campaign)}` says which test to write next."
     if scored.lacking:
         seeds = max((result.flown for mutant in faults for result in mutant.results), default=1)
         run = command(campaign, faults, seeds, defaults)
@@ -116,7 +117,8 @@ def next_step(scored: Score, study: Study, campaign: str) -> str:
     if faults:
         margin = f"`scaloft-fi margin{in_campaign(campaign)} {faults[0].subject.id}`"
         return f"{margin} finds the smallest magnitude that is still shown."
-    return "`scaloft-fi run --mutant ID` flies a mutant; `scaloft-fi mutants` lists them."
+    option = STUDY_OPTION.get()
+    return f"`scaloft-fi run{option} --mutant ID` flies a mutant; `scaloft-fi mutants{option}` lists them."
 
 
 NO_POOL = (
@@ -304,7 +306,7 @@ def flies(find: Find, mutant: str, finds: KnownFinds, campaign: str, grid: str =
         campaign: name of the campaign that asks; one over the grid of the finds gets the flights itself.
         grid: name of its grid, where that is a further grid of the study.
     """
-    where = in_campaign(campaign) if grid == finds.grid != campaign else ""
+    where = in_campaign(campaign) if grid == finds.grid != campaign else in_campaign(CAMPAIGN)
     named = f"--mutant {mutant} --situation {shlex.quote(find.name)}"
     return f"scaloft-fi run --grid {finds.grid}{where} {named} --seeds {find.shows[mutant].flights}"
 
@@ -447,7 +449,8 @@ def in_vain(case: Case, finds: Sequence[Find]) -> str:
     """That finds were flown and did not show it; the study has changed since, or other situations drown them."""
     names = " and ".join(find.name for find in finds)
     flown = f"{names} {'was' if len(finds) == 1 else 'were'} flown here with as many seeds"
-    return f"{flown}, and it is not detected all the same: `scaloft-fi seek {case.row.id}` seeks another situation."
+    seeks = f"`scaloft-fi seek{STUDY_OPTION.get()} {case.row.id}`"
+    return f"{flown}, and it is not detected all the same: {seeks} seeks another situation."
 
 
 def in_(where: str) -> str:

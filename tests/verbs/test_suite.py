@@ -265,11 +265,14 @@ def test_the_page_of_a_campaign_of_tests_has_its_words_and_one_of_flights_none(
     assert called["planted::flaky01"] == called["planted::flaky03"] == "flaky"
 
 
-def test_the_table_of_tests_that_are_not_steady_calls_them_as_the_suite_does(
+def test_tables_call_tests_as_the_suite_does_and_the_next_step_names_the_campaign(
     told: dict[str, Any], planted: Planted, capsys: pytest.CaptureFixture[str]
 ):
     assert run("score", "--all", "--study", ROOT, "--campaign", planted.folder / "flown") == 0
-    _, _, table = capsys.readouterr().out.partition("Tests that are not steady without a fault")
+    out = capsys.readouterr().out
+    said = " ".join(out.replace("\\\n", " ").split())
+    assert f"/suite.yaml --campaign {planted.folder / 'flown'}` says which test to write next." in said
+    _, _, table = out.partition("Tests that are not steady without a fault")
     listed = {line.split()[0]: line.split()[1:] for line in table.splitlines() if line.startswith("planted::")}
     states = {one["test"]: one["state"] for one in told["tests"]}
     assert {test: words[1] for test, words in listed.items()} == {k: v for k, v in states.items() if v != "steady"}

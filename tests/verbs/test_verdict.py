@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+import pytest
 from builders import GRID, ROSTER, campaigns, outcome, pool, seeded, thrice
 from finding import flies as command
 from finding import found, known
 from hypothesis import given
 from hypothesis import strategies as st
 from options import as_recorded
+from papers import STUDY
+from printed import run
 
 from scaloft_fi.analysis.detection import Spending, Verdict
 from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.score import MutantScore, Score, score
 from scaloft_fi.analysis.survivor import Background
+from scaloft_fi.hazop.load import named_study
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.grid import Again
 from scaloft_fi.verbs import verdict
@@ -147,3 +153,31 @@ def test_the_command_names_grid_mutant_situation_and_seeds_and_the_campaign_over
     assert verdict.flies(FIND, LATE, finds, "mine", "paper+found") == command(LATE, campaign="mine")
     named = replace(FIND, name="a person's walk")
     assert "--situation 'a person'\"'\"'s walk' --seeds 6" in verdict.flies(named, LATE, finds, "default")
+
+
+def test_a_command_names_the_study_as_the_user_did_where_another_would_be_found(
+    copy: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(copy.parent)
+    for folder, option in ((Path(copy.name), f" --study {copy.name}"), (copy, f" --study {copy}"), (None, "")):
+        with named_study(folder):
+            assert verdict.in_campaign("default") == option
+            assert verdict.in_campaign("wide") == f"{option} --campaign wide"
+        assert verdict.in_campaign("default") == ""
+    monkeypatch.chdir(copy)
+    with named_study(copy):
+        assert verdict.in_campaign("default") == ""
+
+
+def test_the_next_step_can_be_pasted_where_the_user_stands(
+    copy: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(copy.parent)
+    campaign = Path(STUDY) / "tests" / "support" / "campaigns" / "paper.zip"
+    for shown in ("--all", "--format=json"):
+        assert run("score", "--study", copy.name, "--campaign", campaign, shown) == 0
+        said = re.sub(r"\s*\\\\?\s+", " ", capsys.readouterr().out)
+        commands = re.findall(r"`(scaloft-fi (?:run|kills|margin) [^`]*)`", said)
+        assert commands
+        bare = [command for command in commands if f" --study {copy.name}" not in command]
+        assert [command for command in bare if " ID" not in command] == []

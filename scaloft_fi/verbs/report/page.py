@@ -30,6 +30,7 @@ from scaloft_fi.verbs.first_screen import NOT_COMPARED, answers, coverage_line, 
 from scaloft_fi.verbs.report import analyses
 from scaloft_fi.verbs.report.analyses import Evidence
 from scaloft_fi.verbs.report.flights import DETAILS, FAR, broken, columns, found, packs, scenes
+from scaloft_fi.verbs.verdict import in_campaign
 from scaloft_fi.views.output import plain
 from scaloft_fi.views.table import TERMS, counted, of_tests_words
 
@@ -164,6 +165,8 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "head": head(scored, covered.situations, len(breaks)),
         "besides": [] if scored.of_tests else [{"name": "Situations", "text": coverage_line(covered)}],
         "again": study.again,
+        "where": in_campaign(evidence.campaign),
+        "anew": in_campaign("NEW"),
         "words": list(of_tests_words().items()) if scored.of_tests else [],
         "pooled": scored.pooled,
         "ratios": [

@@ -98,7 +98,7 @@ function needed(mutant) {
   const { needed: seeds, anew } = mutant.decided_at;
   if (mutant.verdict !== "undecided" || mutant.control || OF_TESTS) return "";
   if (!seeds) return mutant.tests.length ? "No more than 50 seeds would not decide." : "A baseline pool is missing where it infects; the same run flies it.";
-  const where = anew ? ` --campaign NEW${DATA.grid ? ` --grid ${literal(DATA.grid)}` : ""}` : inCampaign();
+  const where = anew ? `${DATA.anew}${DATA.grid ? ` --grid ${literal(DATA.grid)}` : ""}` : inCampaign();
   return [`${seeds} seeds would decide if what was seen goes on: `, inCode(`scaloft-fi run${where} --mutant ${literal(mutant.id)} --seeds ${seeds}`)];
 }
 

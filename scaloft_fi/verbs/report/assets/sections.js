@@ -91,5 +91,5 @@ function reading() {
         .filter((pair) => pair && pair[1]).map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)]))))],
     h("details", {}, h("summary", {}, "Platform, and how this page was made"),
       h("dl", { class: "pairs" }, Object.entries(DATA.fingerprint).map(([what, text]) => [h("dt", {}, what), h("dd", {}, text)])),
-      h("p", { class: "small faint" }, !OF_TESTS && withCode(`${DATA.detail}  `), "Made by ", h("code", {}, `scaloft-fi report --campaign ${literal(DATA.campaign)}`), ".")));
+      h("p", { class: "small faint" }, !OF_TESTS && withCode(`${DATA.detail}  `), "Made by ", h("code", {}, `scaloft-fi report${inCampaign()}`), ".")));
 }

@@ -77,6 +77,6 @@ const flightHash = (mutant, situation, seed) =>
   `#flight=${[mutant, situation, seed].map(encodeURIComponent).join("/")}`;
 const mutantHash = (id) => `#mutant=${encodeURIComponent(id)}`;
 const cellHash = (name) => `#cell=${encodeURIComponent(name)}`;
-/** The option that names the campaign of the page, with a space before it. */
-const inCampaign = () => (DATA.campaign === "default" ? "" : ` --campaign ${literal(DATA.campaign)}`);
+/** The options that name the study and the campaign of the page, with a space before each. */
+const inCampaign = () => DATA.where;
 const literal = (argument) => (/^[\w@%+=:,./#-]+$/.test(argument) && !argument.startsWith("#") ? argument : `'${argument.replaceAll("'", "'\\''")}'`);
