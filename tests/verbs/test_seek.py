@@ -102,7 +102,7 @@ def test_verbs_that_read_tell_of_the_find_and_its_flights_take_its_place(ruled: 
     assert call("run", *words, "--jobs", "1", "--quiet", study=copy).exit_code == 0
     saver(copy / "sim", "search")([found(LATE, "T0O0W0D0H1Cs=0.9")])
     campaign = ("--campaign", str(copy.parent / "campaign"))
-    command = flies(LATE)
+    command = flies(LATE).replace("--grid paper+found", f"--grid paper+found --study {copy}")
     screen = " ".join(call("score", study=copy).stdout.replace("\\\n", "\n").split())
     assert f"fly where a search found that {LATE} violates SR2: `{command}`." in screen
     survivors = " ".join(call("kills", "--show", "survivors", "--format", "csv", study=copy).stdout.split())
