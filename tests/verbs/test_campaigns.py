@@ -26,6 +26,7 @@ from scaloft_fi.campaign.store.platforms import claim
 from scaloft_fi.campaign.store.record import MOST_FLIGHTS
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.cli import main
+from scaloft_fi.hazop.load import named_study
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import Facts
 from scaloft_fi.study import Study
@@ -66,8 +67,9 @@ def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_inval
 
 def test_first_screen_kills_and_status_say_the_same_next_step(call: Call, tmp_path: Path):
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
-    with snapshot(Study.open(STUDY), f"{tmp_path}/campaign") as now:
+    with named_study(STUDY), snapshot(Study.open(STUDY), f"{tmp_path}/campaign") as now:
         step = now.next_step
+    assert f"scaloft-fi run --study {STUDY} --campaign" in step
     for words in (("score",), ("score", "--all"), ("kills",), ("status",)):
         said = " ".join(call(*words).stdout.replace("\\\n", "\n").split())
         assert f"What next {step}" in said or f"What next: {step}" in said
