@@ -221,7 +221,7 @@ def test_one_seed_in_one_situation_is_seen_and_says_how_many_seeds_decide(call: 
     done = call("margin", "LATE-human", *HUMAN)
     assert "seen <= 0.0625 s" in done.stdout
     told = " ".join(done.stdout.replace("\\\n", "").split())  # where a long command is broken
-    assert re.search(r"`scaloft-fi margin --campaign .+ LATE-human@0\.0625s --seeds 5`", told)
+    assert re.search(r"`scaloft-fi margin.* --campaign .+ LATE-human@0\.0625s --seeds 5`", told)
 
 
 @pytest.mark.parametrize(("words", "told"), [((), 0), (("--warnings",), 7)])

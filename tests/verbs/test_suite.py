@@ -219,7 +219,8 @@ def test_the_first_screen_speaks_of_tests_and_of_no_flight(
     assert run("score", "--study", ROOT, "--campaign", planted.folder / "flown") == 0
     screen = capsys.readouterr().out
     assert "by your tests" in screen
-    assert f"`scaloft-fi suite {planted.folder / 'suite.yaml'}`" in " ".join(screen.split())
+    step = f"`scaloft-fi suite {planted.folder / 'suite.yaml'} --campaign {planted.folder / 'flown'}`"
+    assert step in " ".join(screen.replace("\\\n", " ").split())
     for word in ("situation", "seed", "drone", "flown"):
         assert word not in screen.replace("/flown", ""), word
     assert run("score", "--study", ROOT, "--campaign", planted.folder / "flown", "--all") == 0
