@@ -79,7 +79,8 @@ def _answer(scored: Score) -> str:
         return f"{said}."
     named = class_of(ranked[0].severity)
     worst = sum(class_of(one.severity) == named for one in ranked)
-    return f"{said}, {f'{worst} of them ' if worst < len(missed) else ''}of the class {named}."
+    among = f"; {worst} of the missed {'are' if worst > 1 else 'is'}" if worst < len(missed) else ","
+    return f"{said}{among} of the class {named}."
 
 
 def _sure(scored: Score) -> str:
@@ -89,7 +90,7 @@ def _sure(scored: Score) -> str:
     shown = [mutant for mutant in scored.faults if mutant.detected]
     firm = sum(mutant.firm for mutant in shown)
     alone = sum(mutant.firmness is Firmness.FIRM_BY_POOL for mutant in shown)
-    kept = f"  Of the {len(shown)} shown, {firm} stay{'s' * (firm == 1)} shown without any one seed" if shown else ""
+    kept = f"  Of the {len(shown)} shown, {firm} stay{'s' * (firm == 1)} shown whichever one seed is left out" if shown else ""
     kept += f" ({alone} by the baseline's alone, as they have one seed)" if alone else ""
     missed = "  A missed fault may show in other situations." if len(shown) < len(scored.faults) else ""
     chance = f"a fault that does nothing is called shown with a chance of at most {scored.alpha:g}."
