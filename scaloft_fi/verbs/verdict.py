@@ -106,7 +106,8 @@ def next_step(scored: Score, study: Study, campaign: str) -> str:
         (mutant, find), *others = found
         run = f"`{flies(find, mutant, finds, campaign, study.space.grid)}`"
         shows = f"fly where a search found that {mutant} {effect(find.shows[mutant])}: {run}."
-        return f"{shows}  {len(others)} more like it: {survivors}." if others else shows
+        more = f"{counted(len(others), 'more fault')} {'have' if len(others) > 1 else 'has'} such a situation"
+        return f"{shows}  {more}: {survivors}." if others else shows
     undecided = [mutant for mutant in faults if mutant.verdict is Verdict.UNDECIDED]
     looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
     if looks:

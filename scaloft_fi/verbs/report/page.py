@@ -90,7 +90,8 @@ def _sure(scored: Score) -> str:
     shown = [mutant for mutant in scored.faults if mutant.detected]
     firm = sum(mutant.firm for mutant in shown)
     alone = sum(mutant.firmness is Firmness.FIRM_BY_POOL for mutant in shown)
-    kept = f"  Of the {len(shown)} shown, {firm} stay{'s' * (firm == 1)} shown whichever one seed is left out" if shown else ""
+    stay = f"{firm} stay{'s' * (firm == 1)} shown whichever one seed is left out"
+    kept = f"  Of the {len(shown)} shown, {stay}" if shown else ""
     kept += f" ({alone} by the baseline's alone, as they have one seed)" if alone else ""
     missed = "  A missed fault may show in other situations." if len(shown) < len(scored.faults) else ""
     chance = f"a fault that does nothing is called shown with a chance of at most {scored.alpha:g}."
