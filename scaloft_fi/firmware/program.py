@@ -92,6 +92,8 @@ class Program:
     _processes: Processes
     _channel: socket.socket
     _listener: socket.socket | None
+    _until_ns: int = 0
+    _sent: bytes = b""
 
     @classmethod
     def start(
@@ -99,7 +101,8 @@ class Program:
     ) -> Program:
         """Start the program in a private folder.
 
-        Until it sends a first datagram it may replace itself, as a script does with `exec`; its time begins anew then.
+        Until it sends a first datagram it may replace itself, as a script does with `exec`.  Its time begins anew then,
+        and what was sent until then is sent again.
 
         Args:
             run: program and arguments.
@@ -144,11 +147,13 @@ class Program:
             FirmwareError: the program ended: a fault of the drone.
             BorderError: the program hangs, or somebody killed it.
         """
-        parts = [struct.pack("<Q", until_ns - self.now_ns)]
-        for datagram in datagrams:
-            parts += struct.pack("<HH", datagram.port, len(datagram.data)), datagram.data
+        packed = b"".join(struct.pack("<HH", one.port, len(one.data)) + one.data for one in datagrams)
+        self._until_ns, self._sent = until_ns, self._sent + packed if self._listener else b""
+        return self._asked(packed)
+
+    def _asked(self, packed: bytes) -> list[Datagram]:
         with suppress(OSError):  # it has ended; `_answer` says how
-            self._channel.send(b"".join(parts))
+            self._channel.send(struct.pack("<Q", self._until_ns - self.now_ns) + packed)
         return self._answer()
 
     def _answer(self) -> list[Datagram]:
@@ -161,7 +166,8 @@ class Program:
         if not message and self._listener and (channel := _connected(self._listener, self._processes)):
             self._channel.close()
             self._channel = channel
-            return self._answer()
+            self._answer()
+            return self._asked(self._sent)
         if not message:
             ended = self._processes.ended(within_s=ENDS_S) or "it closed its socket"
             raise (BorderError if self._processes.how == KILLED else FirmwareError)(f"{ended}{self.said()}")
