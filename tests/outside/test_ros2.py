@@ -21,7 +21,7 @@ from scaloft_fi.study import Study
 
 KEY = "T0O0W0D0H1"
 LOOPBACK, MULTICAST = "0100007F", "0100FFEF"
-LIMIT_S = 400.0
+LIMIT_S = 1200.0
 
 
 @pytest.fixture(scope="session")
