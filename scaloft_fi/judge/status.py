@@ -191,7 +191,7 @@ class Rulings:
         baselines: outcomes of the drone without a fault.
         mutants: flights by mutant (PLACEBO included).
         draws: situations and seeds with a valid flight of a mutant.
-        behaviours: by id of the mutant a number that stands for its valid flights; equal ones flew the same everywhere.
+        behaviours: by id of the mutant a number, in this process, for all its valid flights; equal ones flew the same.
     """
 
     baselines: tuple[Outcome, ...]

@@ -12,13 +12,18 @@ from click.testing import CliRunner, Result
 from hypothesis import given, settings
 from paper_flyer import Paper
 from printed import STUDY, Call, one_table, sentence
+from processes import ROOT
 
 from scaloft_fi.analysis import kill_matrix
 from scaloft_fi.analysis.score import score
+from scaloft_fi.analysis.survivor import backgrounds
 from scaloft_fi.cli import main
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.output import PIPED
+from scaloft_fi.study import Study
 from scaloft_fi.verbs import kills
+from scaloft_fi.verbs.snapshot import snapshot
+from scaloft_fi.verbs.verdict import short_units, survivors
 from scaloft_fi.views.table import Format, Table, render
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
@@ -156,6 +161,18 @@ def test_what_one_seed_shows_is_undecided_and_says_how_many_seeds_decide(call: C
     assert "2 of 2 flights where SR2 is steady violate it" in text
     assert re.search(rf"`scaloft-fi run.* --campaign .+ --mutant {LATE} --seeds 3`", text)
     assert json.loads(call("kills", "--format", "json").stdout)["conditions"] == []
+
+
+def test_a_survivor_is_told_as_beside_all_that_the_published_campaign_holds():
+    with snapshot(Study.open(ROOT), "results/published/reference") as now:
+        matrix = kill_matrix.kill_matrix(now.score, now.study.roster, now.study.space)
+        told = kills._survivors(now, matrix)
+        known = backgrounds(now.study.matrix, [mutant.subject.id for mutant in now.score.mutants])
+        units = short_units(now.study.requirements)
+        whole = now.with_tracks(now.outcomes, lambda one: one.seed == 0)
+        assert told == survivors(whole, now.score, matrix, known, units, now.name, now.study.finds)
+    assert sum(one.loss is not None for one in told) > 30
+    assert sum(one.off_path_m is not None for one in told) > 30
 
 
 def test_what_some_situations_kill_is_told(flown: Call):

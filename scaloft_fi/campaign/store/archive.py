@@ -560,7 +560,7 @@ class Archive(Store):
         return tuple(outcome for flight, outcome in flown if stands(flight))
 
     def standing_mutants(self, stands: Stands) -> Iterator[Outcome]:
-        """Those of mutants and PLACEBO."""
+        """The outcomes of the current flights of mutants and PLACEBO."""
         return (outcome for outcome in self.standing(stands) if outcome.mutant != BASELINE)
 
     def origins(self) -> dict[int, Origin]:

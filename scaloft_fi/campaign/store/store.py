@@ -559,7 +559,7 @@ class Store:
         return tuple(outcome for _, outcome in self._selected(_keeps(stands, tuple(record.COLUMNS)), subjects))
 
     def standing_mutants(self, stands: Stands) -> Iterator[Outcome]:
-        """Those of mutants and PLACEBO, in any order, with no more than `record.RULED`: in a third of the time."""
+        """The outcomes of the current flights of mutants and PLACEBO, in any order, with `record.RULED` alone."""
         keep, read = _keeps(stands, record.RULED), record.Reader(record.RULED)
         for rows in self._read(record.RULED, "WHERE mutant != ?", (BASELINE,)):
             yield from read(list(filter(keep, rows)))
