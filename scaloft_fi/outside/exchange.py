@@ -179,7 +179,14 @@ class Processes:
 
     def computing(self) -> bool:
         """Whether one of them computes, or would if it had a processor: it is slow, not silent."""
-        return self._guard is not None and any(map(_computes, guard.descendants(self._guard.pid)))
+        return any(map(_computes, self._pids()))
+
+    def computed_s(self) -> float:
+        """Processor time of those that run [s], in steps of a hundredth (Linux)."""
+        return sum(map(_computed_s, self._pids()))
+
+    def _pids(self) -> set[int]:
+        return set() if self._guard is None else guard.descendants(self._guard.pid)
 
     def _listen(self, wait_s: float) -> None:
         """Read what the guard tells."""
@@ -301,6 +308,16 @@ def _computes(pid: int) -> bool:
     return any(stat.rpartition(b")")[2].split()[0] in (b"R", b"D") for stat in stats)
 
 
+def _computed_s(pid: int) -> float:
+    """Processor time of a process [s]; 0 of one that has ended just now (Linux)."""
+    try:
+        stat = Path(f"/proc/{pid}/stat").read_bytes()
+    except OSError:
+        return 0.0
+    user, system = stat.rpartition(b")")[2].split()[11:13]
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+
+
 @dataclass(frozen=True)
 class OutsideConfig:
     """All settings of a stack outside.
@@ -313,7 +330,8 @@ class OutsideConfig:
         inside: settings of the part that flies below; the flights have them in its schema.
         answer: the seam whose sample answers each tick, which puts the flight into lock step; "" = without.
         answer_s: how long a tick waits for its answer [s, wall]; where flights are deterministic, a tick waits on
-            while a process computes, since a loaded machine must not decide what flies.
+            while a process computes, up to `silent_ticks` times so much of its processor time, since a loaded machine
+            must not decide what flies.
         ready_s: how long the processes may take to come up [s, wall].
         pace: greatest simulated time per wall time; 0 = as fast as the answers come.
         silent_ticks: ticks in a row without an answer after which the stack outside counts as hung.
@@ -368,6 +386,8 @@ class OutsideConfig:
 
 ENDS_S = 0.3
 """How long a process that answers no more may take to end, before it counts as hung [s, wall]."""
+STARVED = 20
+"""A process that computes and is given less than one part in so many of a processor counts as hung."""
 CHECK_S = 0.02
 """Time between two looks at whether the processes have come up [s, wall]."""
 
@@ -489,16 +509,29 @@ class Exchange:
         if not self.config.answer:
             return
         heard, waits = self.border.wait(self.config.answer, self.config.answer_s), 1
-        while not heard and self.config.deterministic and waits < self.config.silent_ticks:
-            if not self.processes.computing():
-                break
-            heard, waits = self.border.wait(self.config.answer, self.config.answer_s), waits + 1
+        if not heard and self.config.deterministic:
+            heard, waits = self._wait_on()
         self._silent = 0 if heard else self._silent + waits
         if self._silent >= self.config.silent_ticks and not self.processes.ended(within_s=ENDS_S):
             topic = self.config.seams[self.config.answer].topic
             waited = f"{self._silent} ticks in a row, for {self.config.answer_s:g} s each"
             before = f"; before that, {self.complaint}" if self.complaint else self._said()
             raise OutsideError(f"no answer on {topic} for {waited}{before}")
+
+    def _wait_on(self) -> tuple[bool, int]:
+        """Wait while a process computes; whether an answer came, and as how many ticks the wait counts.
+
+        The limit is of processor time, because a process that is given none is not slow: the machine is.
+        """
+        least_s = self.config.silent_ticks * self.config.answer_s
+        began_s, computed_s = time.monotonic(), self.processes.computed_s()
+        heard, computing = False, True
+        while computing and not heard:
+            if self.processes.computed_s() - computed_s > least_s or time.monotonic() - began_s > STARVED * least_s:
+                return False, self.config.silent_ticks
+            computing = self.processes.computing()  # before the wait: one that has answered computes no more
+            heard = self.border.wait(self.config.answer, self.config.answer_s)
+        return heard, 1
 
     def _said(self) -> str:
         lines = self.processes.last_lines()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
+from typing import Any, cast
 
 import pytest
 from options import cases
@@ -19,6 +21,7 @@ from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.outside.border import BORDERS, BorderError
+from scaloft_fi.outside.exchange import Exchange, OutsideError
 from scaloft_fi.study import Study
 
 
@@ -186,6 +189,52 @@ def test_a_deterministic_stack_that_computes_for_longer_than_a_tick_waits_flies_
         until = time.perf_counter() + 0.05 * (now_s < 3.5)
         while time.perf_counter() < until: pass"""
     assert flown(faulty(slow)).digest == flown(faulty(fast)).digest
+
+
+class OfALoadedMachine:
+    """Processes, and their border at once, which answer at the wait after they were last seen to compute.
+
+    Args:
+        looks: how often they are seen to compute.
+        given_s: processor time that they are given with each look [s].
+    """
+
+    def __init__(self, looks: int, given_s: float) -> None:
+        self.looks, self.given_s, self.spent_s = looks, given_s, 0.0
+
+    def wait(self, seam: str, within_s: float) -> bool:
+        return self.looks < 0
+
+    def computing(self) -> bool:
+        self.looks, self.spent_s = self.looks - 1, self.spent_s + self.given_s
+        return self.looks >= 0
+
+    def computed_s(self) -> float:
+        return self.spent_s
+
+    def ended(self, within_s: float) -> str:
+        return ""
+
+    def last_lines(self) -> str:
+        return ""
+
+
+@pytest.mark.parametrize(("looks", "given_s"), [(0, 0.01), (400, 0.0), (4, 0.02)])
+def test_an_answer_is_heard_however_late_a_loaded_machine_lets_it_come(planner: Study, looks: int, given_s: float):
+    assert awaited(planner, OfALoadedMachine(looks, given_s)) == 0
+
+
+def test_a_stack_that_computes_without_end_hangs(planner: Study):
+    with pytest.raises(OutsideError, match=r"no answer on /cmd_vel for 5 ticks in a row, for 0\.02 s each"):
+        awaited(planner, OfALoadedMachine(400, 0.01))
+
+
+def awaited(planner: Study, loaded: OfALoadedMachine) -> int:
+    """Wait for one answer; return the ticks in a row without one."""
+    config = replace(planner.sim.stack.settings(planner.stack), answer_s=0.02, silent_ticks=5)
+    exchange = Exchange(config, cast(Any, None), cast(Any, loaded), cast(Any, loaded), cast(Any, None))
+    exchange._await_answer()
+    return exchange._silent
 
 
 @pytest.mark.flight
