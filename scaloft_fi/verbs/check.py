@@ -81,8 +81,8 @@ def check_command(
 ) -> int:
     """Check the whole study without flying, and print every finding with its place and remedy.
 
-    An error (exit code 2) is what a verb would refuse, or what no flight can mean; a note (exit code 0) is what
-    somebody should know.  Nothing in the study is written.
+    An error (exit code 2) is what a verb would refuse, or what no flight can mean.  A note (exit code 0) is
+    what somebody should know.  Nothing in the study is written.
 
     Examples:
         Check the study before the first flight: `scaloft-fi check`

@@ -359,7 +359,7 @@ def hazop(
     *,
     column: Annotated[
         Sequence[str],
-        Option(f"Head of a column (repeatable); KEY is one of {', '.join(HEADS)}.", metavar="KEY=HEAD"),
+        Option(f"Head of a column (repeatable).  KEY is one of: {', '.join(HEADS)}.", metavar="KEY=HEAD"),
     ] = (),
     sheet: Annotated[Sequence[str], Option("Sheet to read (repeatable).", metavar="NAME", otherwise="all")] = (),
     guideword: Annotated[
@@ -378,10 +378,10 @@ def hazop(
 ) -> Answer:
     """Bring a HAZOP or STPA sheet (.xlsx, .csv) into the study, or show what people edited in a worksheet.
 
-    `import` drafts each cell that the study lacks, with the texts of the sheet, the fault that its names suggest, and
-    the status to_do: it is counted and never flown, until somebody completes it.  `diff` compares a sheet that
-    `worksheet --output` wrote with the study.  Without --write nothing is written; with it drafts go into new files,
-    and an edited value changes in place.
+    `import` drafts each cell that the study lacks, with the texts of the sheet and the fault that its names suggest.
+    A draft has the status to_do: it is counted and never flown, until somebody completes it.  `diff` compares a sheet
+    that `worksheet --output` wrote with the study.  Without --write nothing is written; with it drafts go into new
+    files, and an edited value changes in place.
 
     Examples:
         See what a sheet would bring: `scaloft-fi hazop import risks.xlsx`

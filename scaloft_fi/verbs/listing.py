@@ -361,8 +361,8 @@ def seams_command(
 ) -> Answer:
     """List the seams of the study's stack, where faults can be patched in.
 
-    Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: the fields with their units,
-    what the consumer acts on, the operators that fit, and the cells that use the seam.
+    Without a NAME an overview. Names, and patterns with *, ? or [, show these whole: fields with units, what
+    the consumer acts on, and the operators and cells.
 
     Examples:
         List all seams: `scaloft-fi seams`
@@ -667,8 +667,8 @@ def operators_command(
 ) -> Answer:
     """List the operators that faults can use.
 
-    Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: arguments with units and
-    ranges, the seams of this study that it fits, the package that declares it, and samples before and after it.
+    Without a NAME an overview. Names, and patterns with *, ? or [, show these whole: arguments with units and
+    ranges, fitting seams, package, and samples before and after.
 
     Examples:
         List all operators: `scaloft-fi operators`

@@ -640,12 +640,12 @@ def margin_command(
 ) -> Answer:
     """Find the smallest magnitude of each fault that is killed, situation by situation.
 
-    The whole ladder is flown, then the interval between the strongest magnitude that survives and the mildest of which
-    most flights violate a requirement is halved, in all situations at once.  A magnitude is killed where its flights
-    detect the mutant; else it is only seen, and the table says how many --seeds would decide.  A cell's name means its
-    first fault; an id with a magnitude picks a fault by the unit, and a phase by #, a time or an event (NO-depth@3s#5s,
-    NO-depth@3s#waypoint).  The flights are ordinary flights of the campaign: nothing is flown twice, and
-    `scaloft-fi matrix --margins` shows what was found.
+    The whole ladder is flown first.  Between the strongest magnitude that survives and the mildest of which most
+    flights violate a requirement lies an interval.  The interval is halved again and again, in all situations at once.
+    A magnitude is killed where its flights detect the mutant; else it is only seen, and the table says how many --seeds
+    would decide.  A cell's name means its first fault; an id with a magnitude picks a fault by the unit.  A time or an
+    event after # picks a phase (NO-depth@3s#5s, NO-depth@3s#waypoint).  The flights are ordinary flights of the
+    campaign: nothing is flown twice, and `scaloft-fi matrix --margins` shows what was found.
 
     Examples:
         Find how late a detection may come: `scaloft-fi margin LATE-human`

@@ -303,12 +303,12 @@ def new_command(
     is a package of yours that any study can use once it is installed.  With --planner, it is a package whose planner
     flies the reference drone through the 32 situations of the reference study.
 
-    With --firmware, DIR is a study of the paper's mine: 32 situations, with a real autopilot below the reference
-    stack's perception and navigation, and a HAZOP of what flows into the autopilot and out of it, 96 cells or more.
-    PATH is its program, built for simulation (SITL), which is not copied.  `lines` is any program that speaks lines
-    of JSON.
+    With --firmware, DIR is a study of the paper's mine with 32 situations.  A real autopilot flies below the
+    reference stack's perception and navigation.  The HAZOP, of 96 cells or more, is of what flows into the
+    autopilot and out of it.  PATH is its program, built for simulation (SITL), which is not copied.  `lines` is any
+    program that speaks lines of JSON.
 
-    The first line of each document names its JSON Schema in schemas/, with which an editor completes keys; in a
+    The first line of each document names its JSON Schema in schemas/, with which an editor completes keys. In a
     package, `scaloft-fi schema --write` makes that folder once the package is installed.
 
     Examples:

@@ -295,8 +295,8 @@ FailUnder = Annotated[
 FailUnderFirm = Annotated[
     float | None,
     _Ratio(
-        "Exit with 3 when the share (0..1) of mutants that are detected whichever one seed is left out is below "
-        "RATIO; refused without a baseline pool."
+        "Exit with 3 when the share (0..1) of mutants detected whichever one seed is left out is below RATIO.  "
+        "Refused without a baseline pool."
     ),
 ]
 TableFormat = Annotated[str, Option("How tables are printed.", "--format", type=click.Choice(FORMATS), default="table")]

@@ -263,11 +263,11 @@ def propose_command(
 ) -> Answer:
     """Propose the requirement that is missing, for faults that are put to the test and violate none.
 
-    The flights are flown again for their logs.  Limits on every signal, on its mean over 1 s and 3 s, on how long it
-    stays beyond a level and on how far it goes within a second, for the whole flight, near a surface, and while or
-    after a definition of the study holds, are held against the mutant and the unmutated drone on the first seeds.  The
-    one with the widest margin is tested on fresh seeds, by the score's own test, at the study's alpha over all that
-    were chosen.
+    The flights are flown again for their logs.  Limits are held against the mutant and the unmutated drone on the
+    first seeds.  Limited are every signal, its mean over 1 s and 3 s, its time beyond a level, and its change within a
+    second.  Each limit holds for the whole flight, near a surface, or while or after a definition of the study holds.
+    The limit with the widest margin is tested on fresh seeds, by the score's own test, at the study's alpha over all
+    that were chosen.
 
     Examples:
         Propose a requirement for each fault that violates none: `scaloft-fi propose`

@@ -27,10 +27,10 @@ FlownSituations = Annotated[options.Situations, options.DefaultWords("those of -
 Choose = Annotated[
     str | None,
     Option(
-        "Which of these situations: all, random:N (distinct), draws:N (with replacement; a repetition takes the "
-        "next seed), draws:P% (until that share was drawn), sobol:N (distinct, spread evenly over all axes), "
-        "first:N (in the grid's order), or a covering array such as 2-way.  random, draws and sobol draw numbers "
-        "from ranges.",
+        "Which of these situations: all, first:N (in the grid's order), random:N (distinct), a covering array such "
+        "as 2-way, or one of these.  sobol:N: distinct, spread evenly over all axes.  draws:N: with replacement; a "
+        "repetition takes the next seed.  draws:P%: until that share was drawn.  random, draws and sobol draw "
+        "numbers from ranges.",
         metavar="HOW",
         complete=names.choices,
         otherwise="what the grid says, else all; with --situation all",
@@ -50,7 +50,7 @@ BaselineSeeds = Annotated[
 Sequential = Annotated[
     bool,
     Option(
-        "Fly 1, 3, 5 and 10 seeds in whole rounds: only the mutants that a round leaves undecided fly on, and each "
+        "Fly 1, 3, 5 and 10 seeds in whole rounds.  Only the mutants that a round leaves undecided fly on.  Each "
         "round spends a quarter of alpha."
     ),
 ]

@@ -437,8 +437,8 @@ def schema_command(
     """Show the keys of a YAML document of a study, or of what a verb answers, with their ranges, units and defaults.
 
     The schemas know the seams of the study, and what installed plugins declare.  An editor with a language server for
-    YAML completes keys and shows what they mean, when the first line of the document is
-    `# yaml-language-server: $schema=` with the path of the schema, which --write writes.
+    YAML completes keys and shows what they mean.  The first line of the document must be `# yaml-language-server:
+    $schema=` with the path of the schema, which --write writes.
 
     Examples:
         List the documents that have a schema: `scaloft-fi schema`

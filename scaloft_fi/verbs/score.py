@@ -183,8 +183,8 @@ def dispositions_command(
     writing: Annotated[
         bool,
         Option(
-            "Append every survivor that is not accepted to the study's hazop/dispositions.yaml, with owner, reason and "
-            "expiry left empty: the file is refused until somebody has filled them in.",
+            "Append every survivor that is not accepted to the study's hazop/dispositions.yaml.  Owner, reason and "
+            "expiry are left empty, and the file is refused until somebody has filled them in.",
             "--write",
         ),
     ],

@@ -423,17 +423,17 @@ def seek_command(
 ) -> Answer:
     """Find situations that show mutants: the mutant violates a safety requirement, the unmutated drone does not.
 
-    Sought are the named mutants, else every cell's default that the score of --campaign does not call detected and no
-    situation in the study's sim/found.yaml shows.
-    PLACEBO stands for the unmutated drone under other seeds, which no search should find anything for.
-    A situation counts where the unmutated drone does its mission in nine of ten flights (--any lifts that).
-    Robustness guides the search.  What it finds is shrunk towards the benign values, confirmed on seeds that the search
-    never flew, by the score's own test, and written to sim/found.yaml, which `scaloft-fi run --grid NAME+found` flies
-    (NAME: the study's own grid).  An interrupted search resumes with the same command.  A search picks what it finds by
-    its flights; --replicate flies the finds again on other seeds, with one test over all of them.
+    Without an ID the search takes every cell's default that the score of --campaign does not call detected.  Those that
+    a situation in the study's sim/found.yaml shows are left out.  PLACEBO stands for the unmutated drone under other
+    seeds, which no search should find anything for.  A situation counts where the unmutated drone does its mission in
+    nine of ten flights (--any lifts that).  Robustness guides the search.  What it finds is shrunk towards the benign
+    values, and confirmed by the score's own test on seeds that the search never flew.  It is written to sim/found.yaml,
+    which `scaloft-fi run --grid NAME+found` flies (NAME: the study's own grid).  An interrupted search resumes with the
+    same command.  A search picks what it finds by its flights; --replicate flies the finds again on other seeds, with
+    one test over all of them.
 
-    `seek baseline` finds situations that break the unmutated drone itself, each in a way of its own: it violates
-    another requirement, strikes something else or elsewhere, or another stage believed what is not true.
+    `seek baseline` finds situations that break the unmutated drone itself, each in a way of its own.  Another
+    requirement is violated, something else is struck or elsewhere, or another stage believed what is not true.
 
     Examples:
         Seek situations for all that the last score calls not detected: `scaloft-fi seek --budget 1h`

@@ -343,8 +343,8 @@ Names = Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=
 def signals_command(names: Names = (), *, study_folder: StudyFolder, grid: GridOfStudy) -> Answer:
     """List the signals that the study's requirements and the predicates of its axes may use.
 
-    Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: range, unit, what the signal
-    reads where there is nothing to measure, where it comes from, and a formula that uses it.
+    Without a NAME an overview. Names, and patterns with *, ? or [, show these whole:  range, unit, source, a
+    formula, and what the signal reads where there is nothing to measure.
 
     Examples:
         List all signals: `scaloft-fi signals`

@@ -224,8 +224,8 @@ Names = Annotated[tuple[str, ...], options.Option("", "", metavar="[NAME]...", c
 def axes_command(names: Names = (), *, study_folder: options.StudyFolder, grid: options.GridOfStudy) -> Answer:
     """List the axes of a grid of situations.
 
-    Without a NAME an overview; NAME, or a pattern with *, ? or [, shows these whole: what each value sets, and the
-    formula by which a flight is known to have met it.
+    Without a NAME an overview. Names, and patterns with *, ? or [, show these whole:  what each value sets, and
+    the formula that says whether a flight met it.
 
     Examples:
         List the axes of the study's own grid: `scaloft-fi axes`

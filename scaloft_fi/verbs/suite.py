@@ -340,8 +340,8 @@ def suite_command(
     """Put the faults of the study to your own tests: which test shows what, and which fault no test shows.
 
     Each test runs ten times without a fault, then with PLACEBO and with a control that has to turn a test red.  Each
-    fault then runs once at the tests that it reaches, and up to ten times where a test turned red, by the looks of
-    `run --sequential`.  The campaign is read by `score`, `kills`, `report` and `export` as one of flights.
+    fault then runs once at the tests that it reaches.  It runs up to ten times where a test turned red, by the looks
+    of `run --sequential`.  The campaign is read by `score`, `kills`, `report` and `export` as one of flights.
 
     Examples:
         Put every fault to your own tests; the same command resumes: `scaloft-fi suite suite.yaml`

@@ -15,12 +15,13 @@ from published_flights import ROOT, outcomes
 import scaloft_fi
 from scaloft_fi.analysis.coverage import coverage
 from scaloft_fi.analysis.score import score
-from scaloft_fi.cli import main
+from scaloft_fi.cli import command_of, main
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Compliance, Requirement, judge_signals, load_requirements, within_caps
 from scaloft_fi.judge.stl import Formula
 from scaloft_fi.study import Study
+from scaloft_fi.verbs import VERBS
 from scaloft_fi.verbs.first_screen import Screen
 
 PAGE = ROOT / "docs" / "api.md"
@@ -53,6 +54,40 @@ def test_the_page_lists_every_type_of_column():
 
 def _is_error(value: object) -> bool:
     return isinstance(value, type) and issubclass(value, ScaloftError)
+
+
+def _paragraphs(page: str) -> list[str]:
+    """The paragraphs of a page; blocks, tables, pictures and headings are none."""
+    parts = re.sub(r"^```.*?^```", "", page, flags=re.MULTILINE | re.DOTALL).split("\n\n")
+    return [part for part in parts if part.strip() and not part.strip().startswith(("#", "<", "|", "!", "---"))]
+
+
+def _help(name: str) -> str:
+    """What `--help` says of a verb and its options, each a paragraph; its examples are left out."""
+    command = command_of(name)
+    options = [getattr(option, "help", None) or "" for option in command.params]
+    return "\n\n".join([str(command.help).partition("Examples:")[0], *options])
+
+
+FIRST_SCREENS = {
+    **{
+        str(path.relative_to(ROOT)): "\n\n".join(_paragraphs(path.read_text())[:2])
+        for path in (*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("examples/*/README.md"))
+        if path.name != "CHANGELOG.md"
+    },
+    **{f"{name} --help": _help(name) for name in VERBS},
+}
+"""What a reader sees first of each page and of each verb."""
+
+
+def test_no_sentence_of_a_first_screen_has_more_than_25_words():
+    assert len(FIRST_SCREENS) > 60
+    sentences = [
+        (place, sentence)
+        for place, text in FIRST_SCREENS.items()
+        for sentence in re.split(r"[.:?!]\W*\s|\n\n|\n *- ", re.sub(r"`[^`]*`", "X", text))
+    ]
+    assert [one for one in sentences if len(one[1].split()) > 25] == []
 
 
 MUTANT, CONTROL = "LATE-human@3s", ("REVERSE-velcmd", "T0O0W0D0H0")
