@@ -27,6 +27,7 @@ import stat
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from contextvars import ContextVar
 from enum import StrEnum
 from pathlib import Path
 from textwrap import wrap
@@ -322,6 +323,25 @@ def joined(texts: Sequence[str]) -> str:
 
 COMMAND = re.compile(r"`[^`]+`")
 """A command in a paragraph."""
+STUDY_OPTION: ContextVar[str] = ContextVar("STUDY_OPTION", default="")
+"""The option that names the study as the user did, with a space before it; "" where the same one is found without."""
+WITHOUT_STUDY = ("completion", "example", "new")
+"""Verbs that need no study."""
+_UNNAMED = re.compile(rf"`scaloft-fi (?!{'|'.join(WITHOUT_STUDY)})[a-z]+(?![^`]*--study)[^`]*")
+
+
+def with_study(text: str) -> str:
+    """The text, whose commands name the study as the user did.
+
+    >>> before = STUDY_OPTION.set(" --study mine")
+    >>> with_study("`scaloft-fi status` and `scaloft-fi new DIR`")
+    '`scaloft-fi status --study mine` and `scaloft-fi new DIR`'
+    >>> STUDY_OPTION.reset(before)
+    """
+    option = STUDY_OPTION.get()
+    return _UNNAMED.sub(lambda command: command[0] + option, text) if option else text
+
+
 _ON = " \\"
 """Ends a line that a shell is to read on with the next."""
 _BLANK = "\x00"
@@ -369,7 +389,7 @@ def wrapped(text: str, width: int, first: str = "", rest: str = "") -> str:
     `scaloft-fi run --mutant \
     NO-depth@3s`
     """
-    room = width - max(len(first), len(rest))
+    room, text = width - max(len(first), len(rest)), with_study(text)
     whole = all(len(command) <= room for command in COMMAND.findall(text))
 
     def held(command: re.Match[str]) -> str:
@@ -449,7 +469,7 @@ def tell_line(sentence: str) -> None:
 
 def say(sentence: str) -> None:
     """Write a line to standard error, if it can be written; a terminal gets `error:` and `warning:` marked."""
-    show(sys.stderr, f"{marked_sentence(line(sentence), sys.stderr)}\n")
+    show(sys.stderr, f"{marked_sentence(line(with_study(sentence)), sys.stderr)}\n")
 
 
 def marked_sentence(sentence: str, stream: TextIO) -> str:

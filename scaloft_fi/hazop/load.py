@@ -9,7 +9,6 @@ from __future__ import annotations
 import shlex
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -19,16 +18,13 @@ from scaloft_fi.errors import Faults, InputError, did_you_mean
 from scaloft_fi.hazop import matrix as matrices
 from scaloft_fi.marks import ByName, Choices, Either, Examples, Pattern, Size
 from scaloft_fi.model import value_of
+from scaloft_fi.output import STUDY_OPTION
 
 if TYPE_CHECKING:
     from scaloft_fi.stack.declaration import Seam
 
 FOLDERS = ("hazop", "mutants", "sim")
 _PACKAGE = Path(__file__).resolve().parents[1]
-
-
-STUDY_OPTION: ContextVar[str] = ContextVar("STUDY_OPTION", default="")
-"""The option that names the study as the user did, with a space before it; "" where the same one is found without."""
 
 
 @contextmanager

@@ -171,7 +171,7 @@ def _noise_of_one(one: Noise) -> str:
     return f"{one.requirement} {one.stack:.2g}{seeds} by {one.pairs} pairs"
 
 
-def accepted_line(scored: Score, accepted: Sequence[Disposition]) -> str:
+def accepted_line(scored: Score, accepted: Sequence[Disposition], campaign: str) -> str:
     """How many survivors were accepted and by whom, and the score with and without them, in a sentence."""
     owners = Counter(known.owner for known in accepted)
     by = ", ".join(f"{owner} {number}" if len(owners) > 1 else owner for owner, number in owners.items())
@@ -180,7 +180,7 @@ def accepted_line(scored: Score, accepted: Sequence[Disposition]) -> str:
     return (
         f"{len(accepted)} of the {score.whole - score.part} faults not shown (by {by}).  Shown: {score.part} of "
         f"{score.whole} with them, {without.part} of {without.whole}{share} without them; "
-        "`scaloft-fi dispositions` lists them."
+        f"`scaloft-fi dispositions{in_campaign(campaign)}` lists them."
     )
 
 
@@ -460,7 +460,7 @@ class Screen:
             groups[-1] = replace(groups[-1], notes=("", legend(groups)))
         lines = [self._flown]
         if not self.study.tests_of:  # what its tests are without a fault, a suite tells test by test
-            lines += [Line("Unmutated drone", baseline_line(scored.pool))]
+            lines += [Line("Unmutated drone", baseline_line(scored.pool, self.campaign))]
             lines += [Line("Noise", noise_line(self.noise))] if self.noise else []
         besides = Table("Besides", ("what", "finding"), (*lines, *self._accepted))
         return (self.answers, *map(self._said, groups), self._said(besides))
@@ -508,7 +508,7 @@ class Screen:
         if self.scored.controls:
             yield Line("Controls", f"{self._controls}.")
         if not self.study.tests_of:
-            yield from (Line("Unmutated drone", told) for told in mostly_red(self.scored.pool))
+            yield from (Line("Unmutated drone", told) for told in mostly_red(self.scored.pool, self.campaign))
         yield from self._accepted
         everything = f"`scaloft-fi score{in_campaign(self.campaign)} --all`"
         yield Line("More", f"{everything}: what next for each fault, controls, coverage, baseline.")
@@ -521,7 +521,7 @@ class Screen:
 
     @property
     def _accepted(self) -> list[Line]:
-        return [Line("Accepted", accepted_line(self.scored, self.accepted))] if self.accepted else []
+        return [Line("Accepted", accepted_line(self.scored, self.accepted, self.campaign))] if self.accepted else []
 
     @property
     def _controls(self) -> str:
@@ -560,7 +560,7 @@ def coverage_line(covered: Coverage) -> str:
     return f"{covered.situations.short} flown{said}; in {covered.realised.short} every value came true."
 
 
-def baseline_line(pool: detection.Pool) -> str:
+def baseline_line(pool: detection.Pool, campaign: str) -> str:
     """What the unmutated drone itself violates, in a sentence."""
     pairs = [pair for pair in pool.pairs.values() if pair.kind is Kind.SAFETY]
     if not any(pair.state is not detection.State.UNKNOWN for pair in pairs):
@@ -578,10 +578,10 @@ def baseline_line(pool: detection.Pool) -> str:
         ]
         held.append(f"{name} in {states[detection.State.STEADY]}" + (f" ({', '.join(ill)})" if ill else ""))
     steadily = f"of {len(pool.flown)} situations with a pool it holds steadily {', '.join(held)}."
-    return "  ".join([steadily, *mostly_red(pool)])
+    return "  ".join([steadily, *mostly_red(pool, campaign)])
 
 
-def mostly_red(pool: detection.Pool) -> list[str]:
+def mostly_red(pool: detection.Pool, campaign: str) -> list[str]:
     """A sentence for each requirement that the unmutated drone violates in most situations, and what to do."""
     sentences = []
     for kind in (Kind.SAFETY, Kind.OPERABILITY):
@@ -591,7 +591,8 @@ def mostly_red(pool: detection.Pool) -> list[str]:
             if 2 * states[detection.State.RED] > known:
                 where = f"{states[detection.State.RED]} of {counted(known, 'situation')}"
                 red = f"{name} is red in {where}: most flights without a fault violate it, so it shows no fault there."
-                sentences.append(f"{red}  Mend the drone or {name}; `scaloft-fi score --all` names the situations.")
+                names = f"`scaloft-fi score{in_campaign(campaign)} --all` names the situations."
+                sentences.append(f"{red}  Mend the drone or {name}; {names}")
     return sentences
 
 

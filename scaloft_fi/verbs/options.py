@@ -26,7 +26,7 @@ from click.core import ParameterSource
 
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.document import is_there, parse_date, read_text
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.hazop.load import find_study, named_study, nearest_study
 from scaloft_fi.output import (
     PROSE,
@@ -38,6 +38,7 @@ from scaloft_fi.output import (
     tell,
     unwritable,
     width,
+    with_study,
     wrapped,
     write_named,
     write_whole,
@@ -125,7 +126,11 @@ def called(function: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(function)
     def call(**given: Any) -> Any:
         with named_study(given.get(name or "")):
-            return answered(given)
+            try:
+                return answered(given)
+            except ScaloftError as error:
+                error.args = (with_study(str(error)),)
+                raise
 
     def answered(given: dict[str, Any]) -> Any:
         if (name is not None and hasattr(hints[name], "__metadata__")) or name == "study":

@@ -566,7 +566,7 @@ def report(
     for option, least in bars.items() if not scored.score.pooled else ():
         raise InputError(
             f"{option}={least:g} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
-            "baseline flights wherever a mutant infects; `scaloft-fi run` flies them"
+            f"baseline flights wherever a mutant infects; `scaloft-fi run{in_campaign(scored.campaign)}` flies them"
         )
 
     words = partial(scored.text, everything=everything)

@@ -13,12 +13,11 @@ from scaloft_fi.analysis.detection import LARGER, LEAST, State, Verdict
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.survivor import Background, CampaignFacts, Case, Disposition, Loss
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.hazop.load import STUDY_OPTION
 from scaloft_fi.hazop.matrix import cell_of, class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.judge.status import Status
-from scaloft_fi.output import Marked, Style, printable, styled, wrapped
+from scaloft_fi.output import STUDY_OPTION, Marked, Style, printable, styled, wrapped
 from scaloft_fi.sim.grid import Break, Evidence, Find
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study

@@ -24,6 +24,7 @@ from scaloft_fi.cli import Pipeline, command_of, main
 from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import GateError, InputError, ScaloftError
 from scaloft_fi.mutants.catalogue import select
+from scaloft_fi.output import STUDY_OPTION, WITHOUT_STUDY
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import GROUPS, VERBS
 from scaloft_fi.verbs.options import REST, HelpPage, Option, Page, Verb, typed, verb
@@ -213,6 +214,19 @@ def test_mutants_and_situations_of_examples_are_in_the_reference_study(name: str
         study.grid.select([situations] if isinstance(situations, str) else situations)
         for text in values.get("mutants", ()):
             assert text == "baseline" or select([text], study.matrix, study.catalogue)
+
+
+def test_a_command_that_is_printed_names_the_study_where_its_verb_takes_one(tmp_path: Path):
+    takes = {
+        name for name in VERBS if any(option.name in ("study", "study_folder") for option in _command(name).params)
+    }
+    assert set(VERBS) - takes == set(WITHOUT_STUDY)
+    folder = copied(tmp_path / "study of mine")
+    named = ["--study", str(folder)]
+    listed = CliRunner().invoke(main, ["signals", *named]).stdout
+    assert f"`scaloft-fi signals NAME --study '{folder}'`" in listed.replace(" \\\n", " ")
+    assert f"`scaloft-fi run --study '{folder}'`" in CliRunner().invoke(main, ["status", *named]).stderr
+    assert STUDY_OPTION.get() == ""
 
 
 @pytest.mark.parametrize("name", VERBS)

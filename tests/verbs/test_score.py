@@ -207,7 +207,7 @@ def test_a_mutant_with_too_few_seeds_counts_for_the_bar_of_detected_mutants_and_
 
 
 def test_a_campaign_without_a_flight_that_counts_has_no_score(call: Call, tmp_path: Path, copy: Path):
-    assert "no campaign was flown here; `scaloft-fi run` flies one" in sentence(call("score"))
+    assert f"no campaign was flown here; `scaloft-fi run --study {STUDY}` flies one" in sentence(call("score"))
     assert list(tmp_path.iterdir()) == [copy]
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
     assert call("run", *words, study=copy).exit_code == 0
@@ -378,7 +378,7 @@ def test_without_a_pool_it_is_refused_and_the_command_is_named_that_flies_one(
     assert line.startswith(
         "error: no mutant is known to survive: no situation in which a mutant changes a sample has 10"
     )
-    assert "`scaloft-fi run` with the same mutants flies them" in line
+    assert f"`scaloft-fi run --study {STUDY}` with the same mutants flies them" in line
     assert not (flown / "hazop" / "dispositions.yaml").exists()
 
 

@@ -142,10 +142,10 @@ def test_what_breaks_the_unmutated_drone_is_printed_and_written(
     assert [one.situation for one in written.breaks] == [found["situation"]]
     assert no_terms(call("seek", *words, "--quiet", "--format", "markdown", study=copy).stdout) == []
     again = call("seek", *words, "--quiet", study=copy)
-    table = " ".join(again.stdout.split())
+    table = " ".join(again.stdout.replace("\\\n", " ").split())
     assert "The unmutated drone breaks in 1 way" in table
     assert "1 SR2 10/10 person near corner, home to corner person detection, 1.50 m 10/10" in table
-    assert f"`scaloft-fi replay baseline/{found['situation']}/0 --campaign where`" in table
+    assert f"`scaloft-fi replay baseline/{found['situation']}/0 --campaign where --study {copy}`" in table
     assert ", 0 of them flown now, " in table
     words = ("--mutant", "LATE-human", "--situation", found["name"], "--situation", "T0D0H0", "--jobs", "1", "--quiet")
     told_by(call("run", "--grid", "small", *words, study=copy))
@@ -187,7 +187,7 @@ def test_finds_are_replicated_and_what_does_not_hold_leaves(ruled: Ruled, call: 
 
 
 def test_without_a_find_nothing_is_replicated(ruled: Ruled, call: Call, copy: Path):
-    assert "there is no find to replicate; `scaloft-fi seek` finds some" in sentence(
+    assert f"there is no find to replicate; `scaloft-fi seek --study {copy}` finds some" in sentence(
         call("seek", "--replicate", study=copy)
     )
     assert "there is no find of MORE-goal to replicate" in sentence(
