@@ -184,14 +184,14 @@ def fly(
             flight.close()
 
 
-def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wire: Wire) -> Stack:
-    """Build the stack, ready for take-off.
+def task_of(config: SimConfig, declared: Declaration, scenario: Scenario) -> Task:
+    """What the stack has to do in a scenario.
 
     Raises:
         InputError: the settings of the stack do not fit.
     """
     mission, camera = scenario.world.mission, scenario.sensors.depth.camera
-    task = Task(
+    return Task(
         settings=config.stack.settings(declared),
         camera=DepthCamera(camera.rays, camera.ahead_m),
         home=scenario.start,
@@ -205,6 +205,15 @@ def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wir
         sensors=tuple(scenario.sensors.by_name),
         throttle_exponent=scenario.vehicle.throttle_exponent,
     )
+
+
+def make_stack(config: SimConfig, declared: Declaration, scenario: Scenario, wire: Wire) -> Stack:
+    """Build the stack, ready for take-off.
+
+    Raises:
+        InputError: the settings of the stack do not fit.
+    """
+    task = task_of(config, declared, scenario)
     try:
         return declared.make(task, wire)
     except ConfigError as error:

@@ -399,6 +399,8 @@ class Declaration:
         files: paths, from the folder of the study, of files outside `sim/` whose content decides a flight.
         version: of the programs that fly, in words; "" where all of them are ours.
         forms: returns the models that the settings may have, where an editor has to know more than one.
+        kernels: calls kernels that take long to compile, with values like those of a flight: where no machine code is
+            kept yet, a second process compiles them meanwhile.
 
     Raises:
         ValueError: a name is taken twice, or a canary is no seam.
@@ -418,6 +420,7 @@ class Declaration:
     files: tuple[str, ...] = ()
     version: str = ""
     forms: Callable[[], tuple[type, ...]] | None = None
+    kernels: Callable[[Task], None] | None = None
 
     def __post_init__(self) -> None:
         for noun, names in (("seam", [s.name for s in self.seams]), ("belief", [b.name for b in self.beliefs])):

@@ -113,6 +113,12 @@ def compiles() -> bool:
     return _Kept.missed > 0
 
 
+def is_kept(kernel: Callable[..., object]) -> bool:
+    """Whether machine code of a kernel is on disk."""
+    plain = cast(FunctionType, getattr(kernel, "py_func", kernel))
+    return Path(_Place(folder_of_kernels(), made_of(plain)).get_cache_path()).is_dir()
+
+
 def folder_of_kernels() -> Path:
     """Where machine code is kept: in numba's folder, if somebody names one, else in the user's folder of caches."""
     own = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache"

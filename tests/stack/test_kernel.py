@@ -1,4 +1,9 @@
+import os
+import subprocess
+import sys
+
 import pytest
+from processes import ROOT
 
 from scaloft_fi.stack import kernel as kernel_module
 from scaloft_fi.stack.kernel import jit, made_of, with_globals
@@ -80,3 +85,36 @@ def test_a_copy_with_other_globals_calls_other_kernels():
 
     one, other = (jit(with_globals(_applied, kernel=jit(kernel))) for kernel in (double, half))
     assert (one(4.0), other(4.0)) == (9.0, 3.0)
+
+
+COLD = """
+import sys
+from scaloft_fi.campaign.flights.physics import Physics
+from scaloft_fi.sim.flight import task_of
+from scaloft_fi.stack import kernel
+from scaloft_fi.study import Study
+
+study = Study.open(sys.argv[1])
+study.stack.kernels(task_of(study.sim, study.stack, study.scenario(study.grid.situations[0])))
+save, late = kernel._Kept.save_overload, set()
+
+
+def saved(kept, *rest):
+    late.add(kept._function.__module__.rpartition(".")[2])
+    save(kept, *rest)
+
+
+kernel._Kept.save_overload = saved
+Physics().prepare(study, print)
+print(*late)
+"""
+
+
+@pytest.mark.release
+def test_a_flight_compiles_no_kernel_that_a_process_beside_it_has_compiled(tmp_path):
+    place = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(ROOT)}
+    run = [sys.executable, "-c", COLD, str(ROOT)]
+    done = subprocess.run(run, env=place, capture_output=True, text=True, check=True)
+    late = set(done.stdout.splitlines()[-1].split())
+    assert "estimator" in late
+    assert late & {"memory", "planner", "proximity"} == set()

@@ -6,9 +6,12 @@ import os
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
+from multiprocessing import current_process, get_context
+from multiprocessing.process import BaseProcess
 from threading import Timer
 
 from scaloft_fi.campaign.flights.fly import (
@@ -23,11 +26,12 @@ from scaloft_fi.campaign.flights.fly import (
     lost,
     wire_of,
 )
-from scaloft_fi.campaign.processes import PATIENCE_S, ProcessPool
+from scaloft_fi.campaign.processes import LINUX, PATIENCE_S, ProcessPool, cores, die_with
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.log import FlightLog
-from scaloft_fi.stack.declaration import TICK_HZ, TICK_S, PlainWire
+from scaloft_fi.sim.situation import Situation
+from scaloft_fi.stack.declaration import TICK_HZ, TICK_S, PlainWire, Task
 from scaloft_fi.study import Study
 
 KERNELS_S = 5.0
@@ -54,10 +58,11 @@ class Physics:
             if compiles():
                 say("compiling kernels (first run on this machine only)")
 
+        first = study.grid.situations[0]
+        beside = _compiling(study, first)  # before the notice's thread, because it is a fork
         notice = Timer(NOTICE_S, tell)
         notice.start()
         try:
-            first = study.grid.situations[0]
             with build.physics_server() as client:
                 rehearsed = study.stack.rehearsed
                 trial = flight.FlightLoop(client, study.sim, study.scenario(first), 0, PlainWire(), rehearsed)
@@ -69,6 +74,9 @@ class Physics:
         finally:
             notice.cancel()
             notice.join()
+            if beside is not None:
+                beside.kill()
+                beside.join()
 
     def __call__(self, study: Study, flight: Flight) -> Outcome:
         """Fly and judge one flight from take-off; with a stack that does not fork, in a process of its own."""
@@ -83,6 +91,28 @@ class Physics:
         # in a process of its own, so that a crash loses one flight only
         with ProcessPool(Worker(study, self), 1, left=left_of, lost=lost, patience_s=PATIENCE_S) as apart:
             fly_shared(study, batch, report, lambda flight: apart.map([Batch((flight,))]))
+
+
+def _compiling(study: Study, situation: Situation) -> BaseProcess | None:
+    """A process that compiles some of the kernels, where none is kept and a processor is free; else None."""
+    from scaloft_fi.sim.flight import task_of
+    from scaloft_fi.sim.vehicle import free_step
+    from scaloft_fi.stack.kernel import is_kept
+
+    call = study.stack.kernels
+    alone = not LINUX or cores() < 2 or current_process().daemon  # which may have no child
+    if call is None or alone or is_kept(free_step):
+        return None
+    task = task_of(study.sim, study.stack, study.scenario(situation))
+    process = get_context("fork").Process(target=_call, args=(call, task, os.getpid()), daemon=True)
+    process.start()
+    return process
+
+
+def _call(kernels: Callable[[Task], None], task: Task, parent: int) -> None:
+    die_with(parent)
+    with suppress(Exception):  # the trial flight meets the same error, and tells it
+        kernels(task)
 
 
 def _fly_all(study: Study, batch: Batch, report: Callable[[Outcome], None]) -> None:

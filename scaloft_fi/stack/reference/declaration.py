@@ -120,6 +120,10 @@ def _settings() -> type:
     return kind
 
 
+def _kernels(task: Task) -> None:
+    _module().call_kernels(task)
+
+
 REFERENCE = Declaration(
     name="reference",
     seams=SEAMS,
@@ -128,4 +132,5 @@ REFERENCE = Declaration(
     settings=_settings,
     canaries=("velcmd", "pose", "imu", "goal"),
     operators=("scaloft_fi.mutants.reference",),
+    kernels=_kernels,
 )

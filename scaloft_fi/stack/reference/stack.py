@@ -409,3 +409,15 @@ class ReferenceStack:
         """The values of the declared beliefs."""
         mode = float(own.MODES.index(self._control.mode))
         return np.array((*self._companion.beliefs(now_s), *self._estimator.state[:6].tolist(), mode))
+
+
+def call_kernels(task: Task) -> None:
+    """Call the kernels that see and plan, with an empty picture."""
+    config: ReferenceConfig = task.settings
+    nothing = np.zeros(3)
+    frame = DepthFrame(0.0, np.zeros(task.camera.rays.shape[:2]))
+    pose = PoseEstimate(0.0, nothing, nothing, 0.0, np.array([0.0, 0.0, 0.0, 1.0]))
+    memory = ObstacleMemory(config.memory, task.camera)
+    memory.update(memory.observe(frame, pose))
+    ProximityMonitor(config.proximity, task.camera).sectors(frame, pose)
+    Planner(config.planner).plan(memory.map(pose), (2.0 * config.planner.straight_in_m, 0.0, 0.0), pose)
