@@ -350,6 +350,7 @@ class MutantScore(OfSubject):
         statuses: flights of each status.
         firmness: whether it stays detected when any one seed is left out; null: it is not detected.
         severity: class of its cell; None where the cell has none.  It enters no ratio.
+        revealed: requirements that a flight of it violates and the baseline beside that flight holds.
     """
 
     subject: Subject
@@ -363,6 +364,7 @@ class MutantScore(OfSubject):
     statuses: tuple[tuple[Status, int], ...]
     firmness: Firmness | None = None
     severity: SeverityClass | None = None
+    revealed: tuple[str, ...] = ()
     KEYS = (
         *("id", "guideword", "parameter", "magnitude", "severity=severity_id", "status", "verdict", "firm=firmness"),
         *("p=safety.p", "kill_rate", "kill_rate_flown", "kills", "requirements", "first", "decided_at=safety"),
@@ -388,6 +390,11 @@ class MutantScore(OfSubject):
     def detected(self) -> bool:
         """Whether the tests would have shown the fault by a safety requirement."""
         return self.safety.detected
+
+    @property
+    def shown_by(self) -> tuple[str, ...]:
+        """The requirements that show a control: those that detect it, else those that `revealed` names."""
+        return (*self.safety.by, *self.operability.by) or self.revealed
 
     @property
     def firm(self) -> bool:
@@ -498,8 +505,10 @@ def mutant_score(
     seen = [kill.first for kill in kills] or [_first(r, n, flown[r.situation]) for r in results for n in r.seen]
     statuses = Counter[Status]()
     # few rulings differ, so they are counted first
-    for ruling, number in Counter([one.ruling for flights in situations.values() for one in flights]).items():
+    rulings = Counter([one.ruling for flights in situations.values() for one in flights])
+    for ruling, number in rulings.items():
         statuses[ruling.status] += number
+    revealed = dict.fromkeys(name for ruling in rulings for name in (*ruling.revealed, *ruling.operability_revealed))
     return MutantScore(
         subject=subject,
         status=furthest(statuses),
@@ -511,6 +520,7 @@ def mutant_score(
         first=min(seen, key=lambda moment: (moment.t_s, space.rank(moment.situation), moment.seed), default=None),
         statuses=tuple((status, statuses[status]) for status in Status if statuses[status]),
         firmness=firmness(subject.id, samples, pool, spending, Kind.SAFETY) if firm and safety.detected else None,
+        revealed=tuple(revealed),
     )
 
 

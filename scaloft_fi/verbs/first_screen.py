@@ -6,7 +6,7 @@ The first screen has the four answers and every fault: few of them in a table, m
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -110,12 +110,20 @@ def _how_sure(scored: Score, faults: Sequence[MutantScore]) -> str:
     if drawn.seeds:
         sure += f"  Of {drawn.safety.whole} redraws of the unmutated drone {drawn.safety.part} were called shown."
     flown = {pair.flights for pair in scored.pool.pairs.values() if pair.flights >= LEAST}
-    seeds = max((result.flown for mutant in faults for result in mutant.results), default=0)
-    beside = f"{min(flown)}" + (f" to {max(flown)}" if len(flown) > 1 else "") if flown else "0"
-    most = "Up to " if scored.of_tests else ""
-    sure += f"  {most}{counted(seeds, 'seed')} beside {beside} baseline flights a situation."
+    sure += f"  {seeds_flown(faults)} beside {_least_to_most(flown, 'baseline flight')} a situation."
     firm = "  Firm: whichever one seed is left out."
     return sure + firm * any(mutant.detected for mutant in faults)
+
+
+def seeds_flown(mutants: Sequence[MutantScore]) -> str:
+    """How many seeds each of these mutants flew in a situation, of flights that count: `1 to 5 seeds`."""
+    flown = {result.flown for mutant in mutants for result in mutant.results}
+    return _least_to_most(flown if all(mutant.flown for mutant in mutants) else flown | {0}, "seed")
+
+
+def _least_to_most(numbers: Collection[int], noun: str) -> str:
+    least, most = min(numbers, default=0), max(numbers, default=0)
+    return f"{least} to " * (least < most) + counted(most, noun)
 
 
 def false_detections(alpha: float, tested: int) -> str:
@@ -526,7 +534,7 @@ class Screen:
     @property
     def _controls(self) -> str:
         controls, what = self.scored.controls, "a test" if self.study.tests_of else "the drone"
-        return f"{sum(map(_shows, controls))} of {len(controls)} show that faults reach {what}"
+        return f"{sum(bool(control.shown_by) for control in controls)} of {len(controls)} show that faults reach {what}"
 
     def _table(self, title: str, members: Sequence[MutantScore], without: Sequence[str]) -> Table:
         facts = [_facts(mutant, self.scored, self.study) for mutant in members]
@@ -616,19 +624,17 @@ def _facts(mutant: MutantScore, scored: Score, study: Study) -> dict[str, str]:
 
 
 def _control(mutant: MutantScore) -> tuple[str, ...]:
-    by = ", ".join((*mutant.safety.by, *mutant.operability.by)) or (_violated(mutant) if _shows(mutant) else "nothing")
-    return mutant.subject.id, by, _broken(mutant) or _STOPPED[mutant.status]
+    return mutant.subject.id, shows_itself_by(mutant) or "nothing", _broken(mutant) or _STOPPED[mutant.status]
 
 
-def _shows(mutant: MutantScore) -> bool:
-    """Whether a control shows that faults reach the drone: by a verdict, or by one flight beside its own baseline."""
-    return mutant.detected or mutant.operability.detected or mutant.status is Status.REVEALED
-
-
-def _violated(mutant: MutantScore) -> str:
-    """What a control violates that was flown too seldom for a verdict, as a canary is."""
-    flights = Counter(name for result in mutant.results for name, count in result.violated for _ in range(count))
-    return ", ".join(f"{name} in {counted(count, 'flight')}" for name, count in flights.items())
+def shows_itself_by(control: MutantScore) -> str:
+    """What shows a control; where no verdict does, as of a canary, in how many flights.  Empty for nothing."""
+    if control.detected or control.operability.detected:
+        return ", ".join(control.shown_by)
+    flights = Counter[str]()
+    for result in control.results:
+        flights.update(dict(result.violated))
+    return ", ".join(f"{name} in {counted(flights[name], 'flight')}" for name in control.shown_by)
 
 
 def _effect(mutant: MutantScore) -> str:

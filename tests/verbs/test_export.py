@@ -25,6 +25,7 @@ from hypothesis import strategies as st
 from junitparser import Error, Failure, JUnitXml, Skipped
 from options import as_recorded, usually
 from printed import Call
+from published_flights import ROOT
 from sarif_pydantic import Sarif
 
 from scaloft_fi.analysis.detection import Pool, Spending, Verdict
@@ -35,7 +36,7 @@ from scaloft_fi.hazop.matrix import Cell, CellStatus, Guideword, Matrix, Paramet
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.requirement import Requirement
 from scaloft_fi.output import line
-from scaloft_fi.study import NO_FINDS, KnownFinds
+from scaloft_fi.study import NO_FINDS, KnownFinds, Study
 from scaloft_fi.verbs.export.dossier import (
     FORMATS,
     Dossier,
@@ -49,6 +50,7 @@ from scaloft_fi.verbs.export.dossier import (
 )
 from scaloft_fi.verbs.export.formats import gsn, junit, mutation_testing, sarif, to_markdown
 from scaloft_fi.verbs.export.formats import to_json as sace_json
+from scaloft_fi.verbs.first_screen import Screen, answers
 
 HOSTILE = "<script>alert('1')</script> \"&\" =cmd|' /C calc'!A0 ]]> 人 \\textbf{x} " + "long " * 60
 WORDS, PARAMETERS = ("NO", "LATE", "MORE", "REVERSE"), ("human", "goal")
@@ -328,6 +330,10 @@ CASES = {
     "a control flown once shows itself by operability": (made(outcome(CONTROL, violated={"OP1": 9.0})), ("junit",)),
     "a control flown once shows nothing": (made(outcome(CONTROL)), ("junit", "mutation-testing")),
     "a control that was tested shows nothing": (made(*flown(CONTROL)), ("junit",)),
+    "a control without a verdict shows itself": (
+        made(*flown(BASELINE, seeds=2), *flown(CONTROL, seeds=2, violated={"SR1": 9.0}), pooled=()),
+        ("junit", "mutation-testing"),
+    ),
     "killed in one of two situations that test it, and flown in a red one": (
         made(
             *(one for id_ in (LATE, NO, MORE) for one in flown(id_, RED)),
@@ -352,6 +358,58 @@ CASES = {
 def test_what_a_format_says_is_as_recorded():
     cases = ((name, case, style) for name, (case, styles) in CASES.items() for style in styles)
     as_recorded(__file__, {f"{name}: {style}": FORMATS[style].content(case).decode() for name, case, style in cases})
+
+
+UNEVEN = made(
+    *(*flown(LATE, seeds=5), *flown(MORE, seeds=1), *flown(NO, seeds=1), outcome(NO, seed=1, invalid="it failed")),
+    *(*flown(CONTROL, seeds=1), outcome(PLACEBO_ID, seed=7), *flown(LATE, THERE, seeds=2)),
+    pooled=(HERE, THERE),
+)
+
+
+def test_no_export_claims_seeds_that_were_not_flown():
+    cases = sace_json(UNEVEN)["Test case details"]["rows"]
+    assert [(row["mutants"], row["seeds of the mutants"]) for row in cases] == [(4, f"0; {LATE}: 0-4"), (1, "0-1")]
+    assert {row["seeds of the unmutated drone"] for row in cases} == {"0-9"}
+    told = "3 mutants from a HAZOP deviation matrix, 1 to 5 seeds each in a situation"
+    assert read_gsn(gsn(UNEVEN))["C3"]["text"] == told
+    answered = dict(answers(UNEVEN.score, Study.open(ROOT), "mine"))
+    assert "1 to 5 seeds beside 10 baseline flights a situation." in answered["How sure"]
+
+
+def test_of_more_than_four_mutants_with_other_seeds_the_log_has_the_number():
+    ids = [f"LATE-human@{number}s" for number in range(11)]
+    told = made(*(one for id_ in ids[:6] for one in flown(id_, seeds=1)), *(one for i in ids[6:] for one in flown(i)))
+    assert sace_json(told)["Test case details"]["rows"][0]["seeds of the mutants"] == "0; 5 mutants: 0-2"
+
+
+def test_the_log_has_the_trigger_of_each_requirement_and_every_definition_that_is_used():
+    near, slow = ("near", "person_m < 6"), ("slow", "speed_mps < 1")
+    plain, first, *others = UNEVEN.requirements
+    used = replace(first, text="always(trigger implies slow)", trigger="once(near)", definitions=(near, slow))
+    told = replace(UNEVEN, requirements=(plain, used, *(replace(one, definitions=(near,)) for one in others)))
+    log = sace_json(told)
+    assert [row["trigger"] for row in log["Required results"]["rows"][:2]] == ["none", "once(near)"]
+    assert [tuple(row.values()) for row in log["Definitions in the required results"]["rows"]] == [near, slow]
+    assert "Definitions in the required results" not in sace_json(UNEVEN)
+
+
+def test_the_log_names_the_version_that_flew_once_and_its_own_where_that_is_another():
+    def parts(platform: dict[str, str]) -> list[tuple[str, str]]:
+        rows = sace_json(replace(UNEVEN, platform=platform))["Test environment"]["rows"]
+        return [(row["part"], row["version"]) for row in rows]
+
+    assert parts({"scaloft-fi": "0", "numpy": "2"}) == [("scaloft-fi", "0"), ("numpy", "2")]
+    assert parts({"scaloft-fi": "9"}) == [("scaloft-fi", "9"), ("scaloft-fi of this log", "0")]
+
+
+@given(dossiers())
+def test_a_control_passes_where_the_screen_counts_it_as_shown_and_says_by_what(dossier: Dossier):
+    screen = Screen(Study.open(ROOT), dossier.score, dossier.coverage)
+    suite = next((suite for suite in JUnitXml.fromstring(junit(dossier).encode()) if suite.name == "controls"), ())
+    passed = [case.system_out for case in suite if not case.result]
+    assert f"{len(passed)} of {len(dossier.score.controls)} show" in screen._controls
+    assert all(re.fullmatch(r"shows itself by \S.*", told) for told in passed)
 
 
 def read_junit(text: str) -> dict[str, dict[str, list[type]]]:

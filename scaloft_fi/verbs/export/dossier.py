@@ -346,11 +346,6 @@ class Dossier:
         """Its situation coverage."""
         return coverage(self.outcomes, self.space)
 
-    @property
-    def seeds(self) -> tuple[int, ...]:
-        """Seeds of the mutants' flights."""
-        return tuple(sorted({o.seed for o in self.outcomes if o.subject.guideword}))
-
     def of(self, *verdicts: Verdict) -> tuple[MutantScore, ...]:
         """The mutants that the ratios count, of each credible cell flown its default, with one of these verdicts.
 
@@ -418,16 +413,6 @@ class Dossier:
     def find_told(self, mutant: MutantScore) -> str:
         """`; next: ` and the command, where a search found a situation that shows a mutant; else empty."""
         return f"; next: {self.next_command(mutant)}" if next_find(mutant, self.finds) else ""
-
-    def shows(self, control: MutantScore) -> bool:
-        """Whether a control shows itself by safety or operability.
-
-        It does when it is detected, or when it was flown once and that flight violates what its baseline holds.
-        """
-        if control.detected or control.operability.detected:
-            return True
-        flights = self._judged.get(control.subject.id, ())
-        return len(flights) == 1 and bool(flights[0].revealed or flights[0].operability_revealed)
 
     def cell(self, mutant: MutantScore) -> Cell:
         """The cell that a mutant comes from."""

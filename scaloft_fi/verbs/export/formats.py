@@ -4,7 +4,7 @@
 skipped; what the harness failed at is an error.
 Each of these has the reason and the command to call next in its message, and in its text all steps, first the command
 that flies the most telling flight again.  Controls have a suite of their own, in which those pass that show themselves
-by safety or operability.
+by safety or operability, and say by what.
 
 What is undecided is a note, what is not detected or not tested is a warning.  The message ends with the commands that
 fly the most telling flight again and that come next; the help of the rule, which viewers show beside it, and the
@@ -37,7 +37,7 @@ it is representative.  What only people can argue is left open, and says so.
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 from urllib.parse import quote
 from xml.etree import ElementTree as ET
@@ -49,13 +49,13 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.analysis.survivor import judge
 from scaloft_fi.hazop.matrix import class_of
-from scaloft_fi.judge.outcome import BASELINE
+from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID
 from scaloft_fi.judge.requirement import Kind, rho_text
 from scaloft_fi.output import line
 from scaloft_fi.verbs.export.dossier import Dossier, Step, export_format
-from scaloft_fi.verbs.first_screen import NOT_COMPARED, false_detections
-from scaloft_fi.verbs.verdict import NO_POOL
-from scaloft_fi.views.table import Format, Table, code, markdown, ranges, render, said
+from scaloft_fi.verbs.first_screen import NOT_COMPARED, false_detections, seeds_flown, shows_itself_by
+from scaloft_fi.verbs.verdict import MOST_NAMED, NO_POOL
+from scaloft_fi.views.table import Format, Table, code, counted, markdown, ranges, render, said
 
 CONTROLS = "controls"
 
@@ -77,6 +77,8 @@ def junit(dossier: Dossier) -> str:
                 follows = dossier.acceptance(mutant) or f"next: {dossier.next_command(mutant)}"
                 told = ET.SubElement(case, kind, message=line(f"{dossier.verdict(mutant)}; {follows}"))
                 told.text = "\n".join(line(f"{step.does}: {step.command}") for step in dossier.steps(mutant))
+            elif name in controls:
+                ET.SubElement(case, "system-out").text = line(f"shows itself by {shows_itself_by(mutant)}")
         suite.set("tests", str(len(mutants)))
         for count, kind in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
             suite.set(count, str(kinds.count(kind)))
@@ -92,7 +94,7 @@ def _kind(dossier: Dossier, mutant: MutantScore, *, control: bool) -> str:
     A control that does not show itself fails where it was tested and nothing is open.
     """
     verdicts = {mutant.verdict, mutant.operability.verdict} if control else {mutant.verdict}
-    if dossier.shows(mutant) if control else mutant.detected:
+    if mutant.shown_by if control else mutant.detected:
         return ""
     if not mutant.flown:
         return "error"
@@ -212,7 +214,8 @@ def _status(dossier: Dossier, mutant: MutantScore) -> str:
 def _reason(dossier: Dossier, mutant: MutantScore) -> str:
     reason = dossier.verdict(mutant) + dossier.find_told(mutant)
     if dossier.roster.is_control(mutant.subject):
-        return f"a control, in no ratio: {reason}"
+        by = shows_itself_by(mutant)
+        return f"a control, in no ratio{f', shows itself by {by}' if by else ''}: {reason}"
     if accepted := dossier.acceptance(mutant):
         return f"{accepted}; {reason}"
     return reason if dossier.roster.counts(mutant.subject) else f"in no ratio, only its cell's default is: {reason}"
@@ -297,7 +300,8 @@ def gsn(dossier: Dossier) -> str:
 def nodes(dossier: Dossier) -> dict[str, Any]:
     """The argument's nodes by id, the module's head among them."""
     names = ", ".join(requirement.name for requirement in dossier.requirements)
-    seeds = ", ".join(map(str, dossier.seeds)) or "none"
+    mutants = dossier.score.mutants
+    faults = f"{counted(len(mutants), 'mutant')} from a HAZOP deviation matrix"
     size = f"{len(dossier.space.axes)} axes, {len(dossier.space.points)} situations"
     argument: dict[str, Any] = {
         "module": {"name": "situation_coverage_and_fault_detection", "brief": f"Campaign {dossier.campaign}"},
@@ -308,7 +312,7 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
         },
         "C1": {"text": f"Operational domain model: {size}"},
         "C2": {"text": f"Requirements in signal temporal logic: {names}"},
-        "C3": {"text": f"{len(dossier.score.mutants)} mutants from a HAZOP deviation matrix, seeds {seeds}"},
+        "C3": {"text": f"{faults}, {seeds_flown(mutants)} each in a situation"},
         "A1": {"text": "The simulator represents the operating environment (argued elsewhere)"},
         "S1": {
             "text": "Argue over the extent of coverage and over its power to reveal faults",
@@ -318,13 +322,13 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
         "Sn1": {"text": "Coverage table: scaloft-fi score"},
         **_detection(dossier),
     }
-    counted = dossier.of(*COUNTER)
-    if counted or not dossier.score.pooled:
-        argument |= _justified(dossier, counted)
+    missed = dossier.of(*COUNTER)
+    if missed or not dossier.score.pooled:
+        argument |= _justified(dossier, missed)
     else:
         argument["G4"] = {"text": "Every mutant flown is detected", "supportedBy": ["Sn3"]}
         argument["Sn3"] = {"text": "Verdict on every mutant: scaloft-fi score"}
-    for number, mutant in enumerate(counted, start=1):
+    for number, mutant in enumerate(missed, start=1):
         severity = f" (severity: {mutant.severity.id}, {mutant.severity.title})" if mutant.severity else ""
         argument[f"CG{number}"] = {
             "text": f"{mutant.subject.id} {COUNTER[mutant.verdict]}{severity}",
@@ -395,21 +399,27 @@ NOT_CLAIMED = (
 
 def verification_log(dossier: Dossier) -> tuple[Table, ...]:
     """The log as tables, one a heading."""
-    required = tuple((r.name, r.kind.value, r.title, r.text) for r in dossier.requirements)
+    required = tuple((r.name, r.kind.value, r.title, r.trigger or "none", r.text) for r in dossier.requirements)
+    headers = ("requirement", "kind", "in words", "trigger", "formula over the flight")
+    definitions = tuple(dict.fromkeys(used for r in dossier.requirements for used in r.definitions))
+    defined = Table("Definitions in the required results", ("definition", "formula over the flight"), definitions)
     combined = tuple((f"{strength}-way", str(ratio)) for strength, ratio in dossier.coverage.t_way)
     combinations = "Combinations of values of that many axes that some test case has, of all there are."
-    parts = (("scaloft-fi", dossier.version), *sorted(dossier.platform.items()))
+    parts = {"scaloft-fi": dossier.version, **dict(sorted(dossier.platform.items()))}
+    if parts["scaloft-fi"] != dossier.version:
+        parts["scaloft-fi of this log"] = dossier.version
     repeats = REPEATS if dossier.deterministic else NO_REPEATS
     coverage = "Sufficiency of coverage (2): operational domain model"
     return (
         _cases(dossier),
-        Table("Required results", ("requirement", "kind", "in words", "formula over the flight"), required),
+        Table("Required results", headers, required),
+        *([defined] if definitions else []),
         _by_requirement(dossier),
         *_accepted(dossier),
         Table(coverage, ("strength", "covered"), combined, (combinations,)),
         _scenarios(dossier),
         _edges(dossier),
-        Table("Test environment", ("part", "version"), parts, (repeats,)),
+        Table("Test environment", ("part", "version"), tuple(parts.items()), (repeats,)),
         Table("Representativeness of the test environment", ("justification",), ((OPEN,),)),
         Table("Not claimed", ("claim",), tuple((claim,) for claim in NOT_CLAIMED)),
     )
@@ -430,15 +440,30 @@ def to_json(dossier: Dossier) -> dict[str, Any]:
 
 
 def _cases(dossier: Dossier) -> Table:
-    seeds = defaultdict[tuple[str, bool], set[int]](set)
+    """The situations with the seeds of the flights that count."""
+    flown: dict[str, dict[str, set[int]]] = {outcome.situation: {} for outcome in dossier.outcomes}
     for outcome in dossier.outcomes:
-        seeds[outcome.situation, outcome.mutant == BASELINE].add(outcome.seed)
-    rows = tuple(
-        (key, dossier.words(key), ranges(seeds[key, False]), ranges(seeds[key, True]))
-        for key in sorted({key for key, _ in seeds}, key=dossier.space.rank)
-    )
-    headers = ("test case", "situation", "seeds of the mutants", "seeds of the unmutated drone")
-    return Table("Test case details", headers, rows)
+        if not outcome.invalid and outcome.mutant != PLACEBO_ID:
+            flown[outcome.situation].setdefault(outcome.mutant, set()).add(outcome.seed)
+
+    def row(key: str) -> tuple[str, str, int, str, str]:
+        own = ranges(flown[key].pop(BASELINE, ()))
+        return key, dossier.words(key), len(flown[key]), _seeds(dossier, flown[key]), own
+
+    rows = tuple(map(row, sorted(flown, key=dossier.space.rank)))
+    headers = ("test case", "situation", "mutants", "seeds of the mutants", "seeds of the unmutated drone")
+    note = "Mutants include controls.  Where their seeds differ, those of most stand first, then who flew others."
+    return Table("Test case details", headers, rows, (note,))
+
+
+def _seeds(dossier: Dossier, flown: Mapping[str, Collection[int]]) -> str:
+    """The seeds that most mutants flew in a situation, then who flew others: `0; LATE-human@3s: 0-4`."""
+    by_seeds = defaultdict[str, list[str]](list)
+    for mutant in sorted(flown, key=dossier.roster.rank):
+        by_seeds[ranges(flown[mutant])].append(mutant)
+    most, *others = sorted(by_seeds, key=lambda seeds: (-len(by_seeds[seeds]), seeds)) or [""]
+    named = {seeds: ids if len(ids) <= MOST_NAMED else [f"{len(ids)} mutants"] for seeds, ids in by_seeds.items()}
+    return "; ".join([most, *(f"{', '.join(named[seeds])}: {seeds}" for seeds in others)])
 
 
 def _by_requirement(dossier: Dossier) -> Table:

@@ -468,20 +468,6 @@ def opening(flights: Sequence[Ruled], wanted: Iterable[str]) -> int:
     return counting[0].seed
 
 
-def shown_by(mutant: MutantScore, flights: Situations) -> tuple[str, ...]:
-    """The requirements that show a control: those that detect it, else those that one flight beside its baseline does.
-
-    Args:
-        mutant: the control's score.
-        flights: of it.
-    """
-    detecting = (*mutant.safety.by, *mutant.operability.by)
-    rulings = (one.ruling for listed in flights.values() for one in listed)
-    return detecting or tuple(
-        dict.fromkeys(name for ruling in rulings for name in (*ruling.revealed, *ruling.operability_revealed))
-    )
-
-
 EVERY_VALUE_BENIGN = "every value benign"
 SIGNS = [sign.value for sign in Sign]
 KEPT = (
@@ -566,7 +552,7 @@ def mutants(
         results = {result.situation: result for result in mutant.results}
         described.append(
             {name: known[id_][name] for name in KEPT}
-            | _mutant(mutant, flights, roster, matrix.space)
+            | _mutant(mutant, roster, matrix.space)
             | {
                 "certainty": certainty(mutant, scored.alpha),
                 "kills": [_kill(kill, flights[kill.situation], scored.pool) for kill in kills],
@@ -579,14 +565,14 @@ def mutants(
     return described
 
 
-def _mutant(scored: MutantScore, flights: Situations, roster: Roster, space: Space) -> dict[str, Any]:
+def _mutant(scored: MutantScore, roster: Roster, space: Space) -> dict[str, Any]:
     first = scored.first
     return {
         "cell": cell_of(scored.subject.id),
         "control": roster.is_control(scored.subject),
         "counts": roster.counts(scored.subject),
         "by": [*scored.safety.by, *scored.operability.by],
-        "shows": list(shown_by(scored, flights)) if roster.is_control(scored.subject) else [],
+        "shows": list(scored.shown_by) if roster.is_control(scored.subject) else [],
         "condition": scored.condition(space),
         "same": scored.without_effect,
         "first": by_field(first, "requirement", "t_s", "situation", "seed") if first else None,

@@ -44,7 +44,7 @@ function suite() {
   return h("div", {},
     h("p", {}, `${exact ? "" : "At most "}${situations.length} of ${flown} situations keep a kill of every default mutant that has one${alternatives > 1 ? `; ${alternatives} sets of that size do` : ""}:`),
     h("ul", { class: "bare" }, situations.map((key) => h("li", {}, withKey(key), needed.includes(key) && h("span", { class: "faint small" }, " \u2013 in every such set")))),
-    h("p", { class: "small faint" }, `A suite cut down to these would show these faults and may miss others: the mutants were chosen, each situation flown with ${plural(DATA.seeds.length, "seed")}.`));
+    h("p", { class: "small faint" }, `A suite cut down to these would show these faults and may miss others: the mutants were chosen, each situation flown with up to ${plural(DATA.seeds.length, "seed")}.`));
 }
 
 /** Layers from minimal mutants down to those that follow from them; a node is a set of mutants that the same situations kill. */

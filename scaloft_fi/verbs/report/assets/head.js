@@ -97,12 +97,6 @@ function byRank(fate) {
 
 const sentence = (text) => (text.startsWith("`") ? text : capital(text));
 
-function seedText() {
-  const seeds = DATA.seeds;
-  const even = seeds.length > 2 && seeds.at(-1) - seeds[0] === seeds.length - 1;
-  return even ? `${seeds[0]}\u2013${seeds.at(-1)}` : seeds.join(", ");
-}
-
 function summary() {
   return part("summary", "The figures", "Part of whole.  Every whole is a closed list, of cells or of mutants, and no sample of anything: so there is no interval.  0/0 is n/a.",
     table(["ratio", { text: "part/whole", number: true }, { text: "share", number: true }, "population"],
