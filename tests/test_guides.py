@@ -1,15 +1,16 @@
-"""The guides in `docs/` do what they say: their files are installed as a package, their commands run on a study."""
+"""The guides in `docs/` do what they say, word for word, from an empty folder on."""
 
 from __future__ import annotations
 
 import re
 import shlex
+from collections.abc import Iterator
 from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
 from processes import ROOT, call, install_project
 from shown_commands import GUIDES, update
-from studies import copied
 
 BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 OFTEN = {"stack", "operator"}
@@ -22,50 +23,46 @@ for name in operators_of("clip"):
 """
 
 
-@pytest.fixture
-def study(tmp_path: Path) -> Path:
-    return copied(tmp_path / "study")
-
-
-def _follow(guide: str, tmp_path: Path, study: Path) -> tuple[Path, list[str]]:
-    """Do what the guide says up to its commands; returns the folder with its package installed, and the commands."""
-    project, commands = tmp_path / "project", list[str]()
+def _follow(guide: str, folder: Path) -> Iterator[tuple[str, CompletedProcess[str]]]:
+    """Do what a guide says, word for word, in an empty folder; gives each command that is called, and what it did."""
+    site, cwd = folder / "site", folder
     for language, mark, text in BLOCK.findall((ROOT / "docs" / f"{guide}.md").read_text()):
         how, _, name = mark.partition("=")
-        if language == "console":
-            commands += [line.removeprefix("$ ") for line in text.splitlines()]
-        elif how == "update":
-            update(study / name, text)
-        else:
-            assert how == "file", f"a block of {guide}.md says not where it goes"
-            path = (study if language == "yaml" else project) / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text)
+        if how == "update":
+            update(folder / name, text)
+        elif how == "file":
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text(text)
             if language == "python":
-                (path.parent / "__init__.py").touch()
-    install_project(tmp_path / "site", project)
-    return tmp_path / "site", commands
+                (folder / name).with_name("__init__.py").touch()  # pip needs none, a link to the folder does
+        for command in text.splitlines() if language == "console" else ():
+            program, *words = shlex.split(command.removeprefix("$ "))
+            if program == "cd":
+                cwd /= words[0]
+            elif program == "pip":
+                assert words[:2] == ["install", "-e"], command
+                install_project(site, cwd / words[2])
+            else:
+                verb = ("-m", "scaloft_fi") if program == "scaloft-fi" else ()
+                yield command, call(site, *verb, *words, cwd=cwd)
 
 
 @pytest.mark.flight
 @pytest.mark.parametrize(
     "guide", [pytest.param(one, marks=[pytest.mark.release] * (one not in OFTEN)) for one in GUIDES]
 )
-def test_its_commands_run(guide: str, tmp_path: Path, study: Path):
-    site, commands = _follow(guide, tmp_path, study)
-    assert commands
-    for command in commands:
-        program, *words = shlex.split(command)
-        verb = ("-m", "scaloft_fi") if program == "scaloft-fi" else ()
-        done = call(site, *verb, *words, cwd=study)
-        assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
-        if guide == "stack":
-            assert "it keeps its contract" in done.stdout, done.stdout
+def test_its_commands_run(guide: str, tmp_path: Path):
+    done = list(_follow(guide, tmp_path))
+    assert done[0][0] == "$ scaloft-fi new my_mine"
+    assert len(done) > 1
+    assert [f"{command}\n{of.stdout}{of.stderr}" for command, of in done if of.returncode] == []
+    if guide == "stack":
+        assert "it keeps its contract" in done[-1][1].stdout
 
 
-def test_the_operators_of_the_guide_do_what_their_examples_say(tmp_path: Path, study: Path):
-    site, _ = _follow("operator", tmp_path, study)
-    done = call(site, "-c", EXAMPLES, cwd=study)
+def test_the_operators_of_the_guide_do_what_their_examples_say(tmp_path: Path):
+    assert list(_follow("operator", tmp_path))
+    done = call(tmp_path / "site", "-c", EXAMPLES, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
 
 

@@ -9,22 +9,21 @@ from pathlib import Path
 
 import pytest
 from click.exceptions import Exit
-from processes import ROOT, call
-from shown_commands import GUIDES, Shown, named_commands, shown_commands, stray_commands, update
+from processes import call
+from shown_commands import GUIDES, Shown, named_commands, shown_commands, stray_commands
 from studies import copied
 
 from scaloft_fi.cli import command_of
 from scaloft_fi.verbs import VERBS
 
 RUN_BY_GUIDES = {f"{name}.md" for name in GUIDES}
-"""The pages whose commands `tests/test_guides.py` runs, with the packages that the pages show."""
+"""The pages that `tests/test_guides.py` follows from an empty folder."""
 WHOLE = {"tutorial.md"}
 """The page that `tests/docs/test_tutorial.py` follows from its first command to its last."""
-PAGES = ("axis.md", "ci.md", "hazop_workshop.md", "judge.md")
+PAGES = ("ci.md", "hazop_workshop.md", "judge.md")
 """The pages whose commands are run here, in their order, each in the reference study without its further grids."""
-FLY = {"axis.md", "judge.md"}
+FLY = {"judge.md"}
 """Those that fly for more than some seconds: before a release."""
-BLOCK = re.compile(r"^```yaml (file|update)=(\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LONG = "it flies for minutes to hours"
 ELSEWHERE = {
     "README.md": ".ci/run runs the second command word for word, and with it what the first one does",
@@ -88,11 +87,6 @@ def _of(page: str) -> Mapping[str, str]:
 @pytest.mark.parametrize("page", [pytest.param(page, marks=[pytest.mark.release] * (page in FLY)) for page in PAGES])
 def test_its_commands_print_what_it_shows(page: str, tmp_path: Path):
     copied(tmp_path, "grids", "found.yaml")
-    for how, name, text in BLOCK.findall((ROOT / "docs" / page).read_text()):
-        if how == "file":
-            (tmp_path / name).write_text(text)
-        else:
-            update(tmp_path / name, text)
     commands = _of(page)
     assert commands
     for command, shown in commands.items():

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-GUIDES = ("stack", "operator", "sensor_or_signal", "export_format", "choice_of_situations", "happening")
-"""The pages that make a package of their files."""
+GUIDES = ("stack", "operator", "sensor_or_signal", "export_format", "choice_of_situations", "happening", "axis")
+"""The pages that are followed from an empty folder, with the package and the study that they make there."""
 PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
 _BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _INLINE = re.compile(r"(?<!`)`(scaloft-fi [^`\n]+)`(?!`)")
