@@ -1009,10 +1009,14 @@ DRAFTED = (*PLACE, "vx_mps", "vy_mps", "vz_mps", "qx", "qy", "qz", "qw", LANDED,
 """The signals of a drafted mapping."""
 
 
-def draft(fields: Sequence[RecordedField]) -> str:
+def draft(fields: Sequence[RecordedField], signals: Iterable[str] = ()) -> str:
     """A mapping to begin with: that of a ready one where it fits, else by names that are alike.
 
     A signal without such a field is a comment.
+
+    Args:
+        fields: what the record has.
+        signals: of the study; each is mapped too whose very name a field has.
     """
     there = {one.name: one for one in fields}
     for name in READY:
@@ -1043,6 +1047,9 @@ def draft(fields: Sequence[RecordedField]) -> str:
         else:
             home = one.topic if home is None else home
             lines.append(f"  {signal}: {{{_where(one.topic, one.field)}}}")
+    named = {one.field: one for one in reversed(fields)}
+    exact = [signal for signal in signals if signal in named and signal not in (*DRAFTED, OWN_TIME)]
+    lines += [f"  {signal}: {{{_where(named[signal].topic, signal)}}}" for signal in exact]
     return "\n".join(lines)
 
 

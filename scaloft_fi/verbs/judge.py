@@ -282,8 +282,8 @@ ShownFields = Annotated[
 FIELD_HEADERS = ("field", "messages", "rate [Hz]", "first [s]", "last [s]")
 
 
-def held(files: Sequence[Path]) -> Answer:
-    """What records hold, and a mapping to begin with.
+def held(study: Study, files: Sequence[Path]) -> Answer:
+    """What records hold, and a mapping of the study's signals to begin with.
 
     Raises:
         InputError: a record cannot be read.
@@ -295,7 +295,7 @@ def held(files: Sequence[Path]) -> Answer:
         for one in own
     )
     losses = tuple(RecordLoss.of(path, loss) for path, (_, own) in found for loss in own)
-    told = JudgedRecords((), (), (), losses, fields, tuple(draft(own) for _, (own, _) in found))
+    told = JudgedRecords((), (), (), losses, fields, tuple(draft(own, study.signals) for _, (own, _) in found))
 
     def table(path: Path) -> Table:
         own = (one for one in fields if one.file == path)
@@ -343,7 +343,7 @@ def judge(
     """
     listed = [files] if isinstance(files, Path | str) else list(files)
     if fields:
-        return held([Path(path) for path in listed])
+        return held(study, [Path(path) for path in listed])
     known = known_of(study, study.grid.situation(situation) if situation else None)
     records, unread = list[JudgedRecord](), list[UnreadRecord]()
     for path in map(Path, listed):

@@ -376,9 +376,9 @@ LEGEND_AT = 11
 """Where the meanings begin in the legend [characters]."""
 LEGEND = (
     "1.4 s      the smallest magnitude that is killed in any situation, known to a tenth; nothing milder flown is",
-    "1-3 s      1 s survives, 3 s is killed; nothing between is decided (scaloft-fi margin CELL bisects)",
-    "> 5 s      even the strongest magnitude flown has no kill;  < 0.1 m: the same where smaller is worse",
-    "<= 0.5 s   is killed, and nothing milder was flown;  >= 60 s: the same where smaller is worse",
+    "1-3 s      1 s survives, 3 s is killed in some situation; the least lies between (scaloft-fi margin CELL bisects)",
+    "> 5 s      nothing flown is killed; in each known situation 5 s or more survives;  < 0.1 m: smaller is worse",
+    "<= 0.5 s   is killed, and in some situation nothing milder survives;  >= 60 s: the same where smaller is worse",
     "seen 1-3 s 1 s survives, at 3 s most flights violate, too few to call the mutant detected: more seeds decide",
     "!          not monotone: a stronger magnitude survives where a milder one is killed or seen",
     "detected   a fault without magnitudes is detected (or not detected, or undecided); y detected: in this form",

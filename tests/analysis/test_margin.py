@@ -83,6 +83,14 @@ def test_a_default_alone_bounds_from_one_side():
     assert told(flights(("LATE-human@3s", HUMAN, {"SR2": 8.0})))["LATE-human"] == "<= 3 s"
 
 
+def test_a_situation_without_a_milder_survivor_leaves_the_least_threshold_open_below():
+    other = KEYS[0]
+    flown = [*flights(("LATE-human@3s", HUMAN, {"SR2": 8.0})), *flights(("LATE-human@1s", other, {}))]
+    assert told(flown)["LATE-human"] == "<= 3 s"
+    (line,) = [line for line in LEGEND if line.startswith("<= ")]
+    assert "in some situation nothing milder survives" in line
+
+
 def test_two_faults_of_a_cell_each_have_their_own():
     flown = flights(("NO-depth@3s", HUMAN, {}), ("NO-depth@50%", HUMAN, {"SR1": 9.0}))
     assert told(flown)["NO-depth"] == "> 3 s; <= 50 %"

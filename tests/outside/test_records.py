@@ -557,6 +557,19 @@ def test_a_drafted_mapping_is_yaml_whatever_the_names_of_the_columns(tmp_path: P
     }
 
 
+def test_a_drafted_mapping_has_every_field_that_has_the_name_of_a_signal():
+    signals = ("elapsed_s", "x_m", "clearance_person_m", "person_sight_m", "speed_mps")
+    fields = _fields(*(f" {name}" for name in ("elapsed_s", "x", "clearance_person_m", "person_sight", "speed_mps")))
+    lines = recorded.draft(fields, signals).splitlines()
+    assert [line.strip() for line in lines if "#" not in line] == [
+        'time: {column: "elapsed_s", unit: s}',
+        "signals:",
+        'x_m: {column: "x"}',
+        'clearance_person_m: {column: "clearance_person_m"}',
+        'speed_mps: {column: "speed_mps"}',
+    ]
+
+
 @pytest.mark.parametrize(("step", "unit"), [(0.02, "s"), (1.0, "s"), (20, "ms"), (4000, "us"), (1e7, "ns")])
 def test_the_unit_of_a_time_is_guessed_from_its_steps(step: float, unit: str, tmp_path: Path):
     path = tmp_path / "own.csv"

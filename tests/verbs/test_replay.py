@@ -299,6 +299,17 @@ def test_what_a_record_lost_is_told_at_the_times_of_its_flight(tmp_path: Path):
     assert "its last message is at 4.80 s of the record" in held
 
 
+def test_the_drafted_mapping_of_our_own_record_gives_the_same_verdicts(tmp_path: Path):
+    path, mapping = a_record(tmp_path, clearance_person_m=-0.1), tmp_path / "drafted.yaml"
+    mapping.write_text(of_form("judge", judge(path, "--fields", "--format", "json").stdout)["mappings"][0])
+    assert "clearance_person_m: {" in mapping.read_text()
+    own, drafted = (
+        of_form("judge", judge(path, *words, "--format", "json").stdout)["readings"]
+        for words in ((), ("--record", mapping))
+    )
+    assert drafted == own
+
+
 def test_a_ready_mapping_is_named_with_the_nearest(tmp_path: Path):
     done = judge(a_record(tmp_path), "--record", "px5")
     assert done.exit_code == 2
