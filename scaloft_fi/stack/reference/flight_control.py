@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import accumulate
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 
-from scaloft_fi.marks import Positive
+from scaloft_fi.marks import NotNegative, Positive
 from scaloft_fi.stack.declaration import STEP_HZ, FastPath, Numbers
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Array, Imu, SensorFrames, Thrust
@@ -33,6 +33,9 @@ _MODE, _YAW, _ACCEL = 0, 1, 2
 
 # Layout of the numbers of flight control: velocity, hold, memory, gains, allocation, orders, thrust.
 _HOLD, _MEMORY, _GAINS, _ALLOCATION, _ORDERS, _THRUST, NUMBERS = accumulate((3, 3, 7, 19, 16, 3, 4))
+
+Arm = tuple[float, float]
+Spin = Literal[1, -1]
 
 
 @dataclass(frozen=True)
@@ -60,20 +63,20 @@ class ControlConfig:
 
     mass_kg: Positive
     inertia: tuple[Positive, Positive, Positive]
-    rotors: tuple[tuple[float, float], ...]
-    spins: tuple[float, ...]
+    rotors: tuple[Arm, Arm, Arm, Arm]
+    spins: tuple[Spin, Spin, Spin, Spin]
     moment_m: Positive
     max_thrust_n: Positive
-    position_p: tuple[float, float]
-    velocity_p: tuple[float, float]
-    velocity_i: tuple[float, float]
-    attitude_p: tuple[float, float]
-    rate_p: tuple[float, float]
-    accel_mps2: float
-    tilt_accel_mps2: float
-    yaw_rate_radps: float
-    hold_mps: tuple[float, float]
-    land_mps: float
+    position_p: tuple[NotNegative, NotNegative]
+    velocity_p: tuple[NotNegative, NotNegative]
+    velocity_i: tuple[NotNegative, NotNegative]
+    attitude_p: tuple[NotNegative, NotNegative]
+    rate_p: tuple[NotNegative, NotNegative]
+    accel_mps2: Positive
+    tilt_accel_mps2: Positive
+    yaw_rate_radps: NotNegative
+    hold_mps: tuple[NotNegative, NotNegative]
+    land_mps: Positive
 
     def gains(self) -> Array:
         """(19,) masses, limits and gains in the order in which `control` reads them."""
@@ -222,10 +225,10 @@ class FailsafeConfig:
         imu_stop_s: time without an inertial sample before it stops the rotors, because attitude is lost [s].
     """
 
-    command_hold_s: float
-    command_land_s: float
-    fix_level_s: float
-    imu_stop_s: float
+    command_hold_s: NotNegative
+    command_land_s: NotNegative
+    fix_level_s: NotNegative
+    imu_stop_s: NotNegative
 
 
 class FlightControl:

@@ -287,11 +287,11 @@ class MemoryConfig:
     """
 
     voxel_m: Annotated[float, Bounds(least=0.01, most=100.0)]
-    max_age_s: float
+    max_age_s: NotNegative
     min_range_m: NotNegative
     max_range_m: NotNegative
     min_pixels: Count
-    clear_margin_m: float
+    clear_margin_m: NotNegative
     local_radius_m: NotNegative
 
 

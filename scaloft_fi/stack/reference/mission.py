@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from scaloft_fi.marks import NotNegative, Positive, Share
 from scaloft_fi.stack.messages import Battery, Detections, Person, Point
 from scaloft_fi.stack.reference.messages import Failsafe, GoalCheck, PoseEstimate, Route, SpeedLimit, Target
 
@@ -19,8 +20,8 @@ class SpeedLimitConfig:
     """
 
     label: str
-    min_score: float
-    max_range_m: float
+    min_score: Share
+    max_range_m: Positive
 
 
 class SpeedLimitStage:
@@ -59,16 +60,18 @@ class BatteryConfig:
     """Thresholds of the battery monitor.
 
     Attributes:
-        low_charge: state of charge at which to return (PX4 BAT_LOW_THR 0.15).
-        critical_charge: state of charge at which to land (PX4 BAT_CRIT_THR 0.07).
+        low_charge: state of charge at which to return (PX4 BAT_LOW_THR 0.15).  Where take-off has no more, the
+            request comes before the route, which replaces it: the drone flies the whole mission.
+        critical_charge: state of charge at which to land (PX4 BAT_CRIT_THR 0.07).  Where take-off has no more,
+            the drone stays on the ground.
         empty_cell_v: voltage of an empty cell [V]; below it the pack counts as empty, whatever the gauge reads.
         lost_s: after this time without telemetry the pack counts as empty [s].
     """
 
-    low_charge: float
-    critical_charge: float
-    empty_cell_v: float
-    lost_s: float
+    low_charge: Share
+    critical_charge: Share
+    empty_cell_v: NotNegative
+    lost_s: NotNegative
 
 
 class BatteryMonitor:
@@ -109,10 +112,10 @@ class MissionConfig:
         dwell_s: pause after take-off before the first waypoint [s].
     """
 
-    goal_radius_m: float
-    goal_axes: tuple[float, float, float]
-    settled_m: float
-    dwell_s: float
+    goal_radius_m: Positive
+    goal_axes: tuple[Share, Share, Share]
+    settled_m: Positive
+    dwell_s: NotNegative
 
 
 class Mission:

@@ -58,29 +58,29 @@ class PlannerConfig:
         creep_mps: least speed inside `slow_radius_m`, unless the speed limit is lower [m/s].
     """
 
-    obstacle_cost: float
-    obstacle_weight: float
+    obstacle_cost: NotNegative
+    obstacle_weight: NotNegative
     obstacle_m: Positive
     obstacle_width_m: Positive
     dilation_bins: Annotated[int, Bounds(least=0, most=1_000)]
-    yaw_cost: float
-    pitch_cost: float
-    inertia_cost: float
-    elevation_limit_deg: float
+    yaw_cost: NotNegative
+    pitch_cost: NotNegative
+    inertia_cost: NotNegative
+    elevation_limit_deg: Annotated[float, Bounds(least=0.0, most=90.0)]
     range_m: NotNegative
     near_m: NotNegative
     node_m: Annotated[float, Bounds(least=0.01)]
     expansions: Count
     children: Count
     separation_m: NotNegative
-    heuristic_cost: float
-    beyond_goal_m: float
-    straight_in_m: float
-    full_off_axis_rad: float
-    stop_off_axis_rad: float
-    slow_radius_m: float
-    slow_gain_per_s: float
-    creep_mps: float
+    heuristic_cost: NotNegative
+    beyond_goal_m: NotNegative
+    straight_in_m: NotNegative
+    full_off_axis_rad: NotNegative
+    stop_off_axis_rad: NotNegative
+    slow_radius_m: NotNegative
+    slow_gain_per_s: NotNegative
+    creep_mps: NotNegative
 
 
 # the same fields as compiled code takes them

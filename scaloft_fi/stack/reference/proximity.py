@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scaloft_fi.marks import Count
+from scaloft_fi.marks import Count, NotNegative, Positive
 from scaloft_fi.stack.kernel import jit
 from scaloft_fi.stack.messages import Array, DepthCamera, DepthFrame
 from scaloft_fi.stack.reference.messages import CollisionFlag, PoseEstimate, Proximity
@@ -26,8 +26,8 @@ class ProximityConfig:
     """
 
     sectors: Count
-    trigger_m: float
-    band_m: float
+    trigger_m: Positive
+    band_m: Positive
     min_pixels: Count
 
 
@@ -124,12 +124,12 @@ class RecoilConfig:
         accel_mps2: greatest change of velocity while retreating [m/s2].
     """
 
-    speed_mps: float
-    distance_m: float
-    timeout_s: float
-    pause_s: float
-    refractory_s: float
-    accel_mps2: float
+    speed_mps: NotNegative
+    distance_m: NotNegative
+    timeout_s: NotNegative
+    pause_s: NotNegative
+    refractory_s: NotNegative
+    accel_mps2: Positive
 
 
 class Recoil:

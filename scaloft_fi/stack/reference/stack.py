@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from scaloft_fi.marks import Count
+from scaloft_fi.marks import Bounds, Count, NotNegative, Share
 from scaloft_fi.stack.declaration import FastPath, Task, Wire
 from scaloft_fi.stack.messages import Array, Bumper, DepthFrame, Exposure, Imu, Metering, SensorFrames, Stamps, Thrust
 from scaloft_fi.stack.reference import messages as own
@@ -106,9 +107,9 @@ class ExposureConfig:
         gain_from_ev: above this the sensor gain doubles with every EV.
     """
 
-    gain: float
-    limit_ev: float
-    gain_from_ev: float
+    gain: Share
+    limit_ev: Annotated[float, Bounds(least=0.0, most=100.0)]
+    gain_from_ev: Annotated[float, Bounds(least=-100.0, most=100.0)]
 
 
 class ExposureControl:
@@ -141,14 +142,14 @@ class CompanionConfig:
         told_s: how long a person counts as reported after each message [s].
     """
 
-    depth_hover_s: float
-    depth_land_s: float
-    pose_hover_s: float
-    pose_span_s: float
-    pose_reach_s: float
+    depth_hover_s: NotNegative
+    depth_land_s: NotNegative
+    pose_hover_s: NotNegative
+    pose_span_s: NotNegative
+    pose_reach_s: NotNegative
     plan_every: Count
-    hover_p: float
-    told_s: float
+    hover_p: NotNegative
+    told_s: NotNegative
 
 
 @dataclass(frozen=True)

@@ -73,6 +73,17 @@ def test_the_battery_monitor_asks_for_what_the_telemetry_calls_for(config, batte
     assert (asked.action if asked else None) == action
 
 
+def test_a_charge_at_take_off_that_asks_for_the_return_is_lost_in_the_route_and_one_that_asks_to_land_is_not(mission):
+    mission.follow(Failsafe(0.0, "return"))
+    mission.plan(ROUTE)
+    for now_s in (0.0, 0.5):
+        mission.climb(now_s, pose_at(z=1.65))
+    assert mission.target().point == ROUTE.points[0]
+    mission.follow(Failsafe(0.0, "land"))
+    mission.plan(ROUTE)
+    assert mission.phase == "land"
+
+
 def test_lost_telemetry_counts_as_an_empty_pack_and_each_action_is_asked_once(config):
     monitor = BatteryMonitor(config.battery)
     asked = [monitor.update(now_s, None) for now_s in (5.0, 5.05, 5.1)]
