@@ -374,11 +374,21 @@ def _parsed(text: str, path: Path) -> Item:
         line = mark.line + 1 if mark else 1
         if error.problem and "nesting depth" in error.problem:  # libyaml has a limit too, and reads ahead of its events
             raise _FlawError(line, _TOO_DEEP) from error
-        raise _FlawError(line, f"not valid YAML: {error.problem}") from error
+        written, column = "".join(text.splitlines()[line - 1 : line]), mark.column if mark else 0
+        raise _FlawError(line, f"not valid YAML: {_remedy(written, column, error.problem or '')}") from error
     except yaml.YAMLError as error:
         raise _FlawError(1, f"not valid YAML: {' '.join(str(error).split())}") from error
     finally:
         loader.dispose()
+
+
+def _remedy(written: str, column: int, problem: str) -> str:
+    """What the parser says of a line, at a column; of the mistakes that are made most, what to change."""
+    if "\t" in (*written[: len(written) - len(written.lstrip())], written[column : column + 1]):
+        return "a tab stands where YAML takes only spaces; write spaces instead"
+    if problem.startswith("mapping values are not allowed"):
+        return "': ' stands where no key can; put a text with ': ' in quotes, and a key below the keys beside it"
+    return problem
 
 
 _parsed_once = lru_cache(maxsize=128)(_parsed)

@@ -443,7 +443,21 @@ def _form(hint: Any, models: tuple[Any, ...], item: Item) -> Any:
             return model
     if either.allowed:
         raise item.error(either.allowed)
+    if len(fitting) > 1:
+        raise _two_forms(item, {model: own[model] - shared for model in fitting})
     return max(models, key=lambda model: len(own[model] & entries.keys()))
+
+
+def _two_forms(item: Item, own: Mapping[Any, set[str]]) -> InputError:
+    """The error for an entry with keys of its own of several forms; the form that lacks least replaces the others."""
+    entries = item.mapping()
+    form = min(own, key=lambda model: (len(_keys(model)[1] - entries.keys()), len(own[model] & entries.keys())))
+    keys = [key for key in entries if key in own[form] & _keys(form)[1]] or [key for key in entries if key in own[form]]
+    others = [key for key in entries if key not in own[form] and any(key in one for one in own.values())]
+    return InputError(
+        f"{entries[keys[0]].place}: {' and '.join(map(repr, keys))} in {item.name} stands in place of "
+        f"{', '.join(map(repr, others))}; leave out the one or the others"
+    )
 
 
 def _fixed(model: type, key: str) -> tuple[Any, ...]:

@@ -19,7 +19,7 @@ from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.document import Item, digest, is_file, is_there, load, parse_date, read_text
 from scaloft_fi.errors import Faults, InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import find_study, is_packaged, load_matrix
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import Cell, Matrix
 from scaloft_fi.marks import MOST, Bounds, Examples, Reads, Size
 from scaloft_fi.model import read
 from scaloft_fi.mutants.catalogue import check_catalogue, realise, with_events
@@ -442,6 +442,19 @@ class Study(Setup):
         declared = self.grid.documents["world"].plain().get("happenings") or {}
         return sorted({str(entry.get("kind")) for entry in declared.values() if isinstance(entry, dict)})
 
+    def check_requirements(self, cells: Iterable[Cell]) -> None:
+        """Find the requirements that cells name.
+
+        Raises:
+            InputError: the study has no such requirement.
+        """
+        known = [requirement.name for requirement in self.requirements]
+        for cell in cells:
+            for name in cell.requirements:
+                if name not in known:
+                    hint = did_you_mean(name, known)
+                    raise InputError(f"{cell.requirements_place}: {name!r} of {cell.name} is no requirement{hint}")
+
     def check(self, situations: Iterable[Situation] | None = None) -> None:
         """Read every part, and check the parts against each other.
 
@@ -451,12 +464,7 @@ class Study(Setup):
         Raises:
             InputError: parts contradict each other; the message names the place of the first contradiction.
         """
-        known = [requirement.name for requirement in self.requirements]
-        for cell in self.matrix:
-            for name in cell.requirements:
-                if name not in known:
-                    hint = did_you_mean(name, known)
-                    raise InputError(f"{cell.requirements_place}: {name!r} of {cell.name} is no requirement{hint}")
+        self.check_requirements(self.matrix)
         # reading a part checks it
         _ = (
             self.sim.stack.settings(self.stack),

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 FOLDERS = ("hazop", "mutants", "sim")
 _PACKAGE = Path(__file__).resolve().parents[1]
+MOST_BESIDE = 1_000
+"""Most entries of a folder among which a study is looked for."""
 
 
 @contextmanager
@@ -48,13 +51,24 @@ def find_study(path: Path | str | None = None) -> Path:
     allowed = "a folder with hazop/, mutants/ and sim/"
     if path is not None:
         if lacking := [f"{name}/" for name in FOLDERS if not is_folder(Path(path) / name)]:
-            raise InputError(f"--study={str(path)!r} must be {allowed}; it lacks {', '.join(lacking)}")
+            absent = not is_there(Path(path))
+            flaw = f"there is no such folder{_studies_beside(path)}" if absent else f"it lacks {', '.join(lacking)}"
+            raise InputError(f"--study={str(path)!r} must be {allowed}; {flaw}")
         return Path(path)
     here = _here()
     try:
         return nearest_study(here) or reference_study()
     except InputError as error:
         raise InputError(f"no study in {here} or above it: {allowed}; name one with --study") from error
+
+
+def _studies_beside(path: Path | str) -> str:
+    """The hint at a study in the folder in which this one would stand."""
+    folder, studies = Path(path).parent, list[str]()
+    with suppress(OSError, ValueError):  # no such folder either; a NUL in the name
+        beside = islice(folder.iterdir(), MOST_BESIDE)
+        studies = [str(one) for one in beside if _is_study(one) and one.resolve() != _PACKAGE]
+    return did_you_mean(str(path), studies)
 
 
 def reference_study() -> Path:

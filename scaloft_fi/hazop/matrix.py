@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Annotated, ClassVar, Literal, TypeVar
 
 from scaloft_fi import marks
-from scaloft_fi.document import Item, is_there, load
+from scaloft_fi.document import Item, is_there, load, parse_date
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.model import attributes_of, value_of
 
@@ -463,6 +463,11 @@ class Team:
     responsible: str | None = None
     due: str | None = None
     action_status: str | None = None
+
+    def contradictions(self, item: Item) -> Iterator[InputError]:
+        """Refuse a due date that no calendar has."""
+        if self.due and re.fullmatch(r"\d{4}-\d\d-\d\d", self.due) and parse_date(self.due) is None:
+            yield item.need("due").error("a date, as 2027-01-31, or words")
 
 
 NO_TEAM = Team()

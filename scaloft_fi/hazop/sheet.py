@@ -456,16 +456,21 @@ def sort(
     known = list(dict.fromkeys((*(word.id for word in matrix.guidewords), *further)))
     own = {plain(text): name for text, name in parameters.items()}
     there = {plain(text): one.id for one in reversed(matrix.parameters) for text in (one.title, one.id)}
+    titles = sorted((*own, *(plain(one.title) for one in matrix.parameters)), key=len, reverse=True)
     names, new = dict[tuple[str, str], str](), dict[str, dict[str, str]]()
     rows, drafts = list[RowOf](), dict[str, Draft]()
     for line in lines:
         node, text = line.texts.get("node", ""), line.texts.get("parameter", "")
         cell, chosen = line.texts.get("cell", ""), named_words(line, words, known)
-        about = text or node or _deviating(line.texts.get("deviation", ""), words)
+        about, told = text or node, line.texts.get("deviation", "")
+        if not about and (title := next((one for one in titles if f" {one} " in f" {plain(told)} "), "")):
+            rest = " ".join(f" {plain(told)} ".replace(f" {title} ", " ", 1).split())
+            about, chosen = title, chosen or tuple(filter(None, [_known(rest, known)]))
+        about = about or _deviating(told, words)
         if cell in matrix:
             rows.append(RowOf(line.place, cell, _THERE))
         elif not about:
-            rows.append(RowOf(line.place, "", "it names no node and no parameter"))
+            rows.append(RowOf(line.place, "", "it names no node and no parameter: --column parameter=HEAD"))
         elif not chosen:
             said = line.texts.get("guideword") or " or ".join(line.words)
             why = f"{shown(said)} is not one guideword" if said else "it names no guideword"

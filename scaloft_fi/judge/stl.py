@@ -141,14 +141,22 @@ def tokenize(text: str) -> list[str]:
 def inside_always(text: str) -> str | None:
     """The text in the brackets of `always( ... )`; None if the text has another form.
 
+    Raises:
+        FormulaError: it begins so, and a bracket is missing or left over.
+
     >>> inside_always("always((a > 0) and (b > 0))")
     '( a > 0 ) and ( b > 0 )'
     >>> inside_always("always(a > 0) and (b > 0)")
     """
     tokens = tokenize(text)
-    if tokens[:2] != ["always", "("] or tokens[-1] != ")":
+    if tokens[:2] != ["always", "("]:
         return None
-    depth = 0
+    depth = tokens.count("(") - tokens.count(")")
+    if depth:
+        flaw = f"lacks {')' * depth!r}" if depth > 0 else f"has {')' * -depth!r} too many"
+        raise FormulaError(f"has brackets that do not match: it {flaw}")
+    if tokens[-1] != ")":
+        return None
     for position, token in enumerate(tokens):
         depth += (token == "(") - (token == ")")
         if depth == 0 and 0 < position < len(tokens) - 1:

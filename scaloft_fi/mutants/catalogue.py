@@ -197,9 +197,10 @@ def _selected(pattern: str, matrix: Matrix, catalogue: Sequence[Mutant]) -> Iter
 
 
 def _nearest(text: str, catalogue: Sequence[Mutant]) -> str:
-    """A hint at the nearest id or cell name; upper and lower case do not matter."""
+    """A hint at the nearest id or cell name, or the first that a pattern matches; case does not matter."""
     names = {name.casefold(): name for mutant in catalogue for name in (mutant.cell, mutant.id)}
-    return did_you_mean(names.get(text.casefold(), text), names.values())
+    fits = (name for folded, name in names.items() if fnmatchcase(folded, text.casefold()))
+    return did_you_mean(next(fits, text), names.values())
 
 
 CATALOGUE = "catalogue.jsonl"

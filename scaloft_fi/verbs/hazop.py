@@ -187,7 +187,7 @@ def checked(study: Study, files: Mapping[Path, str]) -> None:
     """Read the matrix that the files would make, before any is written.
 
     Raises:
-        InputError: it is none.
+        InputError: it is none, or names a requirement that the study lacks.
     """
     hazop = study.folder / "hazop"
     with tempfile.TemporaryDirectory(prefix="scaloft-fi-") as folder:
@@ -196,7 +196,9 @@ def checked(study: Study, files: Mapping[Path, str]) -> None:
         for path, text in files.items():
             (copy / path.relative_to(hazop)).write_text(text, encoding="utf-8")
         try:
-            load_matrix(copy, study.stack.by_name)
+            cells, now = load_matrix(copy, study.stack.by_name), study.matrix
+            other = (one for one in cells if one.name in now and now.cell(one.name).requirements != one.requirements)
+            study.check_requirements(other)
         except InputError as error:
             raise InputError(str(error).replace(str(copy), str(hazop))) from error
 

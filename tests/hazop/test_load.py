@@ -194,8 +194,16 @@ def test_a_named_folder_that_is_no_study_says_what_it_lacks(tmp_path: Path):
     (tmp_path / "hazop").mkdir()
     with pytest.raises(InputError, match=r"must be a folder with hazop/, mutants/ and sim/; it lacks mutants/, sim/"):
         find_study(tmp_path)
-    with pytest.raises(InputError, match="it lacks hazop/, mutants/, sim/"):
-        find_study(tmp_path / "nowhere")
+
+
+def test_a_named_folder_that_is_not_there_is_told_with_the_nearest_study_beside_it(tmp_path: Path):
+    for name in ("hazop", "mutants", "sim"):
+        (tmp_path / "my_mine" / name).mkdir(parents=True)
+    (tmp_path / "my_mint").mkdir()
+    with pytest.raises(InputError, match=rf"and sim/; there is no such folder; did you mean '{tmp_path}/my_mine'\?"):
+        find_study(tmp_path / "my_mina")
+    with pytest.raises(InputError, match=r"and sim/; there is no such folder$"):
+        find_study(tmp_path / "nowhere" / "my_mina")
 
 
 def test_a_named_study_is_taken_as_it_was_named(tmp_path: Path):

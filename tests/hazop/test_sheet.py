@@ -63,6 +63,13 @@ def test_heads_and_guidewords_of_four_languages_are_known(tmp_path: Path, text: 
     assert all(line.texts["causes"] and line.texts["effect"] for line in lines)
 
 
+def test_a_parameter_of_the_study_is_found_anywhere_in_a_deviation_in_small_and_capital_letters(tmp_path: Path):
+    worded = "Guideword,Deviation,Cause\nLATE,The Person Detection comes too late,load\nNO,The persons,x\n"
+    assert cells(sheets.read_sheet(sheet(tmp_path, worded))) == ["LATE-human", ""]
+    bare = "Deviation,Cause,Effect\nVelocity command reversed,a,b\nNo valid waypoint sequence,c,d\n"
+    assert cells(sheets.read_sheet(sheet(tmp_path, bare))) == ["REVERSE-velcmd", "NO-waypoint"]
+
+
 def test_any_other_head_and_word_is_named_by_an_option(tmp_path: Path):
     path = sheet(tmp_path, "部件,引导词,偏差\n雷达,无,没有回波\n")
     with pytest.raises(InputError, match="--column deviation=HEAD"):

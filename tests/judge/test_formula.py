@@ -7,6 +7,7 @@ import io
 import json
 import logging
 import math
+import re
 import time
 from collections.abc import Mapping
 from dataclasses import replace
@@ -119,6 +120,20 @@ def test_only_brackets_around_everything_are_the_inside_of_always():
     assert inside_always("always(a > 0) or always(b > 0)") is None
     assert inside_always("a > 0") is None
     assert inside_always("always[0:2](a > 0)") is None
+
+
+@pytest.mark.parametrize(
+    ("text", "flaw"),
+    [
+        ("always(a > 0", "lacks ')'"),
+        ("always((a > 0) and (b > 0)", "lacks ')'"),
+        ("always((a > 0", "lacks '))'"),
+        ("always(a > 0))", "has ')' too many"),
+    ],
+)
+def test_a_bracket_of_always_that_is_missing_or_left_over_is_named(text: str, flaw: str):
+    with pytest.raises(FormulaError, match=f"has brackets that do not match: it {re.escape(flaw)}$"):
+        inside_always(text)
 
 
 @given(

@@ -157,7 +157,7 @@ def test_what_is_no_mutant_is_refused_with_the_reason_and_the_nearest_name(matri
     said = {text: refusal(realise, small, text) for text in plain}
     events = "NO-human@1s#sihgt", "NO-human#light", "NO-human@25%#sight"
     said |= {text: refusal(realise, with_events(small, EVENTS), text) for text in events}
-    patterns = "LATE-humna", "LATE-humna*", "late-human", "LATE-human@-1s", "EARLY-goal"
+    patterns = "LATE-humna", "LATE-humna*", "late-human*", "late-human", "LATE-human@-1s", "EARLY-goal"
     said |= {f"select {pattern}": refusal(ids, matrix, pattern) for pattern in patterns}
     fault = matrices.Fault("person", "drop", {"share": 1.0}, place="human.yaml:5", places=PLACES, message=Detections)
     said |= {what: refusal(derive, a_matrix(replace(fault, **change))) for what, change in WRONG.items()}

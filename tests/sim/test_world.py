@@ -196,7 +196,7 @@ def test_a_users_mine_may_be_wound_either_way(with_mesh):
         (None, "scale_m: 0.01", "room.obj' cannot be read: No such file"),
         ("hello\n", "scale_m: 0.01", "must have faces"),
         (OBJ_ROOM, "scale_m: -0.01", "scale_m=-0.01 must be > 0"),
-        (OBJ_ROOM, "scale_m: 1.0; height_m: 2.7", "unknown key 'height_m'"),
+        (OBJ_ROOM, "scale_m: 1.0; height_m: 2.7", "'mesh' in mine stands in place of 'height_m'; leave out"),
         (OBJ_ROOM, "scale_m: 0.001", "home=[0.0, 0.0] must be in the open space of the mine"),
         (OBJ_ROOM.replace("v 200 ", "v -100 "), "scale_m: 0.01", "must have the floor at z=0, but there is none"),
         (OBJ_ROOM.replace(" 0\n", " 30\n"), "scale_m: 0.01", "it is at z=0.30 m; the mine reaches from x -2 to 2"),

@@ -292,7 +292,7 @@ COMMAND = f"{sys.executable} -P -m scaloft_fi"
 FLY = "run --mutant REVERSE-velcmd --situation T0O0W0D0H0 --baseline-seeds 1 --jobs 1"
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(STUDY)}
 
-NO_STUDY = "must be a folder with hazop/, mutants/ and sim/; it lacks hazop/, mutants/, sim/"
+NO_STUDY = "must be a folder with hazop/, mutants/ and sim/; there is no such folder"
 ROWS = {
     "$S matrix --study $STUDY >&-": (2, "error: standard output cannot be written: it is closed\n"),
     "$S matrix --study $STUDY >/dev/full": (2, "error: standard output cannot be written: No space left on device\n"),

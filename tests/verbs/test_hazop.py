@@ -208,11 +208,21 @@ def test_what_people_edited_is_shown_and_changes_single_values_in_place(folder: 
     assert told(folder, "diff", worksheet)["edits"] == []
 
 
-def test_an_edit_that_no_study_can_have_leaves_every_file_alone(folder: Path, worksheet: Path):
-    edit(worksheet, "LATE-human", Consequence="other", Severity="dreadful")
+@pytest.mark.parametrize(
+    ("head", "text", "said"),
+    [
+        ("Severity", "dreadful", "severity='dreadful'"),
+        ("Requirements", "SR1, SR9", "'SR9' of LATE-human is no requirement; did you mean 'SR2'?"),
+        ("Due_date", "2027-13-45", "due='2027-13-45' must be a date, as 2027-01-31, or words"),
+    ],
+)
+def test_an_edit_that_no_study_can_have_leaves_every_file_alone(
+    folder: Path, worksheet: Path, head: str, text: str, said: str
+):
+    edit(worksheet, "LATE-human", Consequence="other", **{head: text})
     before = content(folder)
     refused = CliRunner().invoke(main, ["hazop", "diff", str(worksheet), "--study", str(folder), "--write"])
-    assert "severity='dreadful'" in sentence(refused)
+    assert said in sentence(refused)
     assert str(folder / "hazop" / "matrix" / "human.yaml") in refused.stderr
     assert content(folder) == before
 
