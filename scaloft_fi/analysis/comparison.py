@@ -58,7 +58,8 @@ class ComparedMutant(OfSubject):
         situations: in which both campaigns put it to the same test.
         lost_p: chance of as many violations more in the first campaign if both drones do the same, after Holm.
         gained_p: the same of the second campaign.
-        requirement: the safety requirement in which the campaigns differ most there; null: there is none.
+        requirement: the safety requirement in which the campaigns differ most there, of equals the one that is violated
+            most; null: there is none.
         first_violated: flights of the first campaign that violate it there, of all.
         second_violated: the same of the second campaign.
         severity: class of its cell; None where the cell has none.
@@ -260,7 +261,7 @@ def _compared(
         if own
     }
     apart = {name: abs(k / n - b / m) for name, (k, n, b, m) in sums.items()}
-    requirement = max(apart, key=lambda name: apart[name], default=None)
+    requirement = max(apart, key=lambda name: (apart[name], sums[name][0] + sums[name][2]), default=None)
     k, n, b, m = sums[requirement] if requirement is not None else (0, 0, 0, 0)
     situations = len({key for by_situation in strata.values() for key in by_situation})
     return ComparedMutant(

@@ -290,10 +290,13 @@ def load_cells(
         InputError: a guideword is unknown, a guideword has no cell, a key of a cell is missing or not allowed.
     """
     sheet, faults, cells = load(path), Faults(), list[tuple[matrices.Cell, matrices.SeverityClass | None]]()
-    faults.add(*misnamed_cells(sheet, [word.id for word in guidewords]))
-    for word in guidewords:
+    words = [word.id for word in guidewords]
+    if misnamed := list(misnamed_cells(sheet, words)):
+        faults.add(*misnamed)
+        words = [word for word in words if word in sheet.mapping()]  # a blank cell may be the one that is misnamed
+    for word in words:
         with faults.collecting():
-            cells.append(read_cell(sheet, word.id, path.stem, seams, classes))
+            cells.append(read_cell(sheet, word, path.stem, seams, classes))
     faults.end()
     return tuple(cells)
 

@@ -219,6 +219,16 @@ Value = float | str | bool
 Rung = float | str
 MOST_ENTRIES = 100
 """Most causes, requirements or faults of a cell, and most magnitudes of a ladder."""
+SCALES: Mapping[str, Mapping[str, float]] = {
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
+    "m": {"m": 1.0, "cm": 0.01, "mm": 1e-3, "km": 1e3},
+    "mps": {"mps": 1.0, "cmps": 0.01, "mmps": 1e-3},
+    "hz": {"Hz": 1.0, "kHz": 1e3},
+    "deg": {"deg": 1.0, "rad": math.degrees(1.0)},
+    "rad": {"rad": 1.0, "deg": math.radians(1.0), "mrad": 1e-3},
+    "radps": {"radps": 1.0, "degps": math.radians(1.0)},
+}
+"""By the unit at the end of an argument's name, the units that a magnitude of it may have, each with its scale."""
 _UNIT = r"[A-Za-z%][A-Za-z0-9%]*|"
 _ANY_NUMBER = marks.Bounds(least=-1e12, most=1e12, infinite=True)
 """A magnitude or an argument; an operator may allow `.inf`, such as a hold that never ends."""
@@ -327,10 +337,27 @@ class Magnitude:
         if item.get("scale") is not None and (named or self.scale == 0):
             allowed = "left out where the ladder holds names" if named else "a finite number other than 0"
             yield item.need("scale").error(allowed)
+        yield from self._misfit(item)
         if named and self.worse not in ("", Worse.UNORDERED):
             yield item.need("worse").error("left out where the ladder holds names")
         if self.neutral is not None and worse(self) is Worse.UNORDERED:
             yield item.need("neutral").error("left out where the ladder has no order")
+
+    def _misfit(self, item: Item) -> Iterator[InputError]:
+        """Refuse a unit that is not the argument's, or whose scale is another one."""
+        base = self.argument.rpartition("_")[2] if "_" in self.argument else ""
+        scales = SCALES.get(base)
+        if scales is None or not self.unit:
+            return
+        of, scale = f"{self.argument} is in {next(iter(scales))}", scales.get(self.unit)
+        if scale is None:
+            known = ", ".join(
+                unit if factor == 1.0 else f"{unit} (scale {factor:g})" for unit, factor in scales.items()
+            )
+            yield item.need("unit").error(f"one of {known}, because {of}")
+        elif not math.isclose(abs(self.scale), scale, rel_tol=1e-4):
+            key, needs = ("unit", "beside scale: ") if item.get("scale") is None else ("scale", "")
+            yield item.need(key).error(f"{needs}{scale:g}, because {of}")
 
     def text(self, rung: Rung) -> str:
         """Write the magnitude as it stands in a mutant's id.

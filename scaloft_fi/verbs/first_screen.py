@@ -402,12 +402,15 @@ LEGEND = {
     NO_KILL: "it violates here and there, more often than chance explains.",
     "pool": "by the baseline's seeds alone, as the mutant flew one.",
     "by": "situations per requirement.",
-    "mixed": "`scaloft-fi kills ID` says where.",
+    "mixed": "`scaloft-fi kills{where} ID` says where.",
     "first": "earliest such violation [s from take-off].",
     "--seeds": "so many decide, by `run --mutant ID`; anew: in a campaign of its own.",
-    SHORT[Next.FIND]: "`scaloft-fi kills ID --show survivors` has the command.",
+    SHORT[Next.FIND]: "`scaloft-fi kills{where} ID --show survivors` has the command.",
 }
-"""What the words of a table say that its reader may not know; the legend has those that are shown."""
+"""What the words of a table say that its reader may not know; the legend has those that are shown.
+
+`{where}` stands for the options that name study and campaign.
+"""
 FIRM = {
     detection.Firmness.FIRM: "yes",
     detection.Firmness.FIRM_BY_POOL: "pool",
@@ -461,11 +464,12 @@ class Screen:
             title = f"{verdict.words.capitalize()}: {len(members)}"
             title += f", of which {in_score[verdict]} count in the score" * (in_score[verdict] != len(members))
             groups.append(self._table(title, worst_first(by_kills, lambda mutant: mutant.severity), ("verdict",)))
-        controls = tuple(map(_control, scored.controls))
-        groups.append(Table(f"Controls, in no ratio: {self._controls}", ("mutant", *CONTROL_COLUMNS), controls))
+        columns = ("mutant", *(() if self.study.tests_of else CONTROL_COLUMNS))
+        controls = tuple(_control(mutant)[: len(columns)] for mutant in scored.controls)
+        groups.append(Table(f"Controls, in no ratio: {self._controls}", columns, controls))
         groups = [group for group in groups if group.rows]
         if groups:
-            groups[-1] = replace(groups[-1], notes=("", legend(groups)))
+            groups[-1] = replace(groups[-1], notes=("", legend(groups, self.campaign)))
         lines = [self._flown]
         if not self.study.tests_of:  # what its tests are without a fault, a suite tells test by test
             lines += [Line("Unmutated drone", baseline_line(scored.pool, self.campaign))]
@@ -500,7 +504,7 @@ class Screen:
             return [with_legend("\n".join(grid), signs, columns, marked=marked) + "\n"]
         flown = worst_first([each for each in self.scored.mutants if each.flown], lambda mutant: mutant.severity)
         shown = self._table("", sorted(flown, key=lambda mutant: mutant.detected)[:MOST_ROWS], ONLY_WHOLE)
-        shown = self._said(replace(shown, notes=(legend([shown]),)))
+        shown = self._said(replace(shown, notes=(legend([shown], self.campaign),)))
         if not (rows := [[*map(str, row)] for row in shown.rows]):
             return []
         body = body_text(shown.headers, rows, columns, shown.spare, marked=marked)
@@ -544,11 +548,12 @@ class Screen:
         return Table(title, ("mutant", *columns), rows, spare=tuple(each for each in SPARE if each in columns))
 
 
-def legend(tables: Sequence[Table]) -> str:
+def legend(tables: Sequence[Table], campaign: str) -> str:
     """What the words of these tables of mutants say, of those that they show."""
     shown = {str(cell) for table in tables for row in (table.headers, *table.rows) for cell in row}
     words = shown | {cell.partition(" ")[0] for cell in shown}
-    return "  ".join(f"{word}: {meaning}" for word, meaning in LEGEND.items() if word in words)
+    said = "  ".join(f"{word}: {meaning}" for word, meaning in LEGEND.items() if word in words)
+    return said.replace("{where}", in_campaign(campaign))
 
 
 def _lines(table: Table, width: int, *, marked: bool) -> str:
@@ -616,7 +621,7 @@ def _facts(mutant: MutantScore, scored: Score, study: Study) -> dict[str, str]:
         "killed in": NO_KILL if mutant.detected and not mutant.kills else rate.short * mutant.tested,
         "firm": FIRM[mutant.firmness] if mutant.firmness else "",
         "by": ", ".join(killed or mutant.safety.by or (f"{name} seen in {k}/{rate.whole}" for name, k in seen.items())),
-        "where": where if len(where) <= WIDEST else "mixed",
+        "where": where if len(where) <= WIDEST else "mixed" * bool(mutant.kills),
         "first": f"{mutant.first.t_s:.1f}" if mutant.first else "",
         "effect": _effect(mutant),
         "next": short_step(mutant, steps, background),

@@ -21,6 +21,9 @@ from scaloft_fi.verbs.options import Option, verb
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Format, Table, render
 
+AT_LIMIT_S = 1.0
+"""A record that ends this long before the time limit has reached it [s]: its clock may be coarse."""
+
 
 class RecordVerdict(StrEnum):
     """What a record says about a requirement."""
@@ -78,7 +81,7 @@ class FlightRecord:
 
     Attributes:
         file: path of the record.
-        ending: how the flight ended; null: the record ends before it, and no time limit is known.
+        ending: how the flight ended; null: the record ends before it.
         duration_s: how long it lasted [s].
         begins_s: time of the record at which the flight begins [s].
         waits_for: the signal whose first message begins the flight; null: the position does, or the mapping says when.
@@ -93,9 +96,10 @@ class FlightRecord:
     gaps: tuple[Gap, ...]
 
     @classmethod
-    def of(cls, one: JudgedRecord, *, limited: bool) -> FlightRecord:
-        """What is told of a record; `limited`: whether the time limit of its flight is known."""
+    def of(cls, one: JudgedRecord, limit_s: float | None) -> FlightRecord:
+        """What is told of a record; `limit_s`: the time limit of its flight, None where nobody knows it [s]."""
         flight = one.flight
+        limited = limit_s is not None and flight.log.duration_s > limit_s - AT_LIMIT_S
         ending = flight.log.ending if limited or flight.log.ending is not Ending.TIMED_OUT else None
         waits_for = flight.waits_for or None
         return cls(one.path, ending, flight.log.duration_s, round(flight.begins_s, 6), waits_for, flight.gaps)
@@ -355,7 +359,7 @@ def judge(
             unread.append(UnreadRecord(path, str(error)))
     told = JudgedRecords(
         tuple(RecordReading.of(one.path, finding) for one in records for finding in one.findings),
-        tuple(FlightRecord.of(one, limited=known.limit_s is not None) for one in records),
+        tuple(FlightRecord.of(one, known.limit_s) for one in records),
         tuple(unread),
         tuple(RecordLoss.of(one.path, loss) for one in records for loss in one.flight.losses),
     )

@@ -24,6 +24,7 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
 from scaloft_fi.verbs.options import Option, Several, several, verb
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
+from scaloft_fi.verbs.verdict import in_campaign
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 
@@ -149,7 +150,8 @@ def sought_in(now: Snapshot, mutants: Sequence[str], most: int) -> list[Sought]:
         chosen = [mutant.id for mutant in select(mutants, now.study.matrix, now.study.catalogue)]
         for id_ in chosen:
             if id_ not in by_id:
-                raise InputError(f"{id_} has no flights in the campaign {now.name}; `scaloft-fi run --mutant {id_}`")
+                flies = f"`scaloft-fi run{in_campaign(now.name)} --mutant {id_}`"
+                raise InputError(f"{id_} has no flights in the campaign {now.name}; {flies}")
     else:
         chosen = [one.id for one in now.score.counted if one.tested and not one.detected and not one.seen_in]
     if not chosen:

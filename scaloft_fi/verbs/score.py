@@ -323,7 +323,7 @@ class ScoredFlights:
         rulings: what each flight shows beside its baseline.
         score: the score.
         noise: of a stack that is not deterministic: the noise of robustness; else empty.
-        warning: what a reader must know of the platforms of the flights; "" where there is nothing.
+        warning: what a reader must know of the flights, such as their platforms; "" where there is nothing.
         stale: the stored flights that no longer count and were not flown again.
         accepted: the survivors that somebody accepted, of the mutants that the ratios count.
         looks: of `run --sequential`: its looks; else empty.
@@ -463,9 +463,13 @@ def scored_run(flown: FlownRun, campaign: str) -> ScoredFlights:
     left = () if planned.request.sequential else unflown(planned.plan, report.left)
     noise = () if study.stack.deterministic else noise_of(report.outcomes)
     with snapshot(study, campaign) as now:
-        stale = now.stale
+        stale, held = now.stale, sum(map(now.now.stands, now.store.flights()))
+    beyond = held - len(report.outcomes)
+    judged = f"{beyond} more flights of the campaign are not judged here, as the run did not ask for them"
+    whole = f"{judged}; `scaloft-fi score{in_campaign(campaign)}` judges all" if beyond > 0 else ""
+    warning = "  ".join(filter(None, [report.mixture, whole]))
     accepted, looks = _accepted(study, score, None), tuple(flown.looks)
-    return ScoredFlights(study, campaign, flown.rulings, score, noise, report.mixture, stale, accepted, looks, left)
+    return ScoredFlights(study, campaign, flown.rulings, score, noise, warning, stale, accepted, looks, left)
 
 
 def _accepted(study: Study, score: Score, today: date | None) -> tuple[Disposition, ...]:

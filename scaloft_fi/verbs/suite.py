@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import subprocess
+import sys
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -30,7 +31,7 @@ from scaloft_fi.errors import InputError, shown
 from scaloft_fi.hazop.matrix import CellStatus, cell_of, class_of, worst_first
 from scaloft_fi.mutants.catalogue import defaults, realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.output import joined, say, tell
+from scaloft_fi.output import joined, say, show, tell
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import options, score
 from scaloft_fi.verbs import run as run_verb
@@ -366,7 +367,7 @@ def suite_command(
         tell(render(shown_reach, Format(style)))
         return 0
     if not quiet:
-        say(render(shown_reach, Format.TABLE))
+        show(sys.stderr, render(shown_reach, Format.TABLE))
     how = RunOptions(jobs=jobs, max_invalid=max_invalid, command=typed())
     bar = progress.Silence() if quiet else progress.Progress(tally=score.shown_so_far)
     told = tested(suite, asked, name, how, bar)

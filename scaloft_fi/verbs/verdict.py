@@ -40,9 +40,16 @@ def in_campaign(campaign: str) -> str:
 
 
 def command(
-    campaign: str, mutants: Sequence[MutantScore], seeds: int, defaults: Collection[str] = (), grid: str = ""
+    campaign: str,
+    mutants: Sequence[MutantScore],
+    seeds: int,
+    defaults: Collection[str] = (),
+    grid: str = "",
+    situations: int = 0,
 ) -> str:
     """The `run` that flies these mutants, and no others; drawn numbers are of no grid, so their situations are named.
+
+    So are a few situations of a grid that has more.
 
     Args:
         campaign: its name.
@@ -50,13 +57,15 @@ def command(
         seeds: of each.
         defaults: ids of the mutants that `run` flies when none is named; exactly these need no name.
         grid: the further grid of a campaign that is still to be made.
+        situations: number of situations of the grid.
     """
     words = [f"scaloft-fi run{in_campaign(campaign)}", *([f"--grid {grid}"] if grid else [])]
     ids = [mutant.subject.id for mutant in mutants]
     if len(ids) <= MOST_NAMED or set(ids) != set(defaults):
         words += [f"--mutant {id_}" for id_ in ids]
     flown = dict.fromkeys(result.situation for mutant in mutants for result in mutant.results)
-    if any((situation := Situation.parse(key)) and situation.numbers for key in flown):
+    drawn = any((situation := Situation.parse(key)) and situation.numbers for key in flown)
+    if drawn or (len(flown) <= MOST_NAMED and len(flown) < situations):
         words += [f"--situation {key}" for key in flown]
     if seeds > 1:
         words.append(f"--seeds {seeds}")
@@ -89,7 +98,7 @@ def with_legend(grid: str, signs: Mapping[str, str], width: int, *, marked: bool
 def next_step(scored: Score, study: Study, campaign: str) -> str:
     """The command that is the most useful now, as every screen of a campaign says; the arguments of `answers`."""
     faults, survivors = scored.faults, f"`scaloft-fi kills{in_campaign(campaign)} --show survivors`"
-    finds, defaults = study.finds, study.roster.defaults.values()
+    finds, defaults, every = study.finds, study.roster.defaults.values(), len(study.grid.situations)
     if study.tests_of:
         if faults and all(mutant.detected for mutant in faults):
             return "nothing: every fault is shown."
@@ -110,8 +119,10 @@ def next_step(scored: Score, study: Study, campaign: str) -> str:
     undecided = [mutant for mutant in faults if mutant.verdict is Verdict.UNDECIDED]
     looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
     if looks:
-        run = command(campaign, looks, max(mutant.safety.needed or 0 for mutant in looks), defaults)
-        return f"`{run}` would decide {len(looks)} of the {len(undecided)} undecided."
+        flown = len({result.situation for mutant in looks for result in mutant.results})
+        run = command(campaign, looks, max(mutant.safety.needed or 0 for mutant in looks), defaults, "", every)
+        where = f"; it flies all {every} situations, of which {flown} were flown" if MOST_NAMED < flown < every else ""
+        return f"`{run}` would decide {len(looks)} of the {len(undecided)} undecided{where}."
     if any(not mutant.detected for mutant in faults):
         return f"{survivors} says of each fault not shown where it stopped, and what to change."
     if faults:

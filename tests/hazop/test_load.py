@@ -86,6 +86,11 @@ BAD_CELLS = {
     ),
     "a scale of zero": with_magnitude("{argument: v, unit: m, scale: 0, ladder: [1], default: 1}"),
     "a scale of a name": with_magnitude("{argument: axis, scale: 2, ladder: [x], default: x}"),
+    "a unit that is no multiple of the argument's": with_magnitude(
+        "{argument: delay_s, unit: bananas, ladder: [1], default: 1}"
+    ),
+    "a unit without its scale": with_magnitude("{argument: delay_s, unit: ms, ladder: [1], default: 1}"),
+    "a unit with another's scale": with_magnitude("{argument: delay_s, unit: ms, scale: 60, ladder: [1], default: 1}"),
     "a fixed argument that varies": LATE.replace("      magnitude", "      arguments: {delay_s: 1}\n      magnitude")
     + MORE,
     "a list as argument": LATE.replace("      magnitude", "      arguments: {axes: [1, 2]}\n      magnitude") + MORE,

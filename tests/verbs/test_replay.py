@@ -334,6 +334,8 @@ def test_a_situation_gives_route_and_time_limit_to_a_record_without_them(tmp_pat
     assert refused.stderr.count("\n") == 1
     done = judge(record, "--record", mapping, "--situation", "T0O0W0D0H0", "--format", "markdown")
     assert (done.exit_code, no_terms(done.stdout)) == (0, [])
+    told = of_form("judge", judge(record, "--situation", "T0O0W0D0H0", "--format", "json").stdout)
+    assert told["records"][0]["ending"] is None, "it ends long before the limit"
 
 
 def test_the_study_names_the_mapping_of_its_records(tmp_path: Path, copy: Path, call: Call):

@@ -39,7 +39,9 @@ def test_warnings_tell_each_violation_of_however_many_mutants(call: Call):
     for words in (("--mutant", "LATE-human"), ("--seeds", "1-1")):
         said = call("run", "--situation", "T0O0W0D0H1", "--warnings", *words).stderr.splitlines()
         (counted,) = (line for line in said if line.startswith("violations: "))
-        warnings = [line for line in said if line.startswith("warning: ")]
+        warnings = [line for line in said if line.startswith("warning: ") and " violated at " in line]
+        beyond = [line for line in said if "as the run did not ask for them" in line]
+        assert len(beyond) == (words[0] == "--seeds"), "seed 0 of LATE-human is no part of the second run"
         assert any(line.startswith("warning: SR2 violated at 8.00 s") for line in warnings)
         assert counted.startswith(f"violations: {len(warnings)} (mutants {len(warnings)}); ")
 

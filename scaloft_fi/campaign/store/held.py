@@ -9,6 +9,7 @@ record is judged by looks.
 from __future__ import annotations
 
 import math
+import shlex
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -19,6 +20,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.store.record import Origin, Planned
 from scaloft_fi.campaign.store.store import FlownFlight, Store
+from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, TRACK_EVERY, Outcome, track_values
 from scaloft_fi.mutants.catalogue import realise
@@ -152,12 +154,12 @@ def counting_flights(study: Study, store: Store) -> list[FlownFlight]:
 
 def nothing_to_show(study: Study, store: Store, folder: Path) -> NoReturn:
     """Raise the error for a campaign without a current outcome."""
-    flights = store.flights()
+    flights, named = store.flights(), "" if folder.name == CAMPAIGN else f" --campaign {shlex.quote(folder.name)}"
     if not flights:
-        raise InputError(f"{folder}: nothing to show: the campaign has no flight; start with `scaloft-fi run`")
+        raise InputError(f"{folder}: nothing to show: the campaign has no flight; start with `scaloft-fi run{named}`")
     what, makes = ("runs", "runs") if study.tests_of else ("flights", "flies")
-    stale = f"all {len(flights)} {what} are stale (`scaloft-fi status`)"
-    raise InputError(f"{folder}: nothing to show: {stale}; `{study.again}` {makes} again")
+    stale = f"all {len(flights)} {what} are stale (`scaloft-fi status{named}`)"
+    raise InputError(f"{folder}: nothing to show: {stale}; `{study.again}{named}` {makes} again")
 
 
 def latest_in(study: Study, store: Store) -> tuple[Outcome, ...]:
