@@ -30,8 +30,7 @@ from scaloft_fi.campaign.processes import LINUX, PATIENCE_S, ProcessPool, cores,
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.log import FlightLog
-from scaloft_fi.sim.situation import Situation
-from scaloft_fi.stack.declaration import TICK_HZ, TICK_S, PlainWire, Task
+from scaloft_fi.stack.declaration import TICK_HZ, TICK_S, Declaration, PlainWire, Task
 from scaloft_fi.study import Study
 
 KERNELS_S = 5.0
@@ -51,15 +50,17 @@ class Physics:
         Raises:
             InputError: the settings of the stack do not fit.
         """
-        from scaloft_fi.sim import build, flight
-        from scaloft_fi.stack.kernel import compiles
+        from scaloft_fi.sim import build, flight, vehicle
+        from scaloft_fi.stack import kernel
 
         def tell() -> None:
-            if compiles():
+            if kernel.compiles():
                 say("compiling kernels (first run on this machine only)")
 
-        first = study.grid.situations[0]
-        beside = _compiling(study, first)  # before the notice's thread, because it is a fork
+        first, beside = study.grid.situations[0], None
+        if not kernel.is_kept(vehicle.free_step):
+            task = flight.task_of(study.sim, study.stack, study.scenario(first))
+            beside = _compiling(study.stack, task)  # before the notice's thread, because it is a fork
         notice = Timer(NOTICE_S, tell)
         notice.start()
         try:
@@ -93,18 +94,12 @@ class Physics:
             fly_shared(study, batch, report, lambda flight: apart.map([Batch((flight,))]))
 
 
-def _compiling(study: Study, situation: Situation) -> BaseProcess | None:
-    """A process that compiles some of the kernels, where none is kept and a processor is free; else None."""
-    from scaloft_fi.sim.flight import task_of
-    from scaloft_fi.sim.vehicle import free_step
-    from scaloft_fi.stack.kernel import is_kept
-
-    call = study.stack.kernels
+def _compiling(stack: Declaration, task: Task) -> BaseProcess | None:
+    """A process that compiles some of the kernels of a stack, where a processor is free for it; else None."""
     alone = not LINUX or cores() < 2 or current_process().daemon  # which may have no child
-    if call is None or alone or is_kept(free_step):
+    if stack.kernels is None or alone:
         return None
-    task = task_of(study.sim, study.stack, study.scenario(situation))
-    process = get_context("fork").Process(target=_call, args=(call, task, os.getpid()), daemon=True)
+    process = get_context("fork").Process(target=_call, args=(stack.kernels, task, os.getpid()), daemon=True)
     process.start()
     return process
 
