@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-import gc
-
-COLLECT_AFTER = (100_000, 50, 100)
-"""Thresholds of the garbage collector: by default it takes a twentieth of a start, and half of a large export."""
-
 
 def start() -> None:
     """Run the command line in this process."""
-    gc.set_threshold(*COLLECT_AFTER)
     import _signal  # type: ignore[import-not-found]  # `signal` without its enumerations, which take long to import
 
     if _signal.getsignal(_signal.SIGINT) is _signal.default_int_handler:

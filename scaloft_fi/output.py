@@ -22,6 +22,7 @@ import json
 import os
 import re
 import secrets
+import shlex
 import signal
 import stat
 import sys
@@ -34,6 +35,7 @@ from textwrap import wrap
 from types import FrameType
 from typing import Any, TextIO
 
+from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import ExitCode, InputError
 
 SENTENCE = "error: interrupted"
@@ -327,7 +329,7 @@ STUDY_OPTION: ContextVar[str] = ContextVar("STUDY_OPTION", default="")
 """The option that names the study as the user did, with a space before it; "" where the same one is found without."""
 WITHOUT_STUDY = ("completion", "example", "new")
 """Verbs that need no study."""
-_UNNAMED = re.compile(rf"`scaloft-fi (?!{'|'.join(WITHOUT_STUDY)})[a-z]+(?![^`]*--study)[^`]*")
+_UNNAMED = re.compile(rf"`scaloft-fi (?!(?:{'|'.join(WITHOUT_STUDY)})\b)[a-z]+(?![^`]*--study)[^`]*")
 
 
 def with_study(text: str) -> str:
@@ -340,6 +342,15 @@ def with_study(text: str) -> str:
     """
     option = STUDY_OPTION.get()
     return _UNNAMED.sub(lambda command: command[0] + option, text) if option else text
+
+
+def in_campaign(campaign: str) -> str:
+    """The options that name the study, as the user did, and a campaign, with a space before each; empty for defaults.
+
+    >>> in_campaign("wide"), in_campaign("default"), in_campaign("a b")
+    (' --campaign wide', '', " --campaign 'a b'")
+    """
+    return STUDY_OPTION.get() + (f" --campaign {shlex.quote(campaign)}" if campaign != CAMPAIGN else "")
 
 
 _ON = " \\"

@@ -71,6 +71,13 @@ def _studies_beside(path: Path | str) -> str:
     return did_you_mean(str(path), studies)
 
 
+def study_around(campaign: str) -> Path | None:
+    """The study in whose results/campaigns/ the folder of a campaign stands, where a path names it; else None."""
+    path = Path(campaign)
+    within = path.parts[-3:-1] == ("results", "campaigns")
+    return path.parents[2] if within and _is_study(path.parents[2]) else None
+
+
 def reference_study() -> Path:
     """The study of this installation: the packaged study, else the checkout's.
 

@@ -523,11 +523,11 @@ class Exchange:
 
         The limit is of processor time, because a process that is given none is not slow: the machine is.
         """
-        least_s = self.config.silent_ticks * self.config.answer_s
+        limit_s = self.config.silent_ticks * self.config.answer_s
         began_s, computed_s = time.monotonic(), self.processes.computed_s()
         heard, computing = False, True
         while computing and not heard:
-            if self.processes.computed_s() - computed_s > least_s or time.monotonic() - began_s > STARVED * least_s:
+            if self.processes.computed_s() - computed_s > limit_s or time.monotonic() - began_s > STARVED * limit_s:
                 return False, self.config.silent_ticks
             computing = self.processes.computing()  # before the wait: one that has answered computes no more
             heard = self.border.wait(self.config.answer, self.config.answer_s)

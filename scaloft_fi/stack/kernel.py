@@ -113,10 +113,10 @@ def compiles() -> bool:
     return _Kept.missed > 0
 
 
-def is_kept(kernel: Callable[..., object]) -> bool:
-    """Whether machine code of a kernel is on disk."""
-    plain = cast(FunctionType, getattr(kernel, "py_func", kernel))
-    return Path(_Place(folder_of_kernels(), made_of(plain)).get_cache_path()).is_dir()
+def lacks(kernel: Callable[..., object]) -> bool:
+    """Whether machine code of a kernel can be kept on disk, and none is there."""
+    place = cast(Any, kernel)._cache.cache_path
+    return place is not None and not Path(place).is_dir()
 
 
 def folder_of_kernels() -> Path:

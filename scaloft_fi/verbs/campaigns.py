@@ -225,7 +225,7 @@ def merge_command(
 ) -> None:
     """Join CAMPAIGNs, such as those flown with `run --shard K/N`, into the one named by --campaign.
 
-    Campaigns of two platforms are compared, flight by flight. Where both flew the same situation and seed, the flights
+    Campaigns of two platforms are compared, flight by flight.  Where both flew the same situation and seed, the flights
     of the first stay: a mutant is judged beside a baseline of its own platform.
 
     The run's own command, without --shard, then holds the gates over the whole and prints the tables; it flies nothing.

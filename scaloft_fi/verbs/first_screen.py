@@ -23,11 +23,11 @@ from scaloft_fi.judge.outcome import PLACEBO_ID
 from scaloft_fi.judge.requirement import Compliance, Kind, rho_text
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Rulings, Status
-from scaloft_fi.output import PROSE, Marked, Style, coloured, line, styled, wrapped
+from scaloft_fi.output import PROSE, Marked, Style, coloured, in_campaign, line, styled, wrapped
 from scaloft_fi.output import width as terminal_width
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.situations import coverage_tables
-from scaloft_fi.verbs.verdict import Next, advice, in_campaign, next_step, signs_of, with_legend
+from scaloft_fi.verbs.verdict import Next, advice, next_step, signs_of, with_legend
 from scaloft_fi.views.output import Printed, printed_of
 from scaloft_fi.views.table import Format, Table, body_text, commands, counted, note, render, said
 

@@ -361,7 +361,7 @@ def seams_command(
 ) -> Answer:
     """List the seams of the study's stack, where faults can be patched in.
 
-    Without a NAME an overview. Names, and patterns with *, ? or [, show these whole: fields with units, what
+    Without a NAME an overview.  Names, and patterns with *, ? or [, show these whole: fields with units, what
     the consumer acts on, and the operators and cells.
 
     Examples:
@@ -667,7 +667,7 @@ def operators_command(
 ) -> Answer:
     """List the operators that faults can use.
 
-    Without a NAME an overview. Names, and patterns with *, ? or [, show these whole: arguments with units and
+    Without a NAME an overview.  Names, and patterns with *, ? or [, show these whole: arguments with units and
     ranges, fitting seams, package, and samples before and after.
 
     Examples:

@@ -27,11 +27,11 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import realise, source_of
+from scaloft_fi.output import in_campaign
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
 from scaloft_fi.verbs.options import Option, SeedsOption, Several, campaign_over, several, typed, verb
 from scaloft_fi.verbs.snapshot import snapshot
-from scaloft_fi.verbs.verdict import in_campaign
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 

@@ -308,7 +308,7 @@ def new_command(
     autopilot and out of it.  PATH is its program, built for simulation (SITL), which is not copied.  `lines` is any
     program that speaks lines of JSON.
 
-    The first line of each document names its JSON Schema in schemas/, with which an editor completes keys. In a
+    The first line of each document names its JSON Schema in schemas/, with which an editor completes keys.  In a
     package, `scaloft-fi schema --write` makes that folder once the package is installed.
 
     Examples:

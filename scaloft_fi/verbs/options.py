@@ -27,7 +27,7 @@ from click.core import ParameterSource
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.document import is_there, parse_date, read_text
 from scaloft_fi.errors import InputError, ScaloftError
-from scaloft_fi.hazop.load import FOLDERS, find_study, named_study, nearest_study
+from scaloft_fi.hazop.load import find_study, named_study, nearest_study, study_around
 from scaloft_fi.output import (
     PROSE,
     Style,
@@ -516,15 +516,6 @@ def tell_study(named: Path | None, *, quiet: bool, campaign: str = "") -> None:
     """
     if named is None and not quiet and nearest_study() is None and not _has_study(campaign):
         say(f"study: {find_study()}, the reference study of this installation; there is none here: {REMEDY}")
-
-
-def study_around(campaign: str) -> Path | None:
-    """The study in whose results/campaigns/ the folder of a campaign stands, where a path names it; else None."""
-    path = Path(campaign)
-    if path.parts[-3:-1] != ("results", "campaigns"):
-        return None
-    study = path.parents[2]
-    return study if all((study / part).is_dir() for part in FOLDERS) else None
 
 
 def _has_study(campaign: str) -> bool:

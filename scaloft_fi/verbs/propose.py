@@ -18,13 +18,12 @@ from scaloft_fi.campaign.store.archive import study_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import select
-from scaloft_fi.output import write_own
+from scaloft_fi.output import in_campaign, write_own
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
 from scaloft_fi.verbs.options import Option, Several, several, verb
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
-from scaloft_fi.verbs.verdict import in_campaign
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
 

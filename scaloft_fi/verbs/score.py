@@ -24,13 +24,13 @@ from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.hazop.render import signs_grid
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import Rulings, rulings_of
-from scaloft_fi.output import joined, say, width
+from scaloft_fi.output import in_campaign, joined, say, width
 from scaloft_fi.study import Study, append_drafts
 from scaloft_fi.verbs import options
 from scaloft_fi.verbs.first_screen import Screen, group_table, tables_behind
 from scaloft_fi.verbs.options import Campaign, Option, StudyFolder, TableFormat, Today, answer, check_own, verb
 from scaloft_fi.verbs.snapshot import NONE, Stale, snapshot
-from scaloft_fi.verbs.verdict import NO_POOL, in_campaign, next_find, signs_of
+from scaloft_fi.verbs.verdict import NO_POOL, next_find, signs_of
 from scaloft_fi.views.output import Answer, Columns, Output
 from scaloft_fi.views.table import Format, Table, counted, render, said
 
@@ -463,8 +463,7 @@ def scored_run(flown: FlownRun, campaign: str) -> ScoredFlights:
     left = () if planned.request.sequential else unflown(planned.plan, report.left)
     noise = () if study.stack.deterministic else noise_of(report.outcomes)
     with snapshot(study, campaign) as now:
-        stale, held = now.stale, sum(map(now.now.stands, now.store.flights()))
-    beyond = held - len(report.outcomes)
+        stale, beyond = now.stale, len(now.now.flights) - len(now.now.stale) - len(report.outcomes)
     judged = f"{beyond} more flights of the campaign are not judged here, as the run did not ask for them"
     whole = f"{judged}; `scaloft-fi score{in_campaign(campaign)}` judges all" if beyond > 0 else ""
     warning = "  ".join(filter(None, [report.mixture, whole]))

@@ -343,7 +343,7 @@ Names = Annotated[tuple[str, ...], Option("", "", metavar="[NAME]...", complete=
 def signals_command(names: Names = (), *, study_folder: StudyFolder, grid: GridOfStudy) -> Answer:
     """List the signals that the study's requirements and the predicates of its axes may use.
 
-    Without a NAME an overview. Names, and patterns with *, ? or [, show these whole:  range, unit, source, a
+    Without a NAME an overview.  Names, and patterns with *, ? or [, show these whole:  range, unit, source, a
     formula, and what the signal reads where there is nothing to measure.
 
     Examples:

@@ -224,7 +224,7 @@ Names = Annotated[tuple[str, ...], options.Option("", "", metavar="[NAME]...", c
 def axes_command(names: Names = (), *, study_folder: options.StudyFolder, grid: options.GridOfStudy) -> Answer:
     """List the axes of a grid of situations.
 
-    Without a NAME an overview. Names, and patterns with *, ? or [, show these whole:  what each value sets, and
+    Without a NAME an overview.  Names, and patterns with *, ? or [, show these whole:  what each value sets, and
     the formula that says whether a flight met it.
 
     Examples:

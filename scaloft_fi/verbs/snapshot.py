@@ -22,9 +22,10 @@ from scaloft_fi.hazop.matrix import cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import Rulings, rulings_beside, rulings_of
 from scaloft_fi.mutants.catalogue import defaults
+from scaloft_fi.output import in_campaign
 from scaloft_fi.sim.grid import ALL
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.verdict import MOST_NAMED, in_campaign, next_step
+from scaloft_fi.verbs.verdict import MOST_NAMED, next_step
 
 
 def _again(study: Study, now: holding.Now, name: str, stale: Sequence[FlownFlight]) -> str:

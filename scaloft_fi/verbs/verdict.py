@@ -17,7 +17,7 @@ from scaloft_fi.hazop.matrix import cell_of, class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.judge.status import Status
-from scaloft_fi.output import STUDY_OPTION, Marked, Style, printable, styled, wrapped
+from scaloft_fi.output import STUDY_OPTION, Marked, Style, in_campaign, printable, styled, wrapped
 from scaloft_fi.sim.grid import Break, Evidence, Find
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
@@ -28,15 +28,6 @@ if TYPE_CHECKING:
 
 MOST_NAMED = 4
 """Of more mutants than these a command leaves out the names where `run` flies the same without."""
-
-
-def in_campaign(campaign: str) -> str:
-    """The options that name the study, as the user did, and a campaign, with a space before each; empty for defaults.
-
-    >>> in_campaign("wide"), in_campaign("default"), in_campaign("a b")
-    (' --campaign wide', '', " --campaign 'a b'")
-    """
-    return STUDY_OPTION.get() + (f" --campaign {shlex.quote(campaign)}" if campaign != CAMPAIGN else "")
 
 
 def command(

@@ -141,3 +141,9 @@ def test_halves_of_the_seeds_agree_as_far_as_the_flights_do():
 def test_kappa_is_unknown_where_chance_alone_agrees():
     assert Agreement.of([(True, True)] * 3).kappa is None
     assert Agreement.of([]) == Agreement(Ratio(0, 0), None)
+
+
+def test_of_requirements_that_differ_alike_the_one_that_is_violated_is_named():
+    flights = [*pool(*KEYS), *(outcome(LATE, key, seed, violated={"SR2": 9.0}) for key in KEYS for seed in range(3))]
+    (mutant,) = held_against(flights, flights).mutants
+    assert (mutant.requirement, mutant.first_violated) == ("SR2", Ratio(18, 18))

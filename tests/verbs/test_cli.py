@@ -23,6 +23,7 @@ from studies import FOLDERS, copied
 from scaloft_fi.cli import Pipeline, command_of, main
 from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import GateError, InputError, ScaloftError
+from scaloft_fi.hazop.load import study_around
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.output import STUDY_OPTION, WITHOUT_STUDY
 from scaloft_fi.study import Study
@@ -227,6 +228,18 @@ def test_a_command_that_is_printed_names_the_study_where_its_verb_takes_one(tmp_
     assert f"`scaloft-fi signals NAME --study '{folder}'`" in listed.replace(" \\\n", " ")
     assert f"`scaloft-fi run --study '{folder}'`" in CliRunner().invoke(main, ["status", *named]).stderr
     assert STUDY_OPTION.get() == ""
+
+
+def test_the_path_of_a_campaign_finds_its_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    folder = copied(tmp_path / "mine")
+    campaign = folder / "results" / "campaigns" / "night"
+    assert study_around(str(campaign)) == folder
+    assert study_around(str(tmp_path / "results" / "campaigns" / "night")) is None
+    assert study_around("night") is None
+    monkeypatch.chdir(tmp_path)
+    said = CliRunner().invoke(main, ["score", "--campaign", "mine/results/campaigns/night"]).stderr
+    assert "the reference study of this installation" not in said
+    assert "`scaloft-fi run --study mine`" in said
 
 
 @pytest.mark.parametrize("name", VERBS)

@@ -438,8 +438,11 @@ def test_a_control_that_turns_no_test_red_fails_the_gate(
     for name in ("planted.py", "suite.yaml"):
         (tmp_path / name).write_bytes((folder / name).read_bytes())
     (tmp_path / "effects.json").write_text(json.dumps({"tests": ["steady1"]}))
-    assert suite(tmp_path, "--mutant", next(iter(effects))) == 4
-    assert "control" in capsys.readouterr().err
+    words = ("--study", ROOT, "--campaign", tmp_path / "flown", "--mutant", next(iter(effects)))
+    assert run("suite", tmp_path / "suite.yaml", *words) == 4
+    told = capsys.readouterr().err
+    assert "control" in told
+    assert "\nmany " in told, "what reaches which test is a table"
 
 
 @cases("text", "said")

@@ -58,7 +58,7 @@ class Physics:
                 say("compiling kernels (first run on this machine only)")
 
         first, beside = study.grid.situations[0], None
-        if not kernel.is_kept(vehicle.free_step):
+        if kernel.lacks(vehicle.free_step):
             task = flight.task_of(study.sim, study.stack, study.scenario(first))
             beside = _compiling(study.stack, task)  # before the notice's thread, because it is a fork
         notice = Timer(NOTICE_S, tell)

@@ -9,7 +9,6 @@ record is judged by looks.
 from __future__ import annotations
 
 import math
-import shlex
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -20,11 +19,11 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.store.record import Origin, Planned
 from scaloft_fi.campaign.store.store import FlownFlight, Store
-from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, TRACK_EVERY, Outcome, track_values
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.output import in_campaign
 from scaloft_fi.sim.log import SAMPLE_HZ
 from scaloft_fi.study import Study, value_digest
 
@@ -154,7 +153,8 @@ def counting_flights(study: Study, store: Store) -> list[FlownFlight]:
 
 def nothing_to_show(study: Study, store: Store, folder: Path) -> NoReturn:
     """Raise the error for a campaign without a current outcome."""
-    flights, named = store.flights(), "" if folder.name == CAMPAIGN else f" --campaign {shlex.quote(folder.name)}"
+    flights = store.flights()
+    named = in_campaign(folder.name if folder.parent.name == "campaigns" else str(folder))
     if not flights:
         raise InputError(f"{folder}: nothing to show: the campaign has no flight; start with `scaloft-fi run{named}`")
     what, makes = ("runs", "runs") if study.tests_of else ("flights", "flies")

@@ -38,12 +38,12 @@ from scaloft_fi.judge.requirement import Kind, Requirement, measured_rho
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import JudgedFlight, Status, baseline_status, flights_of
 from scaloft_fi.marks import About, Choices
-from scaloft_fi.output import json_text, printable
+from scaloft_fi.output import in_campaign, json_text, printable
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.grid import FOLDER
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
-from scaloft_fi.verbs.verdict import acceptance, in_campaign, next_command, next_find, verdict, why
+from scaloft_fi.verbs.verdict import acceptance, next_command, next_find, verdict, why
 from scaloft_fi.views.output import Columns, ColumnType, Field, Rows, cell, needed_pyarrow, shape_of, type_of, writer_of
 from scaloft_fi.views.table import csv_text, said_text
 

@@ -24,13 +24,12 @@ from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import rulings_of
-from scaloft_fi.output import all_printable
+from scaloft_fi.output import all_printable, in_campaign
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.verbs.first_screen import NOT_COMPARED, answers, coverage_line, ratios_of
 from scaloft_fi.verbs.report import analyses
 from scaloft_fi.verbs.report.analyses import Evidence
 from scaloft_fi.verbs.report.flights import DETAILS, FAR, broken, columns, found, packs, scenes
-from scaloft_fi.verbs.verdict import in_campaign
 from scaloft_fi.views.output import plain
 from scaloft_fi.views.table import TERMS, counted, of_tests_words
 

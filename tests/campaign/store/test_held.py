@@ -138,7 +138,7 @@ def test_the_latest_are_the_current_ones_else_the_stale(study: Any, fly: Callabl
 def test_a_campaign_without_a_flight_that_counts_is_one_sentence(study: Any, fly: Callable[..., Held]):
     fly()
     with pytest.raises(
-        InputError, match=r"nothing to show: all 16 flights are stale \(`scaloft-fi status --campaign c`\)"
+        InputError, match=r"nothing to show: all 16 flights are stale \(`scaloft-fi status --campaign \S+/c`\)"
     ):
         _read(_inputs(study, sim="x"), CURRENT)
     with Store(study.folder / "c" / STORE_NAME) as store:
