@@ -95,9 +95,10 @@ def _pixel_cells(depth, column, row, eye, turn, voxel_m, near_m, far_m, out):  #
             py = eye[1] + d * (bx + b[1] * y)
             pz = eye[2] + d * (cx + c[1] * y)
             used = (d >= near_m) & (d <= far_m) & (abs(px) < _REACH_M) & (abs(py) < _REACH_M) & (abs(pz) < _REACH_M)
-            i = np.int64(math.floor(px * scale)) + _HALF
-            j = np.int64(math.floor(py * scale)) + _HALF
-            h = np.int64(math.floor(pz * scale)) + _HALF
+            # by way of 32 bits, as in `_centre`
+            i = np.int64(np.int32(np.floor(px * scale))) + _HALF
+            j = np.int64(np.int32(np.floor(py * scale))) + _HALF
+            h = np.int64(np.int32(np.floor(pz * scale))) + _HALF
             cells[k] = ((i << 2 * _BITS) | (j << _BITS) | h) if used else -1
 
 

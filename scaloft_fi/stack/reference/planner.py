@@ -95,6 +95,7 @@ def settings(config: PlannerConfig) -> Any:
 BIN_DEG = 6.0
 ROWS, COLUMNS = 30, 60
 MAX_DILATION = 29  # a wider window would wrap onto itself
+SLABS = 64  # the points are sorted into slabs once, so that a node asks only those that it reaches
 
 _F = np.float32
 _FAR = np.float32(1.0e9)
@@ -125,15 +126,48 @@ def _atan2_deg(y, x):  # type: ignore[no-untyped-def]
 
 
 @jit
+def slab(along, reach):  # type: ignore[no-untyped-def]
+    """Number of the slab that holds the coordinate `along`, of SLABS equal ones from -reach to reach."""
+    number = np.int32((along + reach) * (_F(SLABS) / (_F(2.0) * reach)))
+    return min(max(number, np.int32(0)), np.int32(SLABS - 1))
+
+
+@jit
 def relative(points, origin, reach):  # type: ignore[no-untyped-def]
-    """The points (N, 3) within `reach` of `origin`, relative to it: (3, M)."""
-    n = 0
-    cloud = np.empty((3, len(points)), np.float32)
-    for i in range(len(points)):
-        x, y, z = _F(points[i, 0] - origin[0]), _F(points[i, 1] - origin[1]), _F(points[i, 2] - origin[2])
-        cloud[0, n], cloud[1, n], cloud[2, n] = x, y, z
-        n += x * x + y * y + z * z < reach * reach
-    return cloud[0][:n], cloud[1][:n], cloud[2][:n]
+    """The points (N, 3) within `reach` of `origin`, relative to it, in slabs across the axis x or y of most of them.
+
+    Returns x, y, z (M,), the number of the axis, and where each slab begins (SLABS + 1,).
+    """
+    size = len(points)
+    x, y, z, numbers = np.empty(size, _F), np.empty(size, _F), np.empty(size, _F), np.empty(size, np.int32)
+    wide = 0
+    for i in range(size):
+        x[i], y[i], z[i] = _F(points[i, 0] - origin[0]), _F(points[i, 1] - origin[1]), _F(points[i, 2] - origin[2])
+        wide += abs(y[i]) > abs(x[i])
+    axis = 1 if 2 * wide > size else 0
+    along = y if axis == 1 else x
+    for i in range(size):  # a loop without branches, which is vectorised
+        within = x[i] * x[i] + y[i] * y[i] + z[i] * z[i] < reach * reach
+        numbers[i] = slab(along[i], reach) if within else np.int32(SLABS)
+    begins = np.zeros(SLABS + 2, np.int64)
+    for i in range(size):
+        begins[numbers[i] + 1] += 1
+    for k in range(SLABS + 1):
+        begins[k + 1] += begins[k]
+    place, cloud = begins.copy(), np.empty((3, size), _F)
+    for i in range(size):
+        n = place[numbers[i]]
+        cloud[0, n], cloud[1, n], cloud[2, n] = x[i], y[i], z[i]
+        place[numbers[i]] = n + 1
+    kept = begins[SLABS]
+    return cloud[0][:kept], cloud[1][:kept], cloud[2][:kept], axis, begins[: SLABS + 1]
+
+
+@jit
+def span(begins, along, far, reach):  # type: ignore[no-untyped-def]
+    """First point and end of the slabs that hold every point within `far` of the coordinate `along`."""
+    far += _F(0.01)  # against rounding
+    return begins[slab(along - far, reach)], begins[slab(along + far, reach) + 1]
 
 
 @jit
@@ -179,7 +213,8 @@ def dilate(cost, radius, first, last, out):  # type: ignore[no-untyped-def]
     elevation ends at the poles.  Non-negative factors commute with the maximum: two passes give the whole window.
     """
     wide = np.empty(COLUMNS + 2 * radius, np.float32)
-    row = np.empty(COLUMNS, np.float32)
+    # two rows in turn: to keep or replace a number in place is a masked store, which is slow on some processors
+    row, other = np.empty(COLUMNS, np.float32), np.empty(COLUMNS, np.float32)
     for e in range(first, last):
         row[:] = cost[e]
         for i in range(1, radius + 1):
@@ -187,7 +222,8 @@ def dilate(cost, radius, first, last, out):  # type: ignore[no-untyped-def]
             # beyond a pole the pole's own row comes again, with a smaller weight than before: no effect
             above, below = cost[min(e + i, ROWS - 1)], cost[max(e - i, 0)]
             for a in range(COLUMNS):
-                row[a] = max(row[a], max(above[a], below[a]) * weight)
+                other[a] = max(row[a], max(above[a], below[a]) * weight)
+            row, other = other, row
         wide[radius : radius + COLUMNS] = row
         wide[:radius] = row[COLUMNS - radius :]
         wide[radius + COLUMNS :] = row[:radius]
@@ -195,7 +231,8 @@ def dilate(cost, radius, first, last, out):  # type: ignore[no-untyped-def]
             weight = _F(1.0) - _F(i) / _F(radius + 1)
             left, right = wide[radius - i :], wide[radius + i :]
             for a in range(COLUMNS):
-                row[a] = max(row[a], max(left[a], right[a]) * weight)
+                other[a] = max(row[a], max(left[a], right[a]) * weight)
+            row, other = other, row
         out[e] = row
 
 
@@ -257,17 +294,18 @@ def _exclude(costs, angles, first, last, way, step, apart):  # type: ignore[no-u
         level, rest = levels[e], least - rises[e] * z
         row = costs[e]
         for a in range(COLUMNS):
-            row[a] = _INFINITE if level * along[a] > rest else row[a]
+            row[a] += _INFINITE if level * along[a] > rest else _F(0.0)
 
 
 @jit
 def _best(costs, first, last):  # type: ignore[no-untyped-def]
     """(row, column) of the least cost; the lowest column, then row, of equals."""
-    lanes = np.full(COLUMNS, _INFINITE, np.float32)
+    lanes, other = np.full(COLUMNS, _INFINITE, np.float32), np.empty(COLUMNS, np.float32)
     for e in range(first, last):
         row = costs[e]
         for a in range(COLUMNS):
-            lanes[a] = row[a] if row[a] < lanes[a] else lanes[a]
+            other[a] = row[a] if row[a] < lanes[a] else lanes[a]
+        lanes, other = other, lanes
     column = 0
     for a in range(1, COLUMNS):
         if lanes[a] < lanes[column]:
@@ -344,7 +382,8 @@ def search(points, origin, target, previous, radius, p):  # type: ignore[no-unty
     left[0] = math.sqrt(goal[0] * goal[0] + goal[1] * goal[1] + goal[2] * goal[2])
     for k in range(3):
         heading[0, k] = previous[k]
-    x, y, z = relative(points, origin, _F(min(p.expansions * p.node_m, left[0]) + p.range_m))
+    reach = _F(min(p.expansions * p.node_m, left[0]) + p.range_m)
+    x, y, z, axis, begins = relative(points, origin, reach)
     expanded, chosen = 0, 0
     while expanded < p.expansions:
         node, value = -1, _INFINITE
@@ -361,7 +400,8 @@ def search(points, origin, target, previous, radius, p):  # type: ignore[no-unty
         expanded += 1
         here = (place[node, 0], place[node, 1], place[node, 2])
         far = min(_F(p.range_m), left[node] + _F(p.beyond_goal_m))
-        histogram(x, y, z, here, _F(p.near_m), far, nearest)
+        low, high = span(begins, here[1] if axis == 1 else here[0], far, reach)
+        histogram(x[low:high], y[low:high], z[low:high], here, _F(p.near_m), far, nearest)
         obstacle_costs(nearest, _F(p.obstacle_cost * p.obstacle_weight), _F(p.obstacle_m), _F(p.obstacle_width_m), flat)
         dilate(cost, radius, first, last, obstacle)
         toward = aim((goal[0] - here[0], goal[1] - here[1], goal[2] - here[2]), *angles)

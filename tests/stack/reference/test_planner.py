@@ -167,6 +167,18 @@ def test_a_bin_holds_its_nearest_point(points, node, far):
     assert np.sqrt(nearest[seen]) == pytest.approx(slow[seen], rel=1e-4)
 
 
+@settings(max_examples=usually(25, release=60))
+@given(clouds(), st.tuples(*[st.floats(-1, 1, width=32)] * 3), st.floats(0.3, 3.0), st.floats(0.5, 9.0, width=32))
+def test_a_node_reaches_the_same_points_in_its_slabs_as_in_the_whole_cloud(points, node, far, reach):
+    x, y, z, axis, begins = compiled.relative(points.astype(float), np.zeros(3), F(reach))
+    assert sorted(zip(x, y, z, strict=True)) == sorted(
+        tuple(point) for point in points if np.sum(point * point, dtype=F) < F(reach) * F(reach)
+    )
+    low, high = compiled.span(begins, F(node[axis]), F(far), F(reach))
+    cloud = np.column_stack([x, y, z])
+    assert np.array_equal(fast_histogram(cloud, node, far), fast_histogram(cloud[low:high], node, far))
+
+
 def test_points_at_the_seams_of_the_sphere_have_a_bin():
     points = np.array([[-1, 0, 0], [-1, -0.0, 0], [0, 0, 1], [0, 0, -1], [0, 1, 0]], dtype=np.float32)
     assert 4 <= np.sum(fast_histogram(points, (0, 0, 0), 2.5) < 1e8) <= 5
