@@ -20,8 +20,8 @@ from scaloft_fi.document import Item, digest, is_file, is_there, load, parse_dat
 from scaloft_fi.errors import Faults, InputError, did_you_mean, shown
 from scaloft_fi.hazop.load import find_study, is_packaged, load_matrix
 from scaloft_fi.hazop.matrix import Cell, Matrix
-from scaloft_fi.marks import MOST, Bounds, Examples, Reads, Size
-from scaloft_fi.model import read
+from scaloft_fi.marks import MOST, Bounds, Either, Examples, Reads, Size
+from scaloft_fi.model import read, value_of
 from scaloft_fi.mutants.catalogue import check_catalogue, realise, with_events
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.mutants.operators import OPERATORS
@@ -130,6 +130,7 @@ HEADER = """\
 # Accepted survivors; `scaloft-fi score --ratchet` fails on any other survivor.
 # Each entry names the person responsible (owner), the reason, and the last day of its validity (expires);
 # optional `situations` limit the entry: a survival in another situation is not accepted.
+# An entry with `status: to_do` is not decided: its survivor stays open.
 """
 
 
@@ -150,6 +151,8 @@ def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -
     dispositions: dict[str, Disposition] = {}
     for name, item in load(path).mapping().items():
         disposition = read_disposition(name, item, matrix, situations)
+        if disposition is None:
+            continue
         if disposition.mutant in dispositions:
             first = dispositions[disposition.mutant].place
             raise InputError(f"{item.place}: mutant {name!r} is {disposition.mutant!r}, which is already at {first}")
@@ -158,7 +161,7 @@ def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -
 
 
 @dataclass(frozen=True)
-class DispositionModel:
+class Accepted:
     """An accepted survivor.
 
     Attributes:
@@ -176,6 +179,18 @@ class DispositionModel:
     situations: Annotated[tuple[str, ...], Size(1, MOST, "a list of at least one, or left out")] = ()
 
 
+@dataclass(frozen=True)
+class Undecided:
+    """A survivor that nobody has decided on: it stays open.
+
+    Attributes:
+        status: somebody has to accept it, with the keys of an accepted one, or to add a test that shows it.
+    """
+
+    status: Literal["to_do"]
+
+
+DispositionModel = Annotated[Accepted | Undecided, Either(by="status")]
 _DAY = {"type": "string", "pattern": r"^\d{4}-\d{2}-\d{2}$", "format": "date"}
 
 
@@ -190,8 +205,8 @@ class ScoreModel:
     alpha: Annotated[float, Bounds(above=0.0, most=MOST_ALPHA), Examples(0.01)]
 
 
-def read_disposition(name: str, item: Item, matrix: Matrix, situations: Collection[str]) -> Disposition:
-    """Read one disposition.
+def read_disposition(name: str, item: Item, matrix: Matrix, situations: Collection[str]) -> Disposition | None:
+    """Read one disposition; None for a survivor that nobody has decided on.
 
     Args:
         name: the mutant, in any form.
@@ -208,13 +223,14 @@ def read_disposition(name: str, item: Item, matrix: Matrix, situations: Collecti
         raise InputError(f"{item.place}: {error}") from None
     faults, model = Faults(), None
     with faults.collecting():
-        model = read(DispositionModel, item)
+        model = value_of(DispositionModel, item)
     for entry in item.get("situations") or ():
         if entry.value not in situations:
             hint = did_you_mean(str(entry.value), situations)
             faults.add(InputError(f"{entry.place}: no situation {entry.value!r}{hint}"))
     faults.end()
-    assert model is not None
+    if not isinstance(model, Accepted):
+        return None
     return Disposition(mutant.id, model.owner, model.reason, model.expires, model.situations, item.place)
 
 
@@ -225,25 +241,31 @@ def _date(item: Item) -> date:
     return day
 
 
-def append_drafts(path: Path, mutants: Iterable[str]) -> None:
-    """Append an entry for each mutant to `hazop/dispositions.yaml`, which is made where it is missing.
+def append_drafts(path: Path, matrix: Matrix, mutants: Iterable[str]) -> list[str]:
+    """Append an entry for each mutant that has none to `hazop/dispositions.yaml`, which is made where it is missing.
+
+    Returns the canonical ids of the entries that are new.
 
     Raises:
-        InputError: the file cannot be written.
+        InputError: the file cannot be read or written.
     """
-    before = read_text(path) if is_there(path) else HEADER
-    write_own(path, (before.rstrip("\n") + "\n" + draft(mutants)).encode())
+    before, known = HEADER, set[str]()
+    if is_there(path):
+        before, known = read_text(path), {realise(matrix, name).id for name in load(path).mapping()}
+    new = [mutant for mutant in mutants if mutant not in known]
+    if new:
+        write_own(path, (before.rstrip("\n") + "\n" + draft(new)).encode())
+    return new
 
 
 def draft(mutants: Iterable[str]) -> str:
-    """Draft the YAML entries of survivors that are not accepted yet.
-
-    The keys that need a decision are empty; the file is refused until a person has filled them in.
+    """Draft the YAML entries of survivors that nobody has decided on; each stays open until a person accepts it.
 
     Args:
         mutants: canonical ids.
     """
-    return "".join(f'\n{mutant}:\n  status: accepted\n  owner: ""\n  reason: ""\n  expires: ""\n' for mutant in mutants)
+    how = "accepted: with owner, reason, and expires, the last day, such as 2027-01-31"
+    return "".join(f"\n{mutant}:\n  status: to_do  # {how}\n" for mutant in mutants)
 
 
 PACKAGE = Path(__file__).resolve().parent

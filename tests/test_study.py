@@ -24,7 +24,7 @@ from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroun
 from scaloft_fi.sim.world import ROLES
 from scaloft_fi.sources import closure
 from scaloft_fi.stack.reference.declaration import REFERENCE
-from scaloft_fi.study import PACKAGE, Study, draft, load_dispositions
+from scaloft_fi.study import PACKAGE, Study, append_drafts, draft, load_dispositions
 
 
 def test_the_reference_study_passes_every_check(study: Study):
@@ -274,10 +274,19 @@ def test_a_mutant_that_stands_twice_is_refused_however_it_is_written(tmp_path: P
         loaded(tmp_path, GOOD + GOOD.replace("LATE-human", again))
 
 
-def test_a_draft_is_refused_until_it_is_filled_in_and_then_loads(tmp_path: Path):
+def test_a_draft_accepts_nothing_until_it_is_decided(tmp_path: Path):
     text = draft(["LATE-human@3s", "NO-human@100%"])
-    with pytest.raises(InputError, match="owner='' must be a text"):
-        loaded(tmp_path, text)
-    filled = text.replace('owner: ""', "owner: me").replace('reason: ""', "reason: why")
-    entries = loaded(tmp_path, filled.replace('expires: ""', "expires: 2027-01-31"))
-    assert [entry.mutant for entry in entries] == ["LATE-human@3s", "NO-human@100%"]
+    assert loaded(tmp_path, text) == ()
+    with pytest.raises(InputError, match="'owner'"):
+        loaded(tmp_path, text.replace("to_do", "accepted"))
+    (entry,) = loaded(tmp_path, text.replace("to_do", "accepted\n  owner: me\n  reason: why\n  expires: 2027-01-31", 1))
+    assert entry.mutant == "LATE-human@3s"
+
+
+def test_a_second_draft_adds_only_what_has_no_entry(tmp_path: Path):
+    path = tmp_path / "dispositions.yaml"
+    path.write_text(GOOD, encoding="utf-8")
+    assert append_drafts(path, MATRIX, ["LATE-human@3s", "NO-human@100%"]) == ["NO-human@100%"]
+    written = path.read_text(encoding="utf-8")
+    assert append_drafts(path, MATRIX, ["NO-human@100%"]) == []
+    assert path.read_text(encoding="utf-8") == written

@@ -52,6 +52,7 @@ class Progress:
             gets one line every ten seconds.
         clock: monotonic wall clock [s].
         tally: makes the lines of what is detected so far from the words of `stored`; None for no such lines.
+        counts: what is counted, and the participle for what has ended.
 
     Attributes:
         flights: number of expected flights.
@@ -71,10 +72,11 @@ class Progress:
         stream: TextIO | None = None,
         clock: Callable[[], float] = time.monotonic,
         tally: Callable[..., Sequence[str]] | None = None,
+        counts: tuple[str, str] = ("flights", "flown"),
     ) -> None:
         self._stream = stream or sys.stderr
         self._live = self._stream.isatty()
-        self._clock = clock
+        self._clock, self._counts = clock, counts
         self._start_s = self._shown_s = clock()
         self.flights, self.done = 0, 0
         self.done_s = self.simulated_s = 0.0
@@ -124,13 +126,14 @@ class Progress:
         """The number of flown flights and the time they took."""
         elapsed_s = self._clock() - self._start_s
         rate = f", {self.done / elapsed_s:.1f} a second" if elapsed_s >= 1.0 else ""
-        return f"{self.done} of {self.flights} flights flown in {duration(elapsed_s)}{rate}"
+        what, done = self._counts
+        return f"{self.done} of {self.flights} {what} {done} in {duration(elapsed_s)}{rate}"
 
     def _show(self) -> None:
         left_s = self.time_left_s
         left = f"{duration(left_s)} left" if left_s is not None else "time left not known yet"
         elapsed_s = max(self._clock() - self._start_s, 1e-9)
-        parts = [f"{self.done}/{self.flights} flights", f"{self.done / elapsed_s:.1f}/s", left]
+        parts = [f"{self.done}/{self.flights} {self._counts[0]}", f"{self.done / elapsed_s:.1f}/s", left]
         if self.stage:
             parts.append(self.stage)
         violations = f"violations: {self.violations}"

@@ -404,15 +404,16 @@ def check_dispositions(study: Study, matrix: Matrix, situations: Collection[str]
     if not is_there(path):
         return 0
 
-    def read(entry: tuple[str, Item]) -> None:
-        read_disposition(*entry, matrix, situations)
+    accepted = 0
 
-    entries: tuple[tuple[str, Item], ...] = ()
+    def read(entry: tuple[str, Item]) -> None:
+        nonlocal accepted
+        accepted += read_disposition(*entry, matrix, situations) is not None
+
     with findings.collecting():
-        entries = tuple(load(path).mapping().items())
-        findings.each(read, entries)
+        findings.each(read, tuple(load(path).mapping().items()))
         _ = study.dispositions  # tells what is there twice
-    return len(entries)
+    return accepted
 
 
 def check_sources(study: Study, findings: Findings) -> None:

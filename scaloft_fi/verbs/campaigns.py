@@ -267,7 +267,7 @@ class FlightDifferences:
         second: the second campaign, as it was named.
         same: flights that are the same bit for bit.
         other_bits: flights with other bits and the same status, ending and violations.
-        differences: the flights that differ, ordered by mutant, situation and seed.
+        differences: the flights that differ or that one campaign alone has, ordered by mutant, situation and seed.
     """
 
     first: str
@@ -301,9 +301,10 @@ def differences_table(told: FlightDifferences) -> Table:
     rows = tuple(
         (one.mutant, one.situation, one.seed, str(one.first or ""), str(one.second or "")) for one in told.differences
     )
+    alone = sum(one.first is None or one.second is None for one in told.differences)
     note = (
         f"{told.same} flights are the same bit for bit, {told.other_bits} more have the same status, "
-        f"ending and violations; {len(rows)} differ."
+        f"ending and violations; {len(rows) - alone} differ, and {alone} are in one campaign alone."
     )
     title, headers = f"{told.first} and {told.second}", ("mutant", "situation", "seed", told.first, told.second)
     return Table(title, headers, rows, (note,))

@@ -183,8 +183,8 @@ def dispositions_command(
     writing: Annotated[
         bool,
         Option(
-            "Append every survivor that is not accepted to the study's hazop/dispositions.yaml.  Owner, reason and "
-            "expiry are left empty, and the file is refused until somebody has filled them in.",
+            "Append every survivor without an entry to the study's hazop/dispositions.yaml, with the status to_do: "
+            "it stays open until somebody accepts it, with owner, reason and last day.",
             "--write",
         ),
     ],
@@ -206,7 +206,7 @@ def dispositions_command(
     told = dispositions(study, campaign, today=today)
     answer(told, style)
     if writing:
-        _draft(study.dispositions_path, told["survivors"])
+        _draft(study, told["survivors"])
 
 
 def ratchet(study: Study, scored: Score, today: date | None) -> int:
@@ -226,14 +226,14 @@ def ratchet(study: Study, scored: Score, today: date | None) -> int:
     return ExitCode.BELOW if failing or not scored.tested.part else ExitCode.DONE
 
 
-def _draft(path: Path, survivors: Columns) -> None:
-    """Append an entry for each survivor that nobody has accepted, and say so."""
-    opened = list(survivors["mutant"][survivors["state"] == Standing.OPEN])
-    if not opened:
-        say("nothing to write: no survivor without a disposition")
-        return
-    append_drafts(path, opened)
-    say(f"{path}: {counted(len(opened), 'survivor')} to decide on; fill in owner, reason and expires")
+def _draft(study: Study, survivors: Columns) -> None:
+    """Append an entry for each survivor that has none, and say so."""
+    path, opened = study.dispositions_path, survivors["mutant"][survivors["state"] == Standing.OPEN]
+    new = append_drafts(path, study.matrix, opened)
+    if new:
+        say(f"{path}: {counted(len(new), 'survivor')} to decide on; to accept one, give it owner, reason and expires")
+    else:
+        say("nothing to write: no survivor without an entry")
 
 
 def look_table(looks: Sequence[Look]) -> Table:

@@ -369,7 +369,7 @@ def suite_command(
     if not quiet:
         show(sys.stderr, render(shown_reach, Format.TABLE))
     how = RunOptions(jobs=jobs, max_invalid=max_invalid, command=typed())
-    bar = progress.Silence() if quiet else progress.Progress(tally=score.shown_so_far)
+    bar = progress.Silence() if quiet else progress.Progress(tally=score.shown_so_far, counts=("runs", "done"))
     told = tested(suite, asked, name, how, bar)
     answer(told.answer(everything=everything), style, tables_folder)
     return score.below(told.score.score, bars)

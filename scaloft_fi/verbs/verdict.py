@@ -93,7 +93,7 @@ def next_step(scored: Score, study: Study, campaign: str) -> str:
     if study.tests_of:
         if faults and all(mutant.detected for mutant in faults):
             return "nothing: every fault is shown."
-        return f"`{study.again}{in_campaign(campaign)}` says which test to write next."
+        return f"write a test; `{study.again}{in_campaign(campaign)}` lists below its score what each test has to see."
     if scored.lacking:
         seeds = max((result.flown for mutant in faults for result in mutant.results), default=1)
         run = command(campaign, faults, seeds, defaults)

@@ -169,6 +169,16 @@ def test_the_end_leaves_a_summary_unless_nothing_was_flown():
     assert stream.getvalue() == "1 of 10 flights flown in 4 s, 0.2 a second\n"
 
 
+def test_what_is_counted_has_its_own_words():
+    stream, clock = io.StringIO(), Clock()
+    progress = live.Progress(stream=stream, clock=clock, counts=("runs", "done"))
+    progress.flights = 10
+    clock.now_s += 4.0
+    _advance(progress, 40.0)
+    progress.close()
+    assert stream.getvalue() == "1 of 10 runs done in 4 s, 0.2 a second\n"
+
+
 def test_quiet_shows_nothing_at_all():
     stream = Terminal()
     progress, clock = _progress(stream, live.Silence)

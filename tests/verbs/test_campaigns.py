@@ -225,8 +225,10 @@ def test_other_bits_with_the_same_status_are_only_counted():
 
 
 def test_a_flight_that_one_of_them_lacks_is_a_difference():
-    (difference,) = _compare([outcome(), outcome(M)], [outcome()]).differences
+    compared = _compare([outcome(), outcome(M)], [outcome()])
+    (difference,) = compared.differences
     assert (difference.mutant, difference.second) == (M, None)
+    assert "0 differ, and 1 are in one campaign alone" in differences_table(compared).notes[0]
 
 
 def test_the_table_names_both_campaigns():

@@ -272,7 +272,9 @@ def test_tables_call_tests_as_the_suite_does_and_the_next_step_names_the_campaig
     assert run("score", "--all", "--study", ROOT, "--campaign", planted.folder / "flown") == 0
     out = capsys.readouterr().out
     said = " ".join(out.replace("\\\n", " ").split())
-    assert f"/suite.yaml --campaign {planted.folder / 'flown'}` says which test to write next." in said
+    assert (
+        f"/suite.yaml --campaign {planted.folder / 'flown'}` lists below its score what each test has to see." in said
+    )
     _, _, table = out.partition("Tests that are not steady without a fault")
     listed = {line.split()[0]: line.split()[1:] for line in table.splitlines() if line.startswith("planted::")}
     states = {one["test"]: one["state"] for one in told["tests"]}
