@@ -228,6 +228,8 @@ class Surroundings:
 
     def row(self) -> list[float]:
         """The values of `names`."""
+        if not self.shifts:
+            return list(self.noted.values())
         moved = zip(map(self.position, self.shifts), self.shifts.values(), strict=True)
         return [*self.noted.values(), *(at + by for place, by_m in moved for at, by in zip(place, by_m, strict=False))]
 

@@ -68,7 +68,8 @@ class Observer:
         self._obstacles = np.array([name in obstacles for name in self._scene.names])
         self._any_obstacle = bool(self._obstacles.any())
         home = scenario.world.mission.home
-        self._waypoints = tuple((x, y) for x, y, _ in scenario.route if (x, y) != home)
+        self._route = scenario.route
+        self._waypoints = tuple((x, y) for x, y, _ in self._route if (x, y) != home)
         self._home = scenario.home
         self._passed = 0
         self._measures = [SIGNALS[name].make(scenario) for name in world.signals]
@@ -160,7 +161,7 @@ class Observer:
             clearance_m,
             person_range_m,
             person_sight_m,
-            float(len(scenario.route) - self._passed),
+            float(len(self._route) - self._passed),
             home_m,
             float(self.landed),
             self._around.light,
@@ -205,9 +206,8 @@ class Observer:
         return range_m, sight_m
 
     def _pass_waypoints(self, x: float, y: float) -> None:
-        route = self._scenario.route
-        while self._airborne and self._passed < len(route):
-            wx, wy, _ = route[self._passed]
+        while self._airborne and self._passed < len(self._route):
+            wx, wy, _ = self._route[self._passed]
             if math.hypot(x - wx, y - wy) > PASS_M:
                 return
             self._passed += 1

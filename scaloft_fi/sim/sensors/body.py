@@ -62,11 +62,12 @@ class Positioning:
 
     def measure(self, moment: Moment) -> Fix:
         """The fix of this tick."""
-        noise, state = self._noise.row(moment.tick), moment.state
-        x, y, z, w = state[3:7].tolist()
+        *noise, turned = self._noise.row(moment.tick).tolist()
+        *place, x, y, z, w = moment.state[:7].tolist()
         yaw_rad = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-        position = state[:3] + moment.around.drift_m + self._config.sigma_m * noise[:3]
-        return Fix(moment.stamps.fix_s, position, yaw_rad + self._yaw_sigma_rad * float(noise[3]))
+        drift_m, sigma_m = moment.around.drift_m.tolist(), self._config.sigma_m
+        position = [p + d + sigma_m * n for p, d, n in zip(place, drift_m, noise, strict=True)]
+        return Fix(moment.stamps.fix_s, np.array(position), yaw_rad + self._yaw_sigma_rad * turned)
 
 
 SENSORS.declare("positioning", SensorKind(Positioning, Fix, PositioningConfig, latency_s=OWN_LATENCY, required=True))

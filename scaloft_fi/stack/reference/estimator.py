@@ -199,19 +199,24 @@ def corrected(p: Array, noise: Array, inverse: Array, z: Array) -> tuple[Array, 
 
 
 @jit
-def updated(p: Array, noise: Array, z: Array) -> tuple[Array, Array, Array, Array]:
-    """Innovation's covariance (4, 4), and gain, error and covariance as of `corrected`, after the innovation `z` (4,).
+def update(p: Array, noise: Array, z: Array, spread: Array, gain: Array, error: Array) -> None:
+    """Correct by the innovation `z` (4,), in place: arrays that a kernel returns cost more than the correction.
+
+    Args:
+        p: (15, 15) covariance of the error.
+        noise: (4, 4) covariance of a fix.
+        z: (4,) fix minus estimate.
+        spread: (4, 4) receives the innovation's covariance.
+        gain, error: (15, 4), (15,) receive those of `corrected`.
 
     Raises:
         numpy.linalg.LinAlgError: the covariance of the innovation is singular.
     """
-    spread = np.empty((_FIX, _FIX))
     for i in range(_FIX):
         for j in range(_FIX):
             spread[i, j] = p[MEASURED[i], MEASURED[j]] + noise[i, j]
     inverse = np.linalg.solve(spread, np.eye(_FIX))  # by LAPACK's dgesv, as in scipy
-    gain, error, left = corrected(p, noise, inverse, z)  # type: ignore[arg-type]
-    return spread, gain, error, left
+    gain[:], error[:], p[:] = corrected(p, noise, inverse, z)  # type: ignore[arg-type]
 
 
 class ErrorFilter(KalmanFilter):  # type: ignore[misc]
@@ -233,7 +238,7 @@ class ErrorFilter(KalmanFilter):  # type: ignore[misc]
             numpy.linalg.LinAlgError: the covariance of the innovation is singular.
         """
         try:
-            self.S, self.K, self.x, self.P = updated(self.P, self.R, z)
+            update(self.P, self.R, z, self.S, self.K, self.x)
         except np.linalg.LinAlgError:
             raise np.linalg.LinAlgError("Singular matrix") from None
 

@@ -67,7 +67,8 @@ class GoalCheck(NamedTuple):
     @property
     def distance_m(self) -> float:
         """Distance over the axes that count [m]."""
-        return float(sum((o * a) ** 2 for o, a in zip(self.offset, self.axes, strict=True)) ** 0.5)
+        (x, y, z), (along_x, along_y, along_z) = self.offset, self.axes
+        return float(((x * along_x) ** 2 + (y * along_y) ** 2 + (z * along_z) ** 2) ** 0.5)
 
     @property
     def reached(self) -> bool:
