@@ -1,6 +1,6 @@
 """Calibration: how the baselines behave with the chosen values and with values around them.
 
-    python -m experiments.calibration [--jobs N] [--seeds 0-1] [--output FILE]
+    python -m experiments.calibration [--jobs N] [--output FILE]
 
 Targets: in light all 16 baselines hold SR1 and SR2; in the dark most turning missions strike the bar, and straight
 missions hold SR1.  This script flies no mutant.
@@ -12,8 +12,7 @@ import multiprocessing
 from collections.abc import Mapping
 from pathlib import Path
 
-from experiments.pages import Row, blocks, parser, table
-from scaloft_fi.campaign.plan import parse_seeds as seeds_of
+from experiments.pages import Row, blocks, table, write
 from scaloft_fi.judge.requirement import judge
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.load import load
@@ -33,14 +32,16 @@ SWEEP: tuple[Mapping[str, float], ...] = (
     {"stack.estimator.fix_sigma_m": 0.02},
 )
 
+SEED = 0
+
 Flown = tuple[str, float, bool, bool, str]
 
 
-def baseline(task: tuple[Path, Mapping[str, float], str, int]) -> Flown:
+def baseline(task: tuple[Path, Mapping[str, float], str]) -> Flown:
     """Fly one baseline; returns (key, least clearance [m], SR1 violated, SR2 violated, struck)."""
-    folder, overrides, key, seed = task
+    folder, overrides, key = task
     config = load(folder / "sim", overrides)
-    log = fly(config, config.grid.situation(key), seed, PlainWire())
+    log = fly(config, config.grid.situation(key), SEED, PlainWire())
     broken = {r.name: judge(r, log).violated for r in Study.open(folder).requirements}
     return key, float(log.signals["clearance_m"].min()), broken["SR1"], broken["SR2"], log.struck
 
@@ -59,28 +60,17 @@ def summary(overrides: Mapping[str, float], flown: list[Flown]) -> Row:
     )
 
 
-def main() -> None:
-    """Fly the sweep and write the table."""
-    asked = parser(__doc__, "calibration")
-    asked.add_argument("--seeds", default="0-1", help="as `scaloft-fi run --seeds`")
-    options = asked.parse_args()
-    study, seeds = Study.open(None), seeds_of(options.seeds)
-    draws = [(situation.key, seed) for situation in study.sim.grid.situations for seed in seeds]
-    with multiprocessing.Pool(options.jobs) as pool:
+def results(study: Study, jobs: int, _folder: Path) -> str:
+    """Fly the sweep, and tell."""
+    keys = [situation.key for situation in study.sim.grid.situations]
+    with multiprocessing.Pool(jobs) as pool:
         rows = [
-            summary(overrides, pool.map(baseline, [(study.folder, overrides, *draw) for draw in draws], chunksize=1))
+            summary(overrides, pool.map(baseline, [(study.folder, overrides, key) for key in keys], chunksize=1))
             for overrides in SWEEP
         ]
-    head = (
-        "value", "light: hold SR1, SR2", "least clearance [m]", "dark, turning: strike the bar", "straight: hold SR1",
-    )  # fmt: skip
-    text = blocks(
-        "# Calibration: what the clean baselines do around the chosen values",
-        f"Seeds {options.seeds}, no mutant.  Made by `python -m experiments.calibration`.",
-        table(head, rows),
-    )
-    options.output.write_text(text.lstrip(), encoding="utf-8")
+    heads = "light: hold SR1, SR2", "least clearance [m]", "dark, turning: strike the bar", "straight: hold SR1"
+    return blocks(table(("value", *heads), rows))
 
 
 if __name__ == "__main__":
-    main()
+    write(__doc__, "calibration", results, end="\n| value")

@@ -1,33 +1,33 @@
 """Measure how often the verdict detects a fault without effect, and how often a fault with an effect.
 
-    python -m experiments.false_detections [--draws N] [--output FILE]
+    python -m experiments.false_detections [--output FILE]
 
 redraw: seeds of the published baseline pool, judged as a mutant beside ten other seeds of the pool.  planted: synthetic
 campaigns of independent flights that violate both requirements at one rate, the same for mutant and pool.  power: a
 mutant that violates one requirement at a rate in some of 32 situations in which the pool is steady.  The script flies
 nothing, and every arm has its own random stream, so the figures are reproducible.
 
-Bar: in each arm of redraw and planted, at most a share alpha of the draws is detected.  Exit code 1 above it.
+Bar: in each arm of redraw and planted, at most a share alpha of the draws is detected.
 """
 
 from __future__ import annotations
 
 import itertools
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments import ROOT
 from experiments.flights import outcomes, published
-from experiments.pages import blocks, parser, registered, table
+from experiments.pages import blocks, registered, table, write
 from scaloft_fi.analysis.detection import ALPHA, LEAST, LOOKS, Pair, Pool, Sample, Spending, detect
 from scaloft_fi.analysis.score import redraw
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.study import Study
+from scaloft_fi.views.table import counted
 
 SITUATIONS = tuple(f"S{number}" for number in range(32))
 NAMES = ("R1", "R2")
@@ -37,6 +37,8 @@ MUTANT = "a mutant"
 GROWN = Spending(ALPHA, frozenset({MUTANT}))
 """The spending of alpha by looks at 1, 3, 5 and 10 seeds."""
 SEED = 20252
+DRAWS = 2000
+"""Of each arm."""
 
 
 @dataclass(frozen=True)
@@ -47,20 +49,18 @@ class Arm:
         kind: redraw, planted or power.
         name: name of the arm, unique within its kind.
         seeds: flights of the mutant in each situation; 0 = a look at each of 1, 3, 5 and 10.
-        detected: number of detections.
-        draws: number of draws.
+        detected: number of detections among `DRAWS`.
     """
 
     kind: str
     name: str
     seeds: int
     detected: int
-    draws: int
 
     @property
     def share(self) -> float:
         """Share of the draws that are detected."""
-        return self.detected / self.draws
+        return self.detected / DRAWS
 
     @property
     def bounded(self) -> bool:
@@ -73,38 +73,36 @@ def baselines(study: Study) -> list[Outcome]:
     return outcomes(study, (row for row in published() if row["mutant"] == BASELINE))
 
 
-def redraws(flown: Sequence[Outcome], draws: int) -> Iterator[Arm]:
+def redraws(flown: Sequence[Outcome]) -> Iterator[Arm]:
     """Judge baseline seeds as mutants, by safety and by operability requirements."""
     for seeds in LOOKS:
-        found = redraw(flown, seeds, ALPHA, draws)
-        yield Arm("redraw", "safety", seeds, found.safety.part, draws)
-        yield Arm("redraw", "operability", seeds, found.operability.part, draws)
+        found = redraw(flown, seeds, ALPHA, DRAWS)
+        yield Arm("redraw", "safety", seeds, found.safety.part)
+        yield Arm("redraw", "operability", seeds, found.operability.part)
 
 
-def planted(rate: float, seeds: int, draws: int) -> Arm:
+def planted(rate: float, seeds: int) -> Arm:
     """Judge a mutant without effect; every flight violates each requirement at a rate."""
     draw = _stream(1, rate, seeds)
     shape = len(SITUATIONS), len(NAMES)
     number = seeds or LOOKS[-1]
     found = 0
-    for _ in range(draws):
+    for _ in range(DRAWS):
         pool = _pool(draw.binomial(LEAST, rate, shape))
         found += _detected(draw.random((*shape, number)) < rate, pool, grown=not seeds)
-    return Arm("planted", f"{rate:g}", seeds, found, draws)
+    return Arm("planted", f"{rate:g}", seeds, found)
 
 
-def power(rate: float, situations: int, noise: float, seeds: int, draws: int) -> Arm:
+def power(rate: float, situations: int, noise: float, seeds: int) -> Arm:
     """Judge a mutant that violates the first requirement at `rate` in some situations, all else at the rate `noise`."""
     draw = _stream(2, rate, situations, noise, seeds)
     rates = np.full((len(SITUATIONS), len(NAMES)), noise)
     rates[:situations, 0] = rate
     found = 0
-    for _ in range(draws):
+    for _ in range(DRAWS):
         pool = _pool(draw.binomial(LEAST, noise, rates.shape))
         found += _detected(draw.random((*rates.shape, seeds)) < rates[:, :, None], pool)
-    return Arm(
-        "power", f"{rate:g} in {situations} situation{'s' * (situations > 1)}, noise {noise:g}", seeds, found, draws
-    )
+    return Arm("power", f"{rate:g} in {counted(situations, 'situation')}, noise {noise:g}", seeds, found)
 
 
 def _stream(*arm: float) -> np.random.Generator:
@@ -129,36 +127,24 @@ def _detected(violated: NDArray[np.bool_], pool: Pool, *, grown: bool = False) -
     return detect(MUTANT, samples, pool, GROWN if grown else Spending(ALPHA), Kind.SAFETY).detected
 
 
-def measure(draws: int) -> list[Arm]:
-    """All arms."""
-    arms = list(redraws(baselines(Study.open(ROOT)), draws))
-    arms += [planted(rate, seeds, draws) for rate in RATES for seeds in (*LOOKS, 0)]
+def results(study: Study, _jobs: int, _folder: Path) -> str:
+    """Judge all arms, and tell."""
+    arms = list(redraws(baselines(study)))
+    arms += [planted(rate, seeds) for rate in RATES for seeds in (*LOOKS, 0)]
     settings = itertools.product(NOISES, POWER_RATES, POWER_SITUATIONS, LOOKS)
-    arms += [power(rate, many, noise, seeds, draws) for noise, rate, many, seeds in settings]
-    return arms
-
-
-def page(arms: Sequence[Arm]) -> str:
-    """The Markdown page."""
-    draws = arms[0].draws
-    worst = max((arm for arm in arms if arm.bounded), key=lambda arm: arm.share)
-    bounded = sum(arm.bounded for arm in arms)
-    held = sum(arm.bounded and arm.share <= ALPHA for arm in arms)
-    error = 100 * (ALPHA * (1 - ALPHA) / draws) ** 0.5
+    arms += [power(rate, many, noise, seeds) for noise, rate, many, seeds in settings]
+    bounded = [arm for arm in arms if arm.bounded]
+    worst, held = max(bounded, key=lambda arm: arm.share), sum(arm.share <= ALPHA for arm in bounded)
+    error = 100 * (ALPHA * (1 - ALPHA) / DRAWS) ** 0.5
     parts: list[str | Iterator[str]] = [
-        f"""# Calibration of the verdict: false detections and power
-
-Of {draws} draws each, the share that is called detected: alpha {ALPHA:g}, Holm over the requirements of a kind, pools
-of ten flights.  Nothing is flown; the random numbers are fixed.  Made by `python -m experiments.false_detections`.
-
-The bar, set before: at most {100 * ALPHA:g} % in every arm whose fault does nothing.  {held} of {bounded} arms \
-hold it; the largest share is
+        f"""The bar, set before: at most {100 * ALPHA:g} % in every arm whose fault does nothing.  {held} of \
+{len(bounded)} arms hold it; the largest share is
 {_percent(worst)} ({worst.kind}, {worst.name}).  Independent draws of a share of 1 % have a standard error of \
 {error:.2f} percentage points."""
     ]
     for title, heading, kind in SECTIONS:
         parts += [registered("false_detections", heading, "\n\n|"), _table(title, arms, kind)]
-    return blocks(*parts).lstrip()
+    return blocks(*parts)
 
 
 SECTIONS = (
@@ -174,7 +160,7 @@ def _table(title: str, arms: Sequence[Arm], kind: str) -> Iterator[str]:
     for arm in arms:
         if arm.kind == kind:
             rows.setdefault(arm.name, {})[arm.seeds] = _percent(arm)
-    heads = (f"{seeds} seed{'s' * (seeds > 1)}" if seeds else "looks" for seeds in next(iter(rows.values())))
+    heads = (counted(seeds, "seed") if seeds else "looks" for seeds in next(iter(rows.values())))
     return table((title, *heads), ((name, *cells.values()) for name, cells in rows.items()))
 
 
@@ -182,15 +168,5 @@ def _percent(arm: Arm) -> str:
     return f"{100 * arm.share:.2f} %" if arm.bounded else f"{100 * arm.share:.1f} %"
 
 
-def main() -> None:
-    """Measure, write, hold the bar."""
-    asked = parser(__doc__, "false_detections")
-    asked.add_argument("--draws", type=int, default=2000, help="of each arm (default: 2000)")
-    options = asked.parse_args()
-    arms = measure(options.draws)
-    options.output.write_text(page(arms), encoding="utf-8")
-    sys.exit(any(arm.bounded and arm.share > ALPHA for arm in arms))
-
-
 if __name__ == "__main__":
-    main()
+    write(__doc__, "false_detections", results, end="\nThe bar")

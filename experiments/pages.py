@@ -41,14 +41,15 @@ def parser(about: str | None, name: str) -> argparse.ArgumentParser:
     return made
 
 
-def write(about: str | None, name: str, results: Callable[[Study, int, Path], str]) -> None:
+def write(about: str | None, name: str, results: Callable[[Study, int, Path], str], end: str = "\n## Flown") -> None:
     """Write the page of a script: its plan, and what `results` says of the study.
 
     Args:
         about: docstring of the script.
         name: of the published page.
         results: flies with a number of processes; flights that are kept stand in the folder of the page.
+        end: what of the published page comes behind its plan.
     """
     options = parser(about, name).parse_args()
-    text = registered(name) + results(Study.open(ROOT), options.jobs, options.output.parent)
+    text = registered(name, end=end) + results(Study.open(ROOT), options.jobs, options.output.parent)
     options.output.write_text(text, encoding="utf-8")

@@ -4,20 +4,18 @@ r"""Write the published tables of the paper's rows and of the sources of all num
         --mutant UNINTENDED-collision@20s --mutant 'UNINTENDED-collision@20s#*s'
     scaloft-fi run --campaign paper --seeds 3 --situation '*D0*' \
         $(printf -- '--mutant UNINTENDED-collision@20s#%ss ' 2.5 7.5 12.5 17.5)
-    python -m experiments.published [--campaign paper]
+    scaloft-fi export --campaign paper --format csv --output results/published/paper.csv
+    python -m experiments.published
 
-Writes `paper_table.md` and `parameters.md` into `results/published/`; with `--campaign` it first exports their flights
-as `paper.csv`.  The verdicts use the baseline pool of the reference campaign.
+Writes `paper_table.md` and `parameters.md` into `results/published/`.  The verdicts use the baseline pool of the
+reference campaign.
 """
 
 from __future__ import annotations
 
-import argparse
 import csv
 import fnmatch
 import statistics
-import subprocess
-import sys
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -244,14 +242,8 @@ def parameters(study: Study) -> str:
 
 def main() -> None:
     """Write the pages."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--campaign", help="export its flights first (default: take `paper.csv` as it is)")
-    options = parser.parse_args()
-    study, kept = Study.open(ROOT), PUBLISHED / "paper.csv"
-    if options.campaign:
-        call = (sys.executable, "-m", "scaloft_fi", "export", "--campaign", options.campaign, "--format", "csv")
-        subprocess.run([*call, "--output", str(kept)], check=True, cwd=ROOT)
-    with kept.open(encoding="utf-8", newline="") as file:
+    study = Study.open(ROOT)
+    with (PUBLISHED / "paper.csv").open(encoding="utf-8", newline="") as file:
         flights = list(csv.DictReader(file))
     (PUBLISHED / "paper_table.md").write_text(page(study, flights), encoding="utf-8")
     (PUBLISHED / "parameters.md").write_text(parameters(study), encoding="utf-8")
