@@ -1,27 +1,16 @@
 """Which tests are missing?  `seek` for all that the paper's grid does not detect; its finds, on fresh seeds.
 
-    python -m experiments.found --search [--budget 10610flights] [--seed 0] [--jobs N]
-    python -m experiments.found --replicate [--jobs N]
     python -m experiments.found [--output FILE]
 
-`--search` searches a copy of the study without finds, and writes the finds into `sim/found.yaml` and what it says of
-itself into `results/published/found_search.json`; give it an empty `--campaigns` to time it.  `--replicate` flies the
-finds of `sim/found.yaml` on fresh seeds, keeps those that hold, and writes `found_replication.json`.  Their flights are
-published as `found_flights.jsonl.gz`.  Each writes the page from these files; without an option nothing is flown.
+Flies nothing.  `scaloft-fi seek` searched a copy of the study without `sim/found.yaml`, with seed 0 and a budget of
+10,610 flights, and `scaloft-fi seek --replicate` flew its finds on fresh seeds; what each says of itself with
+`--format json` is kept in `found_search.json` and `found_replication.json` of `results/published/`, the flights of both
+in `found_flights.jsonl.gz`.
 """
 
 from __future__ import annotations
 
-import experiments.published_kernels  # noqa: F401 - it must be imported before numpy
-
-# isort: split
-
 import json
-import resource
-import shutil
-import subprocess
-import sys
-import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -30,8 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from experiments import ROOT
-from experiments.flights import GRIDS, published, read, stored, write
-from experiments.pages import blocks, parser, registered, table
+from experiments.flights import GRIDS, published, read
+from experiments.pages import blocks, registered, table, write
 from experiments.search_arms import survivors
 from scaloft_fi.analysis.seeking import Effort, Replica, replicas
 from scaloft_fi.campaign.seeking.finds import Sought
@@ -41,61 +30,6 @@ from scaloft_fi.sim.grid import Find, Finds, read_finds
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.seek import why_not
 
-PARTS = ("hazop", "mutants", "sim")
-FILE = "found.yaml"
-GRID = "search"
-Record = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where the flights are.
-
-    Attributes:
-        folder: holds a campaign for the search and one for the replication of its finds.
-        jobs: number of processes.
-    """
-
-    folder: Path
-    jobs: int
-
-    @property
-    def study(self) -> Path:
-        """A copy of the study without finds, made where it is missing."""
-        copy = self.folder / "study"
-        if not copy.exists():
-            for part in PARTS:
-                shutil.copytree(ROOT / part, copy / part)
-            (copy / "sim" / FILE).unlink(missing_ok=True)
-        return copy
-
-    def call(self, study: Path, *words: str) -> str:
-        """The output of `scaloft-fi WORDS`."""
-        call = [sys.executable, "-m", "scaloft_fi", *words, "--study", str(study), "--jobs", str(self.jobs)]
-        return subprocess.run(call, cwd=ROOT, stdout=subprocess.PIPE, check=True).stdout.decode()
-
-
-def search(place: Place, mutants: Sequence[str], budget: str, seed: int) -> Record:
-    """Search for mutants, and take the finds over into the study of the checkout; what the search says of itself."""
-    words = ("seek", *mutants, "--grid", GRID, "--into", str(place.folder / "search"), "--seed", str(seed))
-    begin_s, before_s = time.monotonic(), _processor_s()
-    report = json.loads(place.call(place.study, *words, "--budget", budget, "--format", "json"))
-    took = {"wall_s": round(time.monotonic() - begin_s), "processor_s": round(_processor_s() - before_s)}
-    shutil.copyfile(place.study / "sim" / FILE, ROOT / "sim" / FILE)
-    return {"budget": budget, "seed": seed, "jobs": place.jobs, **took, **report}
-
-
-def replicate(place: Place) -> Record:
-    """Fly the finds of the checkout on fresh seeds, and keep those that hold; what the replication says of itself."""
-    where = ("--grid", GRID, "--into", str(place.folder / "replication"))
-    record: Record = json.loads(place.call(ROOT, "seek", "--replicate", *where, "--quiet", "--format", "json"))
-    return record
-
-
-def _processor_s() -> float:
-    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return spent.ru_utime + spent.ru_stime
-
 
 @dataclass(frozen=True)
 class Evidence:
@@ -104,8 +38,7 @@ class Evidence:
     Attributes:
         study: the study with the paper's grid.
         finds: of the study: what held.
-        search: what the search says of itself; empty before it was flown.
-        replication: what the replication says of itself; empty before it was flown.
+        search, replication: what the search and the replication say of themselves.
         flights: of both, by arm and name.
         survivors: mutants that the paper's grid does not detect; wide: those that the wide grid does not detect.
     """
@@ -166,14 +99,14 @@ def _shown(row: Mapping[str, Any]) -> Shown:
     return Shown(**{key: value for key, value in row.items() if key not in ("mutant", "again")})
 
 
-def page(evidence: Evidence) -> str:
-    """The page."""
-    text = registered("found", end="\n## Searched")
-    if evidence.search:
-        text += blocks(_searched(evidence))
-    if evidence.replication:
-        text += blocks(_summary(evidence), _by_parameter(evidence), _finds(evidence))
-    return text + blocks(_lacking(evidence)) if evidence.search else text
+END = "\n## Searched"
+"""What follows the plan."""
+
+
+def results(evidence: Evidence) -> str:
+    """The sections with the results."""
+    replicated = _summary(evidence), _by_parameter(evidence), _finds(evidence)
+    return blocks(_searched(evidence)) + blocks(*replicated) + blocks(_lacking(evidence))
 
 
 def _searched(evidence: Evidence) -> Iterator[str]:
@@ -246,50 +179,22 @@ def _lacking(evidence: Evidence) -> Iterator[str]:
     yield from table(("mutant", "situations", "why", "wide"), rows)
 
 
-FLIGHTS = "found_flights.jsonl.gz"
-
-
 def evidence(folder: Path) -> Evidence:
     """The evidence in a folder of published files."""
     paper, wide = (Study.open(ROOT, name) for name in GRIDS)
+    search, replication = (
+        json.loads((folder / f"found_{name}.json").read_text(encoding="utf-8")) for name in ("search", "replication")
+    )
     return Evidence(
         study=paper,
-        finds=read_finds(ROOT / "sim") or Finds(GRID, ()),
-        search=_read(folder / "found_search.json"),
-        replication=_read(folder / "found_replication.json"),
-        flights=read(folder / FLIGHTS),
+        finds=read_finds(ROOT / "sim") or Finds("search", ()),
+        search=search,
+        replication=replication,
+        flights=read(folder / "found_flights.jsonl.gz"),
         survivors=survivors(paper, published()),
         wide=survivors(wide, published("wide")),
     )
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Fly, or write the page."""
-    asked = parser(__doc__, "found")
-    what = asked.add_mutually_exclusive_group()
-    what.add_argument("--search", action="store_true", help="search for the mutants")
-    what.add_argument("--replicate", action="store_true", help="fly the finds on fresh seeds")
-    asked.add_argument("--budget", default="10610flights", help="of the search (default: 10610flights)")
-    asked.add_argument("--seed", type=int, default=0, help="of the search (default: 0)")
-    asked.add_argument("--campaigns", type=Path, default=ROOT / "results" / "campaigns" / "found")
-    options = asked.parse_args(arguments)
-    place, folder = Place(options.campaigns, options.jobs), options.output.parent
-    if options.search:
-        sought = survivors(Study.open(ROOT), published())
-        _publish(folder, "search", place, search(place, sought, options.budget, options.seed))
-    if options.replicate:
-        _publish(folder, "replication", place, replicate(place))
-    options.output.write_text(page(evidence(folder)), encoding="utf-8")
-
-
-def _publish(folder: Path, name: str, place: Place, record: Record) -> None:
-    (folder / f"found_{name}.json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-    write(folder / FLIGHTS, read(folder / FLIGHTS) | {name: stored(Study.open(ROOT, GRID), place.folder / name)})
-
-
-def _read(path: Path) -> Record:
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-
-
 if __name__ == "__main__":
-    main()
+    write(__doc__, "found", lambda _study, _jobs, folder: results(evidence(folder)), end=END)

@@ -10,7 +10,8 @@ from studies import copied
 
 from experiments import PUBLISHED
 from experiments import found as experiment
-from experiments.found import Evidence, page
+from experiments.found import END, Evidence, results
+from experiments.pages import registered
 from scaloft_fi.analysis.seeking import POOL, SEEDS, Effort
 from scaloft_fi.campaign.seeking.finds import Sought
 from scaloft_fi.judge.outcome import Outcome
@@ -69,15 +70,15 @@ def test_a_mutant_counts_where_its_find_holds_on_fresh_seeds(study):
     assert shown.held == [SHOWN]
     assert shown.left_out == (1, 1)
     total = len(study.roster.defaults)
-    assert f"| **{total - 1}** | {total} | these, and each of the others by its find alone" in page(shown)
+    assert f"| **{total - 1}** | {total} | these, and each of the others by its find alone" in results(shown)
 
 
 def test_a_find_that_does_not_hold_does_not_count(study):
     failed = evidence(study, violating=1)
     assert failed.held == []
     total = len(study.roster.defaults)
-    assert f"| **{total - 2}** | {total} |" in page(failed)
-    assert "no: p=" in page(failed)
+    assert f"| **{total - 2}** | {total} |" in results(failed)
+    assert "no: p=" in results(failed)
 
 
 def test_a_find_that_hangs_on_a_seed_is_seen_when_that_seed_is_left_out(study):
@@ -88,7 +89,7 @@ def test_a_find_that_hangs_on_a_seed_is_seen_when_that_seed_is_left_out(study):
 
 def test_the_published_page_and_what_held_follow_from_the_published_flights():
     published = experiment.evidence(PUBLISHED)
-    assert page(published) == (PUBLISHED / "found.md").read_text(encoding="utf-8")
+    assert registered("found", end=END) + results(published) == (PUBLISHED / "found.md").read_text(encoding="utf-8")
     assert {(one["find"], one["mutant"]): one["holds"] for one in published.replication["replicas"]} == {
         (one.find, one.mutant): one.holds for one in published.replicas
     }
