@@ -1,11 +1,9 @@
 """Fly the paper's three rows on a drone with the published speed law: accept the drone, then fly every arm once.
 
-    python -m experiments.documented --look SPEED [--set PATH=NUMBER]...   # baselines of the tuning seeds, kept nowhere
-    python -m experiments.documented --accept                              # baselines of the seeds of acceptance
-    python -m experiments.documented [--arm NAME]... [--jobs N]            # what is missing of the registered flights
+    python -m experiments.documented [--jobs N] [--output FILE]
 
-Finished flights are kept beside the page, in `documented_accepted.jsonl.gz` and `documented_flights.jsonl.gz`; the same
-command flies only the flights that are missing there.
+Finished flights are kept beside the page: the baselines that accept the drone in `documented_accepted.jsonl.gz`, those
+of the arms in `documented_flights.jsonl.gz`; the same command flies only the flights that are missing there.
 """
 
 from __future__ import annotations
@@ -18,11 +16,11 @@ import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
-from experiments import PUBLISHED, ROOT
-from experiments.flights import Flights, Varied, complete, flights_of, read, shared
+from experiments.flights import Flights, Varied, fly_arms
 from experiments.operating_point import CRUISE, LIGHT
-from experiments.pages import Row, blocks, parser, registered, table
+from experiments.pages import Row, blocks, table, write
 from scaloft_fi.analysis.detection import ALPHA, Pool, Spending, adjusted, holm
 from scaloft_fi.analysis.score import MutantScore, mutant_score, sample
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
@@ -230,38 +228,14 @@ def clean(one: Flown) -> Iterator[str]:
     return (f"{count}/{whole}" for count, whole, _ in holding(one.outcomes.values()).values())
 
 
-def page(study: Study) -> str:
-    """The page: what was registered, and what the flights beside it say."""
-    return registered(NAME) + told(read(PUBLISHED / FLIGHTS), study.space)
-
-
-def main() -> None:
-    """Look, accept, or fly what is missing and write the page."""
-    options = parser(__doc__, NAME)
-    options.add_argument("--look", type=float, help="cruise speed of the drone [m/s]")
-    options.add_argument("--set", action="append", default=[], help="another number of the study")
-    options.add_argument("--accept", action="store_true", help="fly the seeds of acceptance")
-    options.add_argument("--arm", action="append", choices=list(ARMS), help="fly this arm alone (repeatable)")
-    asked, study = options.parse_args(), Study.open(ROOT)
-    if asked.look is not None:
-        more = {name: float(text) for name, _, text in (one.partition("=") for one in asked.set)}
-        drone = varied(study, {**DRONE, CRUISE: asked.look, **more})
-        flown = shared(drone, flights_of(drone, {}, names_of([BASELINE], TUNED)), asked.jobs)
-        print(
-            *table(("situation", "hold", "whole", "the others"), ((k, *v) for k, v in holding(flown).items())), sep="\n"
-        )
-        return
-    if asked.accept:
-        kept, drone, arm = read(PUBLISHED / ACCEPTED), varied(study, DOCUMENTED), f"{CRUISE_MPS:g} m/s"
-        complete(PUBLISHED / ACCEPTED, kept, arm, drone, flights_of(drone, {}, names_of([BASELINE], ASKED)), asked.jobs)
-        print(acceptance(kept))
-        return
-    mutants, kept = {name: realise(study.matrix, name) for name in MUTANTS}, read(PUBLISHED / FLIGHTS)
-    for arm in asked.arm or ARMS:
-        own = varied(study, ARMS[arm])
-        complete(PUBLISHED / FLIGHTS, kept, arm, own, flights_of(own, mutants, names_of(SUBJECTS, SEEDS)), asked.jobs)
-    asked.output.write_text(page(study), encoding="utf-8")
+def results(study: Study, jobs: int, folder: Path) -> str:
+    """Fly what is missing, and tell."""
+    drone = varied(study, DOCUMENTED), (), names_of([BASELINE], ASKED)
+    fly_arms(folder / ACCEPTED, jobs, {f"{CRUISE_MPS:g} m/s": drone})
+    mutants, names = [realise(study.matrix, name) for name in MUTANTS], names_of(SUBJECTS, SEEDS)
+    arms = {arm: (varied(study, numbers), mutants, names) for arm, numbers in ARMS.items()}
+    return told(fly_arms(folder / FLIGHTS, jobs, arms), study.space)
 
 
 if __name__ == "__main__":
-    main()
+    write(__doc__, NAME, results)

@@ -1,8 +1,8 @@
 """Is HAZOP worth its name?  As many random faults as default mutants, under the same test.
 
-    python -m experiments.random_faults [--draw] [--jobs N] [--output FILE]
+    python -m experiments.random_faults [--jobs N] [--output FILE]
 
-`--draw` writes the faults into `results/published/random_faults.jsonl` and flies nothing.  Finished flights are kept
+The faults are those of `random_draw.py`, kept in `results/published/random_faults.jsonl`.  Finished flights are kept
 beside the page, in `random_faults_flights.jsonl.gz`, at the latest after ten seconds; the same command flies only the
 flights that are missing there.  Delete the file after a change of the study or of the code.
 """
@@ -14,7 +14,6 @@ import experiments.published_kernels  # noqa: F401 - it must be imported before 
 # isort: split
 
 import json
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -24,17 +23,16 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import fisher_exact
 
-from experiments import PUBLISHED, ROOT
+from experiments import PUBLISHED
 from experiments.flights import fly_arms, outcomes, published
 from experiments.pages import Row, blocks, table, write
-from experiments.random_draw import Draw
 from scaloft_fi.analysis.detection import ALPHA, Pool, Spending, State
 from scaloft_fi.analysis.score import MutantScore, mutant_score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Ruled, Rulings, rulings_of
-from scaloft_fi.mutants.catalogue import catalogue_lines, realise
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.streams import generator
@@ -391,16 +389,6 @@ ARM = "random"
 """Name of the arm in the file of flights."""
 
 
-def drawn(study: Study) -> tuple[Mutant, ...]:
-    """The random faults of the experiment."""
-    return Draw.of(study).faults(FAULTS)
-
-
-def text_of(faults: Sequence[Mutant]) -> str:
-    """The file of faults, one line of JSON for each."""
-    return "".join(f"{line}\n" for line in catalogue_lines(faults))
-
-
 def read_faults() -> tuple[Mutant, ...]:
     """The faults of the committed file."""
     return tuple(Mutant.from_json(json.loads(line)) for line in FILE.read_text(encoding="utf-8").splitlines())
@@ -435,13 +423,5 @@ def results(study: Study, jobs: int, folder: Path) -> str:
     return flown(hazop_arm(study), random, {mutant.id: mutant for mutant in (*defaults, *faults)})
 
 
-def main() -> None:
-    """Write the faults, or fly what is missing and write the page."""
-    if sys.argv[1:] == ["--draw"]:
-        FILE.write_text(text_of(drawn(Study.open(ROOT))), encoding="utf-8")
-    else:
-        write(__doc__, "random_faults", results)
-
-
 if __name__ == "__main__":
-    main()
+    write(__doc__, "random_faults", results)

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from experiments import PUBLISHED
-from experiments.flights import Row, counted, outcomes, published, read_lines, write_lines
+from experiments.flights import Row, counted, outcomes, read_lines, write_lines
 from experiments.wide import POOL, SEEDS
 from scaloft_fi.analysis.score import score
 from scaloft_fi.campaign.flights.fly import Flyer
@@ -234,16 +234,6 @@ def blocks_of(study: Study, ids: Iterable[str]) -> list[Block]:
         if len(own) >= FEWEST
     ]
     return [tuple(sorted(block, key=parameters[realise(study.matrix, block[0]).parameter].index)) for block in drawn]
-
-
-def drawn(study: Study) -> list[Block]:
-    """The blocks of the experiment."""
-    return blocks_of(study, at_risk(study, survivors(study, published())))
-
-
-def text_of(blocks: Iterable[Block]) -> str:
-    """The file of the blocks, a line for each."""
-    return "".join(f"{' '.join(block)}\n" for block in blocks)
 
 
 def read_blocks() -> Sequence[Block]:

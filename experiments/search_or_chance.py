@@ -1,12 +1,11 @@
 """Does search beat chance?  `seek` beside random, low-discrepancy and 2-way situations, at equal flights.
 
-    python -m experiments.search_or_chance [--draw | --fly] [--jobs N] [--output FILE]
+    python -m experiments.search_or_chance [--jobs N] [--output FILE]
 
-Makes the page of the published searches and flights.  `--draw` writes the blocks of mutants into
-`results/published/search_or_chance_blocks.txt`.  `--fly` first flies the searches, one after the other: the campaigns
-of the blocks (`--campaigns`) hold their flights, and finished searches are kept beside the page, in
+Flies the searches for the blocks of `search_or_chance_blocks.txt`, one after the other: campaigns in
+`results/campaigns/search_or_chance` hold their flights, and finished searches are kept beside the page, in
 `search_or_chance_searches.jsonl.gz`, so the same command goes on where it stopped.  Delete both after a change of the
-study or of the code.  At the end the flights are published in `search_or_chance_flights.jsonl.gz`.
+study or of the code.  New flights are published in `search_or_chance_flights.jsonl.gz`.
 """
 
 from __future__ import annotations
@@ -27,8 +26,9 @@ from statistics import mean
 import numpy as np
 
 from experiments import ROOT, search_arms
-from experiments.flights import read, stored, write
-from experiments.pages import Row, blocks, parser, registered, table
+from experiments import flights as kept_flights
+from experiments.flights import stored
+from experiments.pages import Row, blocks, table, write
 from experiments.search_arms import ARMS, SEARCH, Block, Search, Sought
 from scaloft_fi.analysis.detection import holm
 from scaloft_fi.analysis.seeking import distance
@@ -355,25 +355,16 @@ def flights_in(study: Study, campaigns: Path, blocks: int) -> Mapping[str, Outco
     return {name: outcome for flights in campaign for name, outcome in flights.items()}
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Write the blocks, or the page; fly the searches first where that is asked for."""
-    asked = parser(__doc__, "search_or_chance")
-    what = asked.add_mutually_exclusive_group()
-    what.add_argument("--draw", action="store_true", help="fly nothing: the file of blocks")
-    what.add_argument("--fly", action="store_true", help="fly the searches that the file of searches lacks")
-    asked.add_argument("--campaigns", type=Path, default=CAMPAIGNS, help="a folder with a campaign for each block")
-    options = asked.parse_args(arguments)
-    if options.draw:
-        search_arms.FILE.write_text(search_arms.text_of(search_arms.drawn(Study.open(ROOT))), encoding="utf-8")
-        return
-    mutants, folder = search_arms.read_blocks(), options.output.parent
-    if options.fly:
-        study = Study.open(ROOT, GRID)
-        fly(study, mutants, options.campaigns, folder / SEARCHES, jobs=options.jobs)
-        write(folder / FLIGHTS, {KEPT: flights_in(study, options.campaigns, len(mutants))})
-    kept = Evidence(mutants, search_arms.read_searches(folder / SEARCHES), read(folder / FLIGHTS).get(KEPT, {}))
-    options.output.write_text(registered("search_or_chance") + flown(kept), encoding="utf-8")
+def results(_study: Study, jobs: int, folder: Path) -> str:
+    """Fly what is missing, and tell."""
+    mutants, path = search_arms.read_blocks(), folder / FLIGHTS
+    before = search_arms.read_searches(folder / SEARCHES)
+    study = Study.open(ROOT, GRID)
+    searches = fly(study, mutants, CAMPAIGNS, folder / SEARCHES, jobs=jobs)
+    if len(searches) > len(before):
+        kept_flights.write(path, {KEPT: flights_in(study, CAMPAIGNS, len(mutants))})
+    return flown(Evidence(mutants, searches, kept_flights.read(path)[KEPT]))
 
 
 if __name__ == "__main__":
-    main()
+    write(__doc__, "search_or_chance", results)

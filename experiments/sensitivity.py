@@ -1,30 +1,28 @@
 """Sensitivity of the paper's rows to the study's assumptions.
 
-    python -m experiments.sensitivity [--jobs N] [--only PATH_GLOB]... [--pages]
+    python -m experiments.sensitivity [--jobs N] [--output FILE]
 
 The script multiplies each number that `sim/sources.yaml` calls an assumption by 0.7 and by 1.3, one at a time (whole
 numbers are rounded; the widths of corridor and branch vary as a whole).  A number that is 0 takes the values declared
 in `ZEROS`; without a declaration the script stops.  For each variation the baseline and the row's mutants fly the row's
 situation once, so the results are observations of single flights beside their baseline.
 
-Writes `sensitivity.csv` and, from it, `sensitivity.md` into `results/published/`.  With `--only` the CSV keeps the
-other variations; `--pages` flies nothing.
+Findings are kept beside the page, in `sensitivity.csv`; the same command flies only what is missing there.  Delete
+lines after a change of the study or of the code.
 """
 
 from __future__ import annotations
 
-import argparse
 import csv
-import fnmatch
 import multiprocessing
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiments import PUBLISHED, ROOT
 from experiments.flights import Beside, flown
-from experiments.pages import blocks, registered, table
+from experiments.pages import blocks, table
+from experiments.pages import write as write_page
 from scaloft_fi.errors import ScaloftError
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import flight_of
@@ -79,10 +77,6 @@ class Variation:
     name: str
     change: str
     overrides: Mapping[str, float]
-
-    def touches(self, patterns: Sequence[str]) -> bool:
-        """Whether the variation changes a number whose path matches a pattern."""
-        return any(fnmatch.fnmatch(path, pattern) for path in self.overrides for pattern in patterns)
 
 
 @dataclass(frozen=True)
@@ -184,15 +178,6 @@ def write(path: Path, findings: Findings, order: Iterable[Variation]) -> None:
                     writer.writerow((row.name, v.name, v.change, found.baseline, *joined, found.impossible))
 
 
-def page(findings: Findings, order: Sequence[Variation]) -> str:
-    """The Markdown page: for each row a count and every variation that changes it, then the numbers that are 0."""
-    return (
-        registered("sensitivity", end="\n## ")
-        + "".join(_section(row, findings, order) for row in ROWS)
-        + _zeros(findings, order)
-    )
-
-
 def _section(row: Row, findings: Findings, order: Sequence[Variation]) -> str:
     own = [(v, found) for v in order if (found := findings.get((row.name, v.name, v.change)))]
     stands = next(found for v, found in own if not v.overrides)
@@ -238,27 +223,18 @@ def _zeros(findings: Findings, order: Sequence[Variation]) -> str:
     return blocks(*parts)
 
 
-def main() -> None:
-    """Fly the requested variations, and write the pages."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--jobs", type=int, default=multiprocessing.cpu_count())
-    parser.add_argument("--only", action="append", default=[], help="glob over the assumptions' paths, repeatable")
-    parser.add_argument("--pages", action="store_true", help="fly nothing")
-    options = parser.parse_args()
-    study = Study.open(ROOT)
-    order = list(variations(study.sim.assumptions))
-    kept = PUBLISHED / "sensitivity.csv"
-    findings = read(kept) if options.only or options.pages else {}
-    if not options.pages:
-        chosen = [v for v in order if not v.overrides or v.touches(options.only or ["*"])]
-        tasks = [(study.folder, variation, row) for variation in chosen for row in ROWS]
-        with multiprocessing.Pool(options.jobs) as pool:
-            for (_, variation, row), found in zip(tasks, pool.imap(fly_row, tasks), strict=True):
-                findings[row.name, variation.name, variation.change] = found
-                print(row.name, variation.name, variation.change, *found.says, found.impossible, file=sys.stderr)
-        write(kept, findings, order)
-    (PUBLISHED / "sensitivity.md").write_text(page(findings, order), encoding="utf-8")
+def results(study: Study, jobs: int, folder: Path) -> str:
+    """Fly what is missing; for each row a count and every variation that changes it, then the numbers that are 0."""
+    order, path = list(variations(study.sim.assumptions)), folder / "sensitivity.csv"
+    findings = read(path) if path.exists() else {}
+    tasks = [(study.folder, v, row) for v in order for row in ROWS if (row.name, v.name, v.change) not in findings]
+    with multiprocessing.Pool(jobs) as pool:
+        for (_, variation, row), found in zip(tasks, pool.imap(fly_row, tasks), strict=True):
+            findings[row.name, variation.name, variation.change] = found
+            print(row.name, variation.name, variation.change, *found.says, found.impossible, file=sys.stderr)
+    write(path, findings, order)
+    return "".join(_section(row, findings, order) for row in ROWS) + _zeros(findings, order)
 
 
 if __name__ == "__main__":
-    main()
+    write_page(__doc__, "sensitivity", results, end="\n## ")

@@ -21,7 +21,7 @@ from scaloft_fi.campaign.flights.fly import facts, fly_log
 from scaloft_fi.campaign.store.platforms import fingerprint
 from scaloft_fi.hazop.matrix import parse
 from scaloft_fi.judge.outcome import BASELINE, Subject
-from scaloft_fi.mutants.catalogue import realise
+from scaloft_fi.mutants.catalogue import catalogue_lines, realise
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.wire import contexts, wire_for
 from scaloft_fi.study import Study
@@ -31,8 +31,9 @@ pytestmark = pytest.mark.release
 
 
 def test_the_committed_faults_are_what_the_draw_gives(study: Study):
-    assert experiment.FILE.read_text(encoding="utf-8") == experiment.text_of(experiment.drawn(study))
-    assert experiment.read_faults() == experiment.drawn(study)
+    drawn = Draw.of(study).faults(random_faults.FAULTS)
+    assert experiment.FILE.read_text(encoding="utf-8").splitlines() == list(catalogue_lines(drawn))
+    assert experiment.read_faults() == drawn
 
 
 def test_no_id_is_one_of_the_matrix(study: Study):
