@@ -10,7 +10,6 @@ were flown.
 from __future__ import annotations
 
 import hashlib
-import itertools
 import re
 import sys
 import tempfile
@@ -18,7 +17,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from experiments import PUBLISHED
-from experiments.flights import Flights, complete, flights_of, read, shared
+from experiments.flights import Flights, complete, flights_of, holds, names_of, read, shared
 from experiments.operating_point import LIGHT
 from experiments.pages import Row, blocks, parser, registered, table
 from scaloft_fi.judge.outcome import BASELINE, Outcome
@@ -53,18 +52,12 @@ def study_of(arm: str, program: Path, folder: Path) -> Study:
 def names(arm: str) -> list[str]:
     """The flights by which the firmware of an arm is accepted."""
     seeds = LATEST_SEEDS if arm.endswith("0.2 m") else FURTHER_SEEDS if arm in FURTHER else SEEDS
-    return [f"{BASELINE}/{key}/{seed}" for key, seed in itertools.product(EMPTY, seeds)]
-
-
-def holds(outcome: Outcome) -> bool:
-    """Whether a baseline holds SR1 and OP1 to its end."""
-    readings = [outcome.reading(name) for name in HELD]
-    return not outcome.invalid and all(one is not None and not (one.violated or one.open) for one in readings)
+    return names_of([BASELINE], EMPTY, seeds)
 
 
 def accepted(outcomes: Mapping[str, Outcome]) -> bool:
     """Whether nine of ten baselines hold in seven of the eight situations."""
-    held = (sum(holds(one) for one in outcomes.values() if one.situation == key) for key in EMPTY)
+    held = (sum(holds(one, HELD) for one in outcomes.values() if one.situation == key) for key in EMPTY)
     return sum(count >= LEAST_HELD for count in held) >= LEAST_SITUATIONS
 
 
@@ -84,7 +77,7 @@ def _rows(flights: Flights) -> Iterator[Row]:
         flown = flights.get(kind, {})
         if len(flown) < len(names(kind)):
             continue
-        held = [sum(holds(one) for one in flown.values() if one.situation == key) for key in EMPTY]
+        held = [sum(holds(one, HELD) for one in flown.values() if one.situation == key) for key in EMPTY]
         durations = [one.duration_s for one in flown.values()]
         verdict = "yes" if accepted(flown) else "no"
         yield (kind, *held, verdict, f"{min(durations):.1f}", f"{max(durations):.1f}")
@@ -96,7 +89,7 @@ def _failures(flights: Flights) -> Iterator[str]:
         + ("; ".join(f"{v.requirement} at {v.t_s:.1f} s, {v.struck or '-'}" for v in one.violations) or one.ending)
         for kind in ARMS
         for one in flights.get(kind, {}).values()
-        if not holds(one)
+        if not holds(one, HELD)
     ]
     if lines:
         yield "\n".join(["What does not hold:", "", *lines])

@@ -26,7 +26,7 @@ import numpy as np
 from scipy.stats import hypergeom
 
 from experiments.bug_stacks import BUGS, Bug, StackStudy, declare
-from experiments.flights import Flights, fly_arms, outcomes, published
+from experiments.flights import Flights, fly_arms, names_of, outcomes, published
 from experiments.pages import Row, blocks, table, write
 from scaloft_fi.analysis.detection import Detection, Pool, Sample, Spending, detect
 from scaloft_fi.analysis.score import MutantScore, score
@@ -43,11 +43,6 @@ LEVEL = 0.05
 REFERENCE = "reference"
 """Arm of the flights of the reference stack."""
 FLIGHTS = (len(BUGS) + 1) * SITUATIONS * len(SEEDS)
-
-
-def names_of(situations: Iterable[str]) -> Iterator[str]:
-    """Yield the names of a bug's flights: it is the baseline of a stack of its own."""
-    yield from (f"baseline/{key}/{seed}" for key in situations for seed in SEEDS)
 
 
 POOL = range(10)
@@ -383,7 +378,9 @@ def fly(study: Study, bugs: Sequence[Bug], situations: Sequence[str], path: Path
     """
     stacks = {bug.key: StackStudy(study.folder, stack_name=bug.key) for bug in bugs}
     arms = {REFERENCE: study, **stacks}
-    return fly_arms(path, jobs, {arm: (copy, (), list(names_of(situations))) for arm, copy in arms.items()})
+    return fly_arms(
+        path, jobs, {arm: (copy, (), names_of([BASELINE], situations, SEEDS)) for arm, copy in arms.items()}
+    )
 
 
 def results(study: Study, jobs: int, folder: Path) -> str:

@@ -1,30 +1,27 @@
 """Does situation coverage predict kills?  Ways to choose situations, compared on the flights of a campaign.
 
-    python -m experiments.coverage_against_kills [--study DIR] [--campaign NAME] [--output DIR]
-
 Every way to choose k situations is compared with k random ones: what they cover, how many mutants and how many
-different sets of kills they meet.  Writes `coverage_against_kills.md` and `.svg` into the output folder.
+different sets of kills they meet.  `experiments.reference` writes the page and the picture beside the others of the
+reference campaign.
 """
 
 from __future__ import annotations
 
-import argparse
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
-from pathlib import Path
 
 import numpy as np
 
-from experiments import ROOT, coverage_curves
+from experiments import coverage_curves
 from experiments.coverage_curves import ARRAYS, ORDERS, RESAMPLES, Band, Curve, Curves, Trial
 from scaloft_fi.analysis.score import score_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.snapshot import snapshot
 from scaloft_fi.views.picture import FAINT, FONT, INK, text
-from scaloft_fi.views.table import Format, Table, render
+from scaloft_fi.views.table import Format, Table, counted, render
 
 FEW_SEEDS = 5
 """Below, the sets of seeds that may come out of a draw are too few for more than a rough interval."""
@@ -114,11 +111,11 @@ def _answer(
     """Sentences; the last one is the verdict, with what it rests on."""
     trial = found.trial
     size, sets = len(trial.situations), len(trial.kill_sets)
-    flown = (
-        f"{_count(len(trial.mutants), 'default mutant')} of this matrix, flown in the same {_count(size, 'situation')}"
-    )
-    killed = f"{trial.killed} of them are killed, in {_count(sets, 'different set')} of situations (kill sets)"
-    said = [f"{flown}, have {_count(len(trial.seeds), 'seed')} in common; {killed}."]
+    mutants, places = counted(len(trial.mutants), "default mutant"), counted(size, "situation")
+    flown = f"{mutants} of this matrix, flown in the same {places}, have {counted(len(trial.seeds), 'seed')} in common"
+    said = [
+        f"{flown}; {trial.killed} of them are killed, in {counted(sets, 'different set')} of situations (kill sets)."
+    ]
     if trial.unkilled:
         said.append(f"Detected, but killed in no situation and so in no curve: {', '.join(trial.unkilled)}.")
     if not trial.killed or size < 2:
@@ -151,7 +148,7 @@ def _array(strength: int, curve: Curve, random: Curve, sets: int) -> str:
     return (
         f"A {strength}-way covering array of {k} situations has {100 * covered:.0f} % of the {strength}-way "
         f"combinations, {k} random situations {100 * by_chance:.0f} %; it meets {curve.kill_sets.mean[-1]:.1f} of "
-        f"{_count(sets, 'kill set')} against {random.kill_sets.mean[k - 1]:.1f}{worth}: {_both(curve, k)}."
+        f"{counted(sets, 'kill set')} against {random.kill_sets.mean[k - 1]:.1f}{worth}: {_both(curve, k)}."
     )
 
 
@@ -186,7 +183,7 @@ def _verdict(arrays: list[tuple[int, Curve]], sets: int) -> str:
     more = sum(round(band.low[-1], 1) > 0 for _, band, _ in told)
     fewer = sum(round(band.high[-1], 1) < 0 for _, band, _ in told)
     some = more or fewer
-    meet = f"{some} of {_count(len(told), 'covering array')} meet{'s' * (some == 1)}"
+    meet = f"{some} of {counted(len(told), 'covering array')} meet{'s' * (some == 1)}"
     beside = "kill sets than as many random situations"
     if more and fewer:
         answer = f"Not in one direction: {meet} more {beside}, {fewer} fewer"
@@ -195,7 +192,7 @@ def _verdict(arrays: list[tuple[int, Curve]], sets: int) -> str:
     else:
         answer = f"Not shown here: {meet} more {beside}, or fewer"
     listed = ", ".join(f"{t}-way with {k} {interval(band, k)}" for t, band, k in told)
-    return f"{said}{answer} ({listed}; {_count(sets, 'kill set')} in all)."
+    return f"{said}{answer} ({listed}; {counted(sets, 'kill set')} in all)."
 
 
 def _carried(trial: Trial) -> str:
@@ -219,10 +216,6 @@ def _carried(trial: Trial) -> str:
         else f"the {situations} situations are those that were flown, no sample of others"
     )
     return f"{said}  They do not carry to another grid or another drone: this is one of each, and {census}."
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'s' * (number != 1)}"
 
 
 def interval(band: Band, k: int) -> str:
@@ -395,13 +388,12 @@ class Panel:
         yield text(self.left + WIDTH / 2, TOP + HEIGHT + 38, "situations k", anchor="middle", colour=FAINT, size=12)
 
 
-def curve_picture(found: Curves, *, strength: int = 2) -> str:
-    """The curves as the text of an SVG file.
+STRENGTH = 2
+"""The t of the coverage that the picture shows."""
 
-    Args:
-        found: the curves.
-        strength: the t of the coverage that is shown.
-    """
+
+def curve_picture(found: Curves) -> str:
+    """The curves as the text of an SVG file."""
     last = len(found.trial.situations)
     shown, told = found.curves, found.compared
     banded = [curve for curve in told if curve.id != "lexicographic"]
@@ -424,11 +416,11 @@ def curve_picture(found: Curves, *, strength: int = 2) -> str:
         text(LEFT - 40, 34, title, size=20, weight="bold"),
         text(LEFT - 40, 58, AREAS),
         *kills.frame("mutants killed", steps),
-        *share.frame(f"{strength}-way combinations covered", 20.0, " %"),
+        *share.frame(f"{STRENGTH}-way combinations covered", 20.0, " %"),
         *more.frame("kill sets more than by k random situations", spread),
         kills.between(found.spread, "#000000"),
         *_lines(kills, shown, lambda curve: curve.kills.mean),
-        *_lines(share, shown, lambda curve: [100 * one for one in dict(curve.t_way).get(strength, ())]),
+        *_lines(share, shown, lambda curve: [100 * one for one in dict(curve.t_way).get(STRENGTH, ())]),
         *(more.between(curve.distinct, LOOKS[curve.id][0]) for curve in banded),
         *_lines(more, told, lambda curve: curve.distinct.mean),
         *_legend(shown, TOP + HEIGHT + 66),
@@ -503,19 +495,3 @@ def pages(study: Study, campaign: str) -> dict[str, str]:
     followed = coverage_curves.curves(flown)
     tables = render(curve_tables(followed, predict(followed)), Format.MARKDOWN)
     return {f"{NAME}.md": tables, f"{NAME}.svg": curve_picture(followed)}
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Write the pages of a campaign."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--study", type=Path, default=ROOT)
-    parser.add_argument("--campaign", default="reference", help="where the flights are")
-    parser.add_argument("--output", type=Path, default=ROOT / "results" / "published" / "reference")
-    options = parser.parse_args(arguments)
-    for name, content in pages(Study.open(options.study), options.campaign).items():
-        (options.output / name).write_text(content, encoding="utf-8")
-        print(options.output / name)
-
-
-if __name__ == "__main__":
-    main()

@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import chain, combinations, permutations, product
-from math import comb, factorial, prod
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,11 +109,6 @@ def apfd(chances: Chances) -> float | None:
     return float(1.0 - place.mean() / n + 1.0 / (2 * n))
 
 
-MOST_RELABELLINGS = 5_000
-"""Greatest number of relabellings that are all taken; of more, a sample of this size."""
-SAMPLE = 1_000
-
-
 def positions(order: Sequence[int] | NDArray[np.int64]) -> Positions:
     """(situations,): the place of each situation in an order of their numbers."""
     return np.argsort(np.asarray(order, np.int64))
@@ -175,7 +170,7 @@ def greedy_by_kills(kills: Found) -> Positions:
     return positions(order)[None, :]
 
 
-def relabelled(space: Space, keys: Sequence[str], suite: Sequence[str], *key: object) -> NDArray[np.int64]:
+def relabelled(space: Space, keys: Sequence[str], suite: Sequence[str]) -> NDArray[np.int64]:
     """(suites, size): the suite under renamings of axes and values, so that no lucky labels decide.
 
     Axes with equally many values change places, the values of each axis too: 3,840 ways for five binary axes.
@@ -185,12 +180,11 @@ def relabelled(space: Space, keys: Sequence[str], suite: Sequence[str], *key: ob
         space: the grid.
         keys: the situations that may be chosen; the suites are numbers into them.
         suite: the situations that are renamed.
-        key: of the random stream of the sample, when there are more than `MOST_RELABELLINGS`.
     """
     levels = levels_of(suite, space)
     place = {tuple(row): number for number, row in enumerate(levels_of(keys, space).tolist())}
     found = set()
-    for axes, values in _renamings(space, key):
+    for axes, values in _renamings([len(values) for values in space.values]):
         renamed = np.stack([values[axis][levels[:, source]] for axis, source in enumerate(axes)], axis=1)
         rows = [place.get(tuple(row), -1) for row in renamed.tolist()]
         if -1 not in rows:
@@ -198,23 +192,13 @@ def relabelled(space: Space, keys: Sequence[str], suite: Sequence[str], *key: ob
     return np.array(sorted(found), np.int64).reshape(len(found), len(suite))
 
 
-def _renamings(space: Space, key: tuple[object, ...]) -> Iterator[tuple[tuple[int, ...], tuple[Levels, ...]]]:
-    """Per axis the axis that stands in for it, and the new place of each value."""
-    sizes = [len(values) for values in space.values]
+def _renamings(sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], tuple[Levels, ...]]]:
+    """Per axis the axis that stands in for it, and the new place of each value; `sizes` has how many each axis has."""
     alike = [[axis for axis, size in enumerate(sizes) if size == one] for one in sorted(set(sizes))]
-    ways = prod(factorial(len(group)) for group in alike) * prod(map(factorial, sizes))
-    if ways <= MOST_RELABELLINGS:
-        for swapped in product(*map(permutations, alike)):
-            source = dict(zip(chain(*alike), chain(*swapped), strict=True))
-            for values in product(*(permutations(range(size)) for size in sizes)):
-                yield tuple(source[axis] for axis in range(len(sizes))), tuple(map(np.array, values))
-        return
-    rng = generator("relabelled", *key)
-    for _ in range(SAMPLE):
-        source = {
-            axis: int(other) for group in alike for axis, other in zip(group, rng.permutation(group), strict=True)
-        }
-        yield tuple(source[axis] for axis in range(len(sizes))), tuple(rng.permutation(size) for size in sizes)
+    for swapped in product(*map(permutations, alike)):
+        source = dict(zip(chain(*alike), chain(*swapped), strict=True))
+        for values in product(*(permutations(range(size)) for size in sizes)):
+            yield tuple(source[axis] for axis in range(len(sizes))), tuple(map(np.array, values))
 
 
 MOST_SUBSETS = 64
@@ -324,7 +308,6 @@ def resamples(parameters: Sequence[str]) -> Counts:
 
 STRENGTHS = (1, 2, 3, 4)
 """Strengths whose coverage is followed, as far as there are axes."""
-MOST_COMBINATIONS = 4_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -367,15 +350,9 @@ class Trial:
 
     @cached_property
     def followed(self) -> tuple[tuple[int, Found, int], ...]:
-        """The combinations of each strength whose coverage is followed, as `combinations` gives them.
-
-        Of a large grid the higher strengths are left out: they have too many.
-        """
+        """The combinations of each strength, as `combinations` gives them."""
         strengths = [strength for strength in STRENGTHS if strength <= len(self.space.axes)]
-        every = ((strength, *self.combinations(strength)) for strength in strengths)
-        return tuple(
-            (strength, found, possible) for strength, found, possible in every if possible <= MOST_COMBINATIONS
-        )
+        return tuple((strength, *self.combinations(strength)) for strength in strengths)
 
     def combinations(self, strength: int) -> tuple[Found, int]:
         """(combinations, situations) of `strength` axes that the situations have, and how many the grid has."""
@@ -555,7 +532,7 @@ def curves(trial: Trial) -> Curves:
     missing = []
     for strength in (strength for strength in ARRAYS if strength < len(space.axes)):
         name, suite = f"{strength}-way array", covering_array(space, keys, strength, 0)
-        suites = relabelled(space, keys, suite, strength)
+        suites = relabelled(space, keys, suite)
         if len(suites) < 2:
             missing.append((name, "no renaming of its axes and values stays among the situations flown"))
             continue

@@ -14,18 +14,16 @@ import experiments.published_kernels  # noqa: F401 - it must be imported before 
 
 import itertools
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
-from experiments.flights import Flights, Varied, fly_arms
+from experiments.flights import Flights, Scored, Varied, fly_arms, holds, names_of
 from experiments.operating_point import CRUISE, LIGHT
 from experiments.pages import Row, blocks, table, write
-from scaloft_fi.analysis.detection import ALPHA, Pool, Spending, adjusted, holm
-from scaloft_fi.analysis.score import MutantScore, mutant_score, sample
-from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
+from scaloft_fi.analysis.detection import ALPHA, adjusted, holm
+from scaloft_fi.analysis.score import sample
+from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import INVALID, Situations, rulings_of
+from scaloft_fi.judge.status import INVALID
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
@@ -67,17 +65,6 @@ def varied(study: Study, numbers: Numbers) -> Study:
     return Varied(study.folder, overrides=tuple(numbers.items()))
 
 
-def names_of(subjects: Iterable[str], seeds: Iterable[int]) -> list[str]:
-    """The names of flights in the light situations."""
-    return [f"{subject}/{key}/{seed}" for seed, key, subject in itertools.product(seeds, LIGHT, subjects)]
-
-
-def held(outcome: Outcome) -> bool:
-    """Whether a baseline holds each safety requirement, and OP1, to its end."""
-    readings = [outcome.reading(name) for name in HELD]
-    return not outcome.invalid and all(one is not None and not (one.violated or one.open) for one in readings)
-
-
 def holding(outcomes: Iterable[Outcome]) -> dict[str, tuple[int, int, str]]:
     """By light situation the baselines that hold, all, and what the others violate first."""
     by_key: dict[str, list[Outcome]] = {key: [] for key in LIGHT}
@@ -86,7 +73,7 @@ def holding(outcomes: Iterable[Outcome]) -> dict[str, tuple[int, int, str]]:
             by_key[outcome.situation].append(outcome)
     return {
         key: (
-            sum(map(held, own)),
+            sum(holds(one, HELD) for one in own),
             len(own),
             "; ".join(f"{v.requirement} at {v.t_s:.1f} s, {v.struck or '-'}" for o in own for v in o.violations[:1]),
         )
@@ -111,41 +98,13 @@ def acceptance(flights: Flights) -> str:
     return blocks(*parts).strip("\n")
 
 
-@dataclass(frozen=True)
-class Flown:
-    """The flights of an arm, scored.
-
-    Attributes:
-        arm: its name.
-        outcomes: of its flights, by name.
-        space: the grid.
-    """
-
-    arm: str
-    outcomes: Mapping[str, Outcome]
-    space: Space
+class Flown(Scored):
+    """The flights of an arm, scored."""
 
     @property
     def complete(self) -> bool:
         """Whether every flight of the arm was flown and counts."""
-        return sum(not outcome.invalid for outcome in self.outcomes.values()) == PER_ARM
-
-    @cached_property
-    def pool(self) -> Pool:
-        """The pool of the arm."""
-        return Pool.of(self.outcomes.values())
-
-    @cached_property
-    def rulings(self) -> Mapping[Subject, Situations]:
-        """The flights of each mutant beside their baselines."""
-        return rulings_of(self.outcomes.values()).mutants
-
-    @cached_property
-    def scores(self) -> Mapping[str, MutantScore]:
-        """The score of each mutant, in the order of the rows."""
-        flown = self.rulings.items()
-        made = {s.id: mutant_score(s, own, self.space, self.pool, Spending(ALPHA)) for s, own in flown}
-        return {mutant: made[mutant] for mutant in MUTANTS if mutant in made}
+        return len(self.valid) == PER_ARM
 
     def p(self, mutant: str, requirement: str) -> float:
         """The exact test of one requirement alone, without any adjustment."""
@@ -165,7 +124,7 @@ class Flown:
 
 def told(flights: Flights, space: Space) -> str:
     """The section with the results: every arm, as far as it was flown."""
-    arms = {name: Flown(name, flights.get(name, {}), space) for name in ARMS}
+    arms = {name: Flown(flights.get(name, {}), space, MUTANTS) for name in ARMS}
     done = {name: one for name, one in arms.items() if one.complete}
     missing = [name for name in arms if name not in done]
     left = (
@@ -230,9 +189,9 @@ def clean(one: Flown) -> Iterator[str]:
 
 def results(study: Study, jobs: int, folder: Path) -> str:
     """Fly what is missing, and tell."""
-    drone = varied(study, DOCUMENTED), (), names_of([BASELINE], ASKED)
+    drone = varied(study, DOCUMENTED), (), names_of([BASELINE], LIGHT, ASKED)
     fly_arms(folder / ACCEPTED, jobs, {f"{CRUISE_MPS:g} m/s": drone})
-    mutants, names = [realise(study.matrix, name) for name in MUTANTS], names_of(SUBJECTS, SEEDS)
+    mutants, names = [realise(study.matrix, name) for name in MUTANTS], names_of(SUBJECTS, LIGHT, SEEDS)
     arms = {arm: (varied(study, numbers), mutants, names) for arm, numbers in ARMS.items()}
     return told(fly_arms(folder / FLIGHTS, jobs, arms), study.space)
 

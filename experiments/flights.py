@@ -10,12 +10,15 @@ import time
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pyarrow.parquet
 
 from experiments import PUBLISHED
+from scaloft_fi.analysis.detection import ALPHA, Pool, Spending
+from scaloft_fi.analysis.score import MutantScore, mutant_score
 from scaloft_fi.campaign.flights.fly import Flight, fly_log, judged
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import alone, together
@@ -25,6 +28,8 @@ from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers import Local
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
+from scaloft_fi.judge.space import Space
+from scaloft_fi.judge.status import Situations, rulings_of
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.output import write_whole
@@ -48,6 +53,11 @@ def published(grid: str = "paper") -> list[Row]:
 def name_of(row: Row) -> str:
     """`MUTANT/SITUATION/SEED`."""
     return f"{row['mutant']}/{row['situation']}/{row['seed']}"
+
+
+def names_of(subjects: Iterable[str], situations: Iterable[str], seeds: Iterable[int]) -> list[str]:
+    """The names of the flights of all subjects in all situations with all seeds, seed by seed."""
+    return [f"{subject}/{key}/{seed}" for seed, key, subject in product(seeds, situations, subjects)]
 
 
 def own_s(row: Row) -> float:
@@ -89,6 +99,49 @@ def _lacking(row: Row) -> Row:
     places = dict.fromkeys(("violation_x", "violation_y", "violation_z"), [0.0] * len(row["violated"]))
     texts = dict.fromkeys(("invalid", "ended_by", "stack_error", "perceived_digest"), "")
     return {**places, **texts, "episodes": [1] * len(row["triggered"])}
+
+
+def holds(flight: Outcome, requirements: Iterable[str]) -> bool:
+    """Whether a flight counts and holds each of these requirements to its end."""
+    readings = [flight.reading(name) for name in requirements]
+    return not flight.invalid and all(one is not None and not (one.violated or one.open) for one in readings)
+
+
+@dataclass(frozen=True)
+class Scored:
+    """The flights of an arm, scored beside its own pool.
+
+    Attributes:
+        outcomes: of its flights, by name.
+        space: the grid.
+        mutants: ids, in the order of the page.
+    """
+
+    outcomes: Mapping[str, Outcome]
+    space: Space
+    mutants: Sequence[str]
+
+    @cached_property
+    def valid(self) -> tuple[Outcome, ...]:
+        """The flights that count."""
+        return tuple(one for one in self.outcomes.values() if not one.invalid)
+
+    @cached_property
+    def pool(self) -> Pool:
+        """The pool of the arm."""
+        return Pool.of(self.valid)
+
+    @cached_property
+    def rulings(self) -> Mapping[Subject, Situations]:
+        """The flights of each mutant beside their baselines."""
+        return rulings_of(self.outcomes.values()).mutants
+
+    @cached_property
+    def scores(self) -> Mapping[str, MutantScore]:
+        """The score of each mutant that was flown, by its id."""
+        flown = self.rulings.items()
+        made = {one.id: mutant_score(one, own, self.space, self.pool, Spending(ALPHA)) for one, own in flown}
+        return {mutant: made[mutant] for mutant in self.mutants if mutant in made}
 
 
 # Fly the study with changed numbers, for scripts that test the effect of an assumption.

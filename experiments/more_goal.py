@@ -13,23 +13,20 @@ import experiments.published_kernels  # noqa: F401 - it must be imported before 
 
 # isort: split
 
-import itertools
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
-from experiments.flights import Flights, Varied, fly_arms, name_of, published
+from experiments.flights import Flights, Scored, Varied, fly_arms, holds, name_of, names_of, published
 from experiments.operating_point import CRUISE, LIGHT, NO_TURN
 from experiments.pages import Row, blocks, table, write
-from scaloft_fi.analysis.detection import ALPHA, Detection, Pool, Spending
-from scaloft_fi.analysis.score import MutantScore, mutant_score
+from scaloft_fi.analysis.detection import ALPHA, Detection
+from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
 
@@ -61,13 +58,9 @@ class Arm(NamedTuple):
 ARMS = tuple(Arm(turns_first, cruise_mps) for turns_first in (True, False) for cruise_mps in CRUISES_MPS)
 AS_IT_IS, NOT_TURNING = Arm(turns_first=True, cruise_mps=0.5), Arm(turns_first=False, cruise_mps=0.5)
 """The study as it is, and the same without turning first: the two arms of the rule for the stack."""
-FLIGHTS = len(ARMS) * len(SUBJECTS) * DRAWS
-
-
-def names_of(draws: int = DRAWS) -> Iterator[str]:
-    """Yield the names of an arm's flights: of its first draws, in the order of their seeds."""
-    for seed, key in itertools.islice(itertools.product(SEEDS, LIGHT), draws):
-        yield from (f"{subject}/{key}/{seed}" for subject in SUBJECTS)
+NAMES = names_of(SUBJECTS, LIGHT, SEEDS)
+"""Of an arm's flights, draw by draw in the order of their seeds."""
+FLIGHTS = len(ARMS) * len(NAMES)
 
 
 STRICT = ALPHA / (len(ARMS) * len(MUTANTS))
@@ -79,37 +72,14 @@ PAIRED = {"SR1": LIGHT, "SR2": tuple(key for key in LIGHT if key.endswith("H1"))
 
 
 @dataclass(frozen=True)
-class Flown:
+class Flown(Scored):
     """The flights of an arm, scored.
 
     Attributes:
         arm: the arm.
-        outcomes: of its flights, by name.
-        space: the grid.
     """
 
     arm: Arm
-    outcomes: Mapping[str, Outcome]
-    space: Space
-
-    @cached_property
-    def baselines(self) -> tuple[Outcome, ...]:
-        """Valid flights of the unmutated drone."""
-        return tuple(o for o in self.outcomes.values() if o.subject.id == BASELINE and not o.invalid)
-
-    @cached_property
-    def pool(self) -> Pool:
-        """The pool of the arm."""
-        return Pool.of(self.baselines)
-
-    @cached_property
-    def scores(self) -> Mapping[str, MutantScore]:
-        """The score of each mutant by its id, in the order of the ladder."""
-        found = {
-            subject.id: mutant_score(subject, situations, self.space, self.pool, Spending(ALPHA))
-            for subject, situations in rulings_of(self.outcomes.values()).mutants.items()
-        }
-        return {mutant: found[mutant] for mutant in MUTANTS if mutant in found}
 
     def safety(self, mutant: str) -> Detection | None:
         """The verdict on a mutant by safety requirements; None if it was not flown."""
@@ -117,15 +87,15 @@ class Flown:
 
     def held(self, requirement: str, ending: str = "") -> int:
         """Baselines that hold a requirement, in the situations whose key has this ending."""
-        own = (o.reading(requirement) for o in self.baselines if o.situation.endswith(ending))
-        return sum(reading is not None and not (reading.violated or reading.open) for reading in own)
+        own = (one for one in self.valid if one.mutant == BASELINE and one.situation.endswith(ending))
+        return sum(holds(one, [requirement]) for one in own)
 
     def violations(self, subject: str) -> Iterator[tuple[str, Violation]]:
         """Yield situation and violation: of a mutant in steady pairs that it infects, of the baseline in all pairs."""
         steady = {r.situation: r.steady for r in self.scores[subject].results} if subject in self.scores else {}
-        for outcome in self.outcomes.values():
+        for outcome in self.valid:
             tests = SAFETY if subject == BASELINE else steady.get(outcome.situation, ())
-            if outcome.subject.id == subject and not outcome.invalid:
+            if outcome.mutant == subject:
                 yield from ((outcome.situation, v) for v in outcome.violations if v.requirement in tests)
 
 
@@ -137,9 +107,9 @@ def flown(flights: Mapping[str, Mapping[str, Outcome]], reference: Mapping[str, 
         reference: digests of the reference campaign by the name of the flight.
         space: the grid.
     """
-    arms = [Flown(arm, flights.get(arm.name, {}), space) for arm in ARMS]
+    arms = [Flown(flights.get(arm.name, {}), space, MUTANTS, arm) for arm in ARMS]
     by_arm = {one.arm: one for one in arms}
-    valid = sum(not outcome.invalid for one in arms for outcome in one.outcomes.values())
+    valid = sum(len(one.valid) for one in arms)
     rules = [*shown(arms), *masked(by_arm), stack(by_arm)] if valid == FLIGHTS else [UNFINISHED]
     violated = (
         part
@@ -260,8 +230,8 @@ def _cells(one: Flown, subject: str, requirement: str, keys: Iterable[str]) -> I
     tested = {r.situation: r.steady for r in one.scores[subject].results} if subject in one.scores else {}
     counts = Counter(
         outcome.situation
-        for outcome in one.outcomes.values()
-        if outcome.subject.id == subject and not outcome.invalid
+        for outcome in one.valid
+        if outcome.mutant == subject
         for violation in outcome.violations
         if violation.requirement == requirement
     )
@@ -297,7 +267,7 @@ def fly(study: Study, path: Path, jobs: int, draws: int = DRAWS) -> Flights:
         jobs: number of processes.
         draws: number of draws of each arm.
     """
-    mutants, names = [realise(study.matrix, name) for name in MUTANTS], list(names_of(draws))
+    mutants, names = [realise(study.matrix, name) for name in MUTANTS], NAMES[: draws * len(SUBJECTS)]
     varied = {arm.name: Varied(study.folder, overrides=arm.overrides) for arm in ARMS}
     return fly_arms(path, jobs, {arm: (own, mutants, names) for arm, own in varied.items()})
 

@@ -8,7 +8,7 @@ import pytest
 from builders import GRID, outcome
 
 from experiments import PUBLISHED, ROOT, documented
-from experiments.flights import read
+from experiments.flights import holds, names_of, read
 from experiments.operating_point import LIGHT
 from experiments.pages import registered
 from scaloft_fi.judge.outcome import BASELINE, Outcome
@@ -18,7 +18,7 @@ from scaloft_fi.study import Study
 def flown(violated: dict[tuple[str, str], str]) -> dict[str, Outcome]:
     """The flights of an arm; those of a subject in a situation violate a requirement where they are named."""
     made = {}
-    for name in documented.names_of(documented.SUBJECTS, documented.SEEDS):
+    for name in names_of(documented.SUBJECTS, LIGHT, documented.SEEDS):
         subject, key, seed = name.split("/")
         broken = {violated[subject, key]: 9.0} if (subject, key) in violated else {}
         made[name] = outcome(subject, key, int(seed), violated=broken)
@@ -48,10 +48,11 @@ def test_the_published_acceptance_is_what_its_flights_say():
     flights = read(PUBLISHED / documented.ACCEPTED)
     assert documented.acceptance(flights) in registered(documented.NAME)
     (outcomes,) = flights.values()
-    assert set(outcomes) == set(documented.names_of([BASELINE], documented.ASKED))
+    assert set(outcomes) == set(names_of([BASELINE], LIGHT, documented.ASKED))
     assert documented.is_accepted(outcomes.values())
     assert (
-        f"{sum(map(documented.held, outcomes.values()))} of {len(outcomes)} hold" in (ROOT / "CHANGELOG.md").read_text()
+        f"{sum(holds(one, documented.HELD) for one in outcomes.values())} of {len(outcomes)} hold"
+        in (ROOT / "CHANGELOG.md").read_text()
     )
 
 
@@ -68,8 +69,8 @@ def test_a_drone_with_a_situation_in_which_two_of_ten_fail_is_not_accepted():
             for seed in documented.ASKED
         ]
         assert documented.is_accepted(made) is accepted
-    assert not documented.held(replace(made[-1], invalid="no simulator"))
-    assert not documented.held(outcome(violated={"SR1": 9.0}, struck="wall"))  # which leaves SR2 open
+    assert not holds(replace(made[-1], invalid="no simulator"), documented.HELD)
+    assert not holds(outcome(violated={"SR1": 9.0}, struck="wall"), documented.HELD)  # which leaves SR2 open
 
 
 @pytest.mark.release
@@ -82,7 +83,7 @@ def test_the_primary_test_is_decided_by_its_own_arm_and_the_secondary_tests_when
     harmless = documented.told({arm: flown({})}, GRID)
     assert f"**{mutant} is not shown by {requirement}**" in harmless
     assert "Not decided" in documented.told({}, GRID)
-    every = {name: documented.Flown(name, kills, GRID) for name in documented.ARMS}
+    every = {name: documented.Flown(kills, GRID, documented.MUTANTS) for name in documented.ARMS}
     shown = {row[1]: row[-1] for row in documented.rows(every, decided=True) if row[2] == mutant}
     assert shown == {name: "SR1, the primary test" if name == arm else "SR1" for name in documented.ARMS}
 
