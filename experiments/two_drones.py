@@ -1,80 +1,34 @@
 """Fly the whole matrix on the second drone, and hold what it shows against what the reference drone shows.
 
-    python -m experiments.two_drones [--fly] [--picture]
+    python -m experiments.two_drones [--picture]
 
-The second drone is the frozen one of `documented.md`.  `--fly` flies every cell's default mutant, the controls and
-PLACEBO in all situations of the paper's grid, three seeds beside a pool of twenty, in a study of its own; stored
-flights are not flown again.  Then it writes the archive `results/published/second_drone/`, which has that study.
-Without `--fly` the page, and the comparison beside it, are made from the two published records.  `--picture` takes a
-picture of the comparison: that needs `chromium` on the path and the packages of the extra `test`.
+The second drone is the frozen one of `documented.md`.  Flies nothing: the page, and the comparison beside it, are made
+from two published archives, that of the reference campaign and `results/published/second_drone/`, which has its study.
+`--picture` takes a picture of the comparison: that needs `chromium` on the path and the packages of the extra `test`.
 """
 
 from __future__ import annotations
 
-import argparse
-import shutil
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import chdir
+from collections.abc import Iterator, Sequence
 from functools import partial
-from pathlib import Path
+from itertools import product
 
 from experiments import PUBLISHED, ROOT
-from experiments.pages import Row, blocks, registered, table
-from experiments.reference import REFERENCE, call, pictured, thin
+from experiments.pages import Row, blocks, parser, registered, table
+from experiments.reference import REFERENCE, pictured
 from scaloft_fi.analysis.comparison import Change, ComparedCampaigns, ComparedMutant, Flown, compared, of_seeds
 from scaloft_fi.analysis.detection import State, Verdict
 from scaloft_fi.analysis.score import score_of
-from scaloft_fi.hazop.load import FOLDERS
 from scaloft_fi.hazop.matrix import Matrix, class_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.campaigns import agreement_text, compared_by, matrices_page
-from scaloft_fi.verbs.export.dossier import archive_files
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 
-NAME, CAMPAIGN = "two_drones", "second_drone"
-SECOND = PUBLISHED / CAMPAIGN
-FOLDER = ROOT / "results" / "campaigns" / "second_drone_study"
-"""The study in which the second drone flies; git ignores it."""
-CHANGES: Mapping[str, Mapping[str, str]] = {
-    "sim/stack.yaml": {
-        "  law: turning ": "  law: published ",
-        "  accel_mps2: 1.5              #": "  accel_mps2: 3.0              #",
-    },
-    "sim/world.yaml": {"  cruise_mps: 0.5\n": "  cruise_mps: 1.8\n"},
-}
-"""What the study of the second drone changes in the files of the reference study."""
-SEEDS, BASELINE_SEEDS = "3", "20"
+NAME = "two_drones"
+SECOND = PUBLISHED / "second_drone"
+SEEDS = 3
 COMPARISON, PICTURE = PUBLISHED / "two_matrices.html", PUBLISHED / "two_matrices.png"
-
-
-def second_study(folder: Path = FOLDER) -> Study:
-    """The study of the second drone, written anew beside what was flown in it; finds are the reference drone's.
-
-    Raises:
-        ValueError: a file of the reference study has not exactly one place for a change.
-    """
-    for name in FOLDERS:
-        shutil.rmtree(folder / name, ignore_errors=True)
-        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("*.md", "found.yaml"))
-    for name, changes in CHANGES.items():
-        text = (folder / name).read_text(encoding="utf-8")
-        for old, new in changes.items():
-            if text.count(old) != 1:
-                raise ValueError(f"{name} has {text.count(old)} places of {old!r}")
-            text = text.replace(old, new)
-        (folder / name).write_text(text, encoding="utf-8")
-    return Study.open(folder)
-
-
-def fly() -> None:
-    """Fly what is missing, and write the record."""
-    study = second_study()
-    with chdir(study.folder):
-        call("run", "--campaign", CAMPAIGN, "--seeds", SEEDS, "--baseline-seeds", BASELINE_SEEDS)
-    for name, content in archive_files(study, CAMPAIGN, documents=True, kept=thin).items():
-        (SECOND / name).parent.mkdir(parents=True, exist_ok=True)
-        (SECOND / name).write_bytes(content)
 
 
 def results(study: Study) -> tuple[str, str]:
@@ -82,13 +36,10 @@ def results(study: Study) -> tuple[str, str]:
     told, matrix, _ = compared_by(study, str(REFERENCE), str(SECOND), flights=False)
     with snapshot(study, str(REFERENCE)) as reference, snapshot(study, str(SECOND)) as second:
         both = [*zip(figures(reference), figures(second), strict=True)]
-        left_out = [*map(partial(_without, reference, second), range(int(SEEDS)))]
+        left_out = [*map(partial(_without, reference, second), range(SEEDS))]
     text = blocks(
         "## Flown",
-        table(
-            ("", "reference drone", "second drone"),
-            ((name, one, two) for (name, one), (_, two) in both),
-        ),
+        table(("", "reference drone", "second drone"), ((name, one, two) for (name, one), (_, two) in both)),
         counted(told.scores),
         *differences(told.scores, "reference drone", "second drone", "reference", "second"),
         "### With one seed of the mutants left out",
@@ -122,7 +73,7 @@ def figures(now: Snapshot) -> list[tuple[str, str]]:
 
 def _without(reference: Snapshot, second: Snapshot, seed: int) -> Row:
     """What remains of the comparison without one seed of the mutants; the pools stay."""
-    kept = [one for one in range(int(SEEDS)) if one != seed]
+    kept = [one for one in range(SEEDS) if one != seed]
     flown = []
     for now in (reference, second):
         rulings = of_seeds(now.rulings, kept)
@@ -166,26 +117,16 @@ def _by_parameter(mutants: Sequence[ComparedMutant], matrix: Matrix) -> Iterator
     for parameter in (entry.id for entry in matrix.parameters):
         own = [one for one in mutants if one.subject.parameter == parameter]
         pairs = Counter((one.first is Verdict.DETECTED, one.second is Verdict.DETECTED) for one in own)
-        yield (
-            parameter,
-            len(own),
-            pairs[True, True],
-            pairs[True, False],
-            pairs[False, True],
-            pairs[False, False],
-        )
+        yield parameter, len(own), *(pairs[one, other] for one, other in product((True, False), repeat=2))
 
 
 def main() -> None:
-    """Fly where that is asked for, and write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--fly", action="store_true", help="fly the campaign, and publish its flights")
-    parser.add_argument("--picture", action="store_true", help="take a picture of the comparison")
-    options = parser.parse_args()
-    if options.fly:
-        fly()
+    """Write the page and the comparison."""
+    asked = parser(__doc__, NAME)
+    asked.add_argument("--picture", action="store_true", help="take a picture of the comparison")
+    options = asked.parse_args()
     text, page = results(Study.open(ROOT))
-    (PUBLISHED / f"{NAME}.md").write_text(registered(NAME) + text, encoding="utf-8")
+    options.output.write_text(registered(NAME) + text, encoding="utf-8")
     COMPARISON.write_text(page, encoding="utf-8")
     if options.picture:
         pictured(COMPARISON, "main", PICTURE)

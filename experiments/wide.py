@@ -1,17 +1,13 @@
 """Compare the wide grid with the paper's: which faults each detects, on the half of the mutants that chose nothing.
 
-    python -m experiments.wide [--fly] [--jobs N] [--output FILE]
+    python -m experiments.wide [--output FILE]
 
-`--fly` flies the campaign `wide` over the wide grid, three seeds and twenty of the baseline, ten of which are the pool,
-and publishes its flights beside the page, as `wide_outcomes.parquet`; stored flights are not flown again.  The paper's
-side comes from `results/published/reference/outcomes.parquet`: the same three seeds, and the first ten of its pool.
+Flies nothing: the flights of the wide grid, three seeds and twenty of the baseline, ten of which are the pool, stand in
+`wide_outcomes.parquet` beside the page.  The paper's side comes from `results/published/reference/outcomes.parquet`:
+the same three seeds, and the first ten of its pool.
 """
 
 from __future__ import annotations
-
-import experiments.published_kernels  # noqa: F401 - it must be imported before numpy
-
-# isort: split
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -24,8 +20,7 @@ import numpy as np
 
 from experiments import ROOT
 from experiments.flights import GRIDS, Row, counted, outcomes, own_s, published, rows_of
-from experiments.pages import blocks, parser, registered, table
-from experiments.reference import call
+from experiments.pages import blocks, registered, table, write
 from scaloft_fi.analysis.detection import Pool, Sample, Spending, State, adjusted, firmness, reaches
 from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.score import MutantScore, Redraw, Score, mutant_score, redraw, sample, score
@@ -219,29 +214,16 @@ def _verdict(side: Side, mutant: str) -> tuple[str, str]:
     return scored.verdict.value, f"{killed}/{sum(result.tested for result in scored.results)}"
 
 
-def main() -> None:
-    """Fly where that is asked for, and write the page."""
-    asked = parser(__doc__, "wide")
-    asked.add_argument("--fly", action="store_true", help="fly the campaign, and publish its flights")
-    options = asked.parse_args()
-    flights = options.output.parent / GRIDS["wide"].name
-    if options.fly:
-        where, pool = ("--campaign", "wide"), ("--seeds", str(len(SEEDS)), "--baseline-seeds", str(len(REDRAWN)))
-        call("run", *where, "--grid", "wide", *pool, "--jobs", str(options.jobs))
-        call("export", *where, "--format", "parquet", "--output", str(flights))
-    options.output.write_text(page(flights), encoding="utf-8")
-
-
-def page(flights: Path) -> str:
-    """The page of the published flights of the wide grid."""
-    studies, rows = (Study.open(ROOT), Study.open(ROOT, "wide")), (published(), rows_of(flights))
+def page(_study: Study, _jobs: int, folder: Path) -> str:
+    """The page behind its plan, from the published flights of the wide grid."""
+    studies, rows = (Study.open(ROOT), Study.open(ROOT, "wide")), (published(), rows_of(folder / GRIDS["wide"].name))
     paper, wide = map(side, studies, rows)
     alone, redrawn = list(map(by_one_seed, studies, rows)), list(map(by_chance, studies, rows))
     defaults = studies[0].roster.defaults
     told = results(paper, wide, defaults, alone, redrawn, whys_of(studies[1], wide))
     paper_grid, wide_grid = map(grid_of, studies, rows)
     again = registered("wide", "\n## Told again", "\n| half | paper's grid: detected")
-    return registered("wide") + told + again + section(paper_grid, wide_grid, halves(defaults)[1])
+    return told + again + section(paper_grid, wide_grid, halves(defaults)[1])
 
 
 def grid_of(study: Study, rows: Sequence[Row]) -> Grid:
@@ -397,4 +379,4 @@ def _failing(wide: Grid) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    main()
+    write(__doc__, "wide", page)
