@@ -16,6 +16,7 @@ from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.matrix import cell_of, class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
+from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
 from scaloft_fi.output import STUDY_OPTION, Marked, Style, in_campaign, printable, styled, wrapped
 from scaloft_fi.sim.grid import Break, Evidence, Find
@@ -164,7 +165,7 @@ def would_decide(mutant: MutantScore, lacking: Collection[str]) -> str:
 
 
 def next_command(
-    mutant: MutantScore, lacking: Collection[str], campaign: str, grid: str = "", finds: KnownFinds = NO_FINDS
+    mutant: MutantScore, lacking: Collection[str], campaign: str, space: Space, finds: KnownFinds = NO_FINDS
 ) -> str:
     """What to call next for a mutant that is not detected: its find, else what would decide, else what is known.
 
@@ -172,23 +173,24 @@ def next_command(
         mutant: the mutant.
         lacking: situations without a baseline pool.
         campaign: name of the campaign.
-        grid: name of its grid, where that is a further grid of the study.
+        space: the situations of its grid.
         finds: of the study.
     """
     find = next_find(mutant, finds)
     if find is not None:
-        return flies(find, mutant.subject.id, finds, campaign, grid)
+        return flies(find, mutant.subject.id, finds, campaign, space.grid)
     if mutant.verdict is Verdict.UNDECIDED and lacks_pool(mutant, lacking):
-        return command(campaign, [mutant], max((result.flown for result in mutant.results), default=1))
+        seeds = max((result.flown for result in mutant.results), default=1)
+        return command(campaign, [mutant], seeds, situations=len(space.points))
     if mutant.safety.needed and not mutant.without_effect:
-        return flies_seeds(mutant, campaign, grid)
+        return flies_seeds(mutant, campaign, space)
     return f"scaloft-fi kills{in_campaign(campaign)} {mutant.subject.id} --show survivors"
 
 
-def flies_seeds(mutant: MutantScore, campaign: str, grid: str = "") -> str:
+def flies_seeds(mutant: MutantScore, campaign: str, space: Space) -> str:
     """The command that flies as many seeds as would decide an undecided mutant; the arguments of `next_command`."""
-    name, over = ("ANOTHER", grid) if mutant.safety.anew else (campaign, "")
-    return command(name, [mutant], mutant.safety.needed or 1, grid=over)
+    name, over = ("ANOTHER", space.grid) if mutant.safety.anew else (campaign, "")
+    return command(name, [mutant], mutant.safety.needed or 1, grid=over, situations=len(space.points))
 
 
 def lacks_pool(mutant: MutantScore, lacking: Collection[str]) -> bool:
@@ -366,7 +368,7 @@ def seeds(case: Case) -> str:
     rate = "At that rate" if case.score.seen_in else "If every flight violated,"
     if case.score.safety.needed is None:
         return f"{rate} {decides} would decide: add a situation where it shows more often."
-    flies = flies_seeds(case.score, case.campaign.name, case.campaign.space.grid)
+    flies = flies_seeds(case.score, case.campaign.name, case.campaign.space)
     return f"{rate} {decides} would decide: `{flies}`."
 
 

@@ -159,7 +159,7 @@ def test_what_one_seed_shows_is_undecided_and_says_how_many_seeds_decide(call: C
     assert call("run", *words).exit_code == 0
     text = " ".join(call("kills", "--show", "survivors").stdout.replace("\\\n", "\n").split())
     assert "2 of 2 flights where SR2 is steady violate it" in text
-    assert re.search(rf"`scaloft-fi run.* --campaign .+ --mutant {LATE} --seeds 3`", text)
+    assert re.search(rf"`scaloft-fi run.* --campaign .+ --mutant {LATE} (--situation \S+ ){{4}}--seeds 3`", text)
     assert json.loads(call("kills", "--format", "json").stdout)["conditions"] == []
 
 

@@ -78,7 +78,7 @@ def test_a_verdict_and_its_next_command_are_as_recorded():
     told = {}
     for name, flights in CASES.items():
         found_ = scored(*flights)
-        next_ = verdict.next_command(found_.mutants[0], found_.lacking, "mine")
+        next_ = verdict.next_command(found_.mutants[0], found_.lacking, "mine", GRID)
         told[name] = f"{verdict.verdict(found_.mutants[0], found_.lacking)}\n{next_}"
     again = replace(FIND.shows[LATE], again=Again(100_000, 0.0001, 9, 10, 30, 30, 29))
     told["a find"] = verdict.facts(found(LATE, struck="person"), LATE)
@@ -100,7 +100,7 @@ def test_every_line_begins_with_the_verdict_and_every_screen_asks_for_the_same_n
         assert said == f"{mutant.verdict.words}: {verdict.why(mutant, found_.lacking)}"
         assert ("would decide" in said) == bool(verdict.would_decide(mutant, found_.lacking)) == undecided
         assert ("killed" in said) == bool(mutant.kills)
-        assert verdict.next_command(mutant, found_.lacking, "c").startswith("scaloft-fi ")
+        assert verdict.next_command(mutant, found_.lacking, "c", GRID).startswith("scaloft-fi ")
     whole = score(outcomes, ROSTER, GRID)
     known_ = dict.fromkeys([flight.mutant for flight in outcomes], background)
     mutants = {mutant.subject.id: mutant for mutant in whole.mutants}
@@ -108,7 +108,7 @@ def test_every_line_begins_with_the_verdict_and_every_screen_asks_for_the_same_n
         steps = verdict.advice(mutants[survivor.mutant], whole, background).steps
         assert survivor.next in steps
         assert short_step(mutants[survivor.mutant], steps, background)
-        runs = verdict.next_command(mutants[survivor.mutant], whole.lacking, "c").startswith("scaloft-fi run")
+        runs = verdict.next_command(mutants[survivor.mutant], whole.lacking, "c", GRID).startswith("scaloft-fi run")
         assert runs == (survivor.next in (verdict.Next.POOL, verdict.Next.SEEDS))
 
 
@@ -126,7 +126,7 @@ def late(*flights: Outcome) -> MutantScore:
 def test_the_find_of_a_mutant_that_is_not_detected_is_to_be_flown_before_any_seeds():
     for flights in ([outcome(LATE, THERE)], thrice(LATE, THERE), [outcome(LATE, THERE, altered=0)]):
         assert verdict.next_find(late(*flights), known(found(NO), FIND)) == FIND
-        assert verdict.next_command(late(*flights), (), "mine", "", known(FIND)) == command(LATE)
+        assert verdict.next_command(late(*flights), (), "mine", GRID, known(FIND)) == command(LATE)
     assert verdict.next_find(late(*thrice(LATE, THERE, violated={"SR2": 7.0})), known(FIND)) is None
     assert verdict.next_find(late(outcome(LATE, THERE, invalid="the worker died")), known(FIND)) is None
     assert verdict.next_find(late(*thrice(LATE, THERE)), known(found(NO))) is None

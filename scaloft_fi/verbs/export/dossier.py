@@ -381,7 +381,7 @@ class Dossier:
         """What to call next for a mutant that is not detected."""
         if self.space.of_tests:
             return f"scaloft-fi kills{in_campaign(self.campaign)} {mutant.subject.id} --show survivors"
-        return next_command(mutant, self.score.lacking, self.campaign, self.space.grid, self.finds)
+        return next_command(mutant, self.score.lacking, self.campaign, self.space, self.finds)
 
     def steps(self, mutant: MutantScore) -> list[Step]:
         """What to call about a mutant that is not detected, the first to take first."""
