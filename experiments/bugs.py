@@ -17,7 +17,7 @@ import experiments.published_kernels  # noqa: F401 - it must be imported before 
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -83,12 +83,9 @@ def campaign_of(study: Study, rows: Iterable[Mapping[str, Any]]) -> Published:
     flown = outcomes(study, listed)
     by_id = {mutant.subject.id: mutant for mutant in score(flown, study.roster, study.space).mutants}
     clean = [outcome for outcome in flown if outcome.mutant == BASELINE]
-    return Published(
-        {cell: by_id[mutant] for cell, mutant in study.roster.defaults.items() if mutant in by_id},
-        Pool.of(outcome for outcome in clean if outcome.seed in POOL),
-        {outcome.name: violated_by(outcome) for outcome in clean},
-        study.alpha,
-    )
+    scores = {cell: by_id[mutant] for cell, mutant in study.roster.defaults.items() if mutant in by_id}
+    pool = Pool.of(outcome for outcome in clean if outcome.seed in POOL)
+    return Published(scores, pool, {outcome.name: violated_by(outcome) for outcome in clean}, study.alpha)
 
 
 def violated_by(flown: Outcome) -> frozenset[str]:
@@ -106,14 +103,8 @@ def samples(flights: Iterable[Outcome], reference: Mapping[str, Outcome]) -> Sam
     by_situation: dict[str, list[Outcome]] = {}
     for outcome in sorted(flights, key=lambda outcome: outcome.seed):
         by_situation.setdefault(outcome.situation, []).append(outcome)
-    return {
-        key: Sample(
-            key,
-            tuple(tuple(violation.requirement for violation in one.violations) for one in own),
-            any(one.digest != reference[one.name].digest for one in own),
-        )
-        for key, own in by_situation.items()
-    }
+    differs = {key: any(one.digest != reference[one.name].digest for one in own) for key, own in by_situation.items()}
+    return {key: replace(Sample.of(own), infected=differs[key]) for key, own in by_situation.items()}
 
 
 def verdict(bug: str, own: Samples, seen: Published, situations: Collection[str]) -> Detection:
@@ -230,11 +221,11 @@ def flown(bugs: Sequence[Bug], flights: Flights, seen: Published) -> str:
     same = {bug.key: [other.key for other in bugs if _alike(flights[bug.key], flights[other.key])] for bug in bugs}
     counted = [bug for bug in bugs if seen.killing(bug.cell)]
     apart = [bug for bug in bugs if not seen.killing(bug.cell)]
-    found = {
-        bug.key: coupling(bug, own[bug.key], seen, sum(other.key in same[bug.key] for other in group))
-        for group in (counted, apart)
-        for bug in group
-    }
+    found = {}
+    for group in (counted, apart):
+        for bug in group:
+            twins = sum(other.key in same[bug.key] for other in group)
+            found[bug.key] = coupling(bug, own[bug.key], seen, twins)
     return blocks(
         "## Flown",
         _answer([found[bug.key] for bug in counted], seen),
@@ -366,29 +357,13 @@ def _violations(bugs: Sequence[Bug], flights: Flights) -> Iterator[str | Iterabl
     yield table(("bug", "flights", "SR1", "SR2", "OP1", "stack raised an error"), map(row, bugs))
 
 
-def fly(study: Study, bugs: Sequence[Bug], situations: Sequence[str], path: Path, jobs: int) -> Flights:
-    """Fly what is missing in the file of flights; returns all flights of the file.
-
-    Args:
-        study: the reference study.
-        bugs: the bugs, whose stacks are declared.
-        situations: keys.
-        path: the file of flights.
-        jobs: number of processes.
-    """
-    stacks = {bug.key: StackStudy(study.folder, stack_name=bug.key) for bug in bugs}
-    arms = {REFERENCE: study, **stacks}
-    return fly_arms(
-        path, jobs, {arm: (copy, (), names_of([BASELINE], situations, SEEDS)) for arm, copy in arms.items()}
-    )
-
-
 def results(study: Study, jobs: int, folder: Path) -> str:
     """Fly what is missing, and tell."""
     declare()
-    situations = [situation.key for situation in study.grid.situations]
-    flights = fly(study, BUGS, situations, folder / "bugs_flights.jsonl.gz", jobs)
-    return flown(BUGS, flights, campaign_of(study, published()))
+    names = names_of([BASELINE], [situation.key for situation in study.grid.situations], SEEDS)
+    stacks = {REFERENCE: study, **{bug.key: StackStudy(study.folder, stack_name=bug.key) for bug in BUGS}}
+    arms = {arm: (copy, (), names) for arm, copy in stacks.items()}
+    return flown(BUGS, fly_arms(folder / "bugs_flights.jsonl.gz", jobs, arms), campaign_of(study, published()))
 
 
 if __name__ == "__main__":

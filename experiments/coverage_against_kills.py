@@ -245,45 +245,33 @@ def curve_tables(found: Curves, prediction: Prediction) -> tuple[Table, ...]:
             *([f"Left out, not flown in all of these situations: {', '.join(trial.left_out)}."] * bool(trial.left_out)),
         ),
     )
-    coverage = Table(
-        "Combinations covered by k situations [%]",
-        ("strategy", "combinations", *(f"k={k}" for k in sizes)),
-        tuple(
-            (curve.name, f"{strength}-way", *_at([100 * share for share in shares], sizes, "{:.1f}"))
-            for curve in found.curves
-            for strength, shares in curve.t_way
-        ),
+    covered = tuple(
+        (curve.name, f"{strength}-way", *_at([100 * share for share in shares], sizes, "{:.1f}"))
+        for curve in found.curves
+        for strength, shares in curve.t_way
     )
-    correlations = Table(
-        "Coverage and kills within one size",
-        ("coverage", *(f"k={k}" for k in sizes), "pooled"),
-        tuple(
-            (f"{one.strength}-way", *_at(one.within, sizes, "{:.2f}"), *_at([one.pooled], (1,), "{:.2f}"))
-            for one in prediction.correlations
-        ),
-        (
-            "Kendall's tau-b of coverage and mutants killed over random suites of k situations.",
-            "n/a: all suites of that size cover, or kill, the same number.",
-            "Pooled over all sizes it measures the size of the suites: shown beside the others, not to be used.",
-        ),
+    heads = [f"k={k}" for k in sizes]
+    coverage = Table("Combinations covered by k situations [%]", ("strategy", "combinations", *heads), covered)
+    within = tuple(
+        (f"{one.strength}-way", *_at(one.within, sizes, "{:.2f}"), *_at([one.pooled], (1,), "{:.2f}"))
+        for one in prediction.correlations
     )
+    notes = (
+        "Kendall's tau-b of coverage and mutants killed over random suites of k situations.",
+        "n/a: all suites of that size cover, or kill, the same number.",
+        "Pooled over all sizes it measures the size of the suites: shown beside the others, not to be used.",
+    )
+    correlations = Table("Coverage and kills within one size", ("coverage", *heads, "pooled"), within, notes)
     return (answer, _differences(found), kills, coverage, _orders(found), correlations)
 
 
 def _differences(found: Curves) -> Table:
-    rows = tuple(
-        (
-            curve.name,
-            k,
-            f"{curve.kill_sets.mean[k - 1]:.1f}",
-            interval(curve.distinct, k),
-            f"{curve.kills.mean[k - 1]:.1f}",
-            interval(curve.difference, k),
-        )
-        for curve in found.compared
-        for size in [len(curve.kills.mean)]
-        for k in ([k for k in COMPARED if k < size] if curve.matched is None else [size])
-    )
+    rows = []
+    for curve in found.compared:
+        size = len(curve.kills.mean)
+        for k in [k for k in COMPARED if k < size] if curve.matched is None else [size]:
+            sets, mutants = f"{curve.kill_sets.mean[k - 1]:.1f}", f"{curve.kills.mean[k - 1]:.1f}"
+            rows.append((curve.name, k, sets, interval(curve.distinct, k), mutants, interval(curve.difference, k)))
     trial = found.trial
     seeds = "Seeds are not resampled."
     if trial.seed_sets:
@@ -300,27 +288,21 @@ def _differences(found: Curves) -> Table:
     if trial.more_seeds:
         notes.append("Seeds that only some of the mutants were flown with are not resampled.")
     headers = ("strategy", "k", "kill sets", "more kill sets", "mutants", "more mutants")
-    return Table("Compared with k random situations", headers, rows, tuple(notes))
+    return Table("Compared with k random situations", headers, tuple(rows), tuple(notes))
 
 
 def _orders(found: Curves) -> Table:
     never = len(found.trial.mutants) - found.trial.killed
-    rows = tuple(
-        (
-            curve.name,
-            _at([curve.apfd], (1,), "{:.3f}")[0],
-            f"{curve.area:.3f}",
-            f"{curve.random_area:.3f}",
-            len(curve.kills.mean),
-        )
-        for curve in found.curves
-    )
+    rows = []
+    for curve in found.curves:
+        apfd, *_ = _at([curve.apfd], (1,), "{:.3f}")
+        rows.append((curve.name, apfd, f"{curve.area:.3f}", f"{curve.random_area:.3f}", len(curve.kills.mean)))
     notes = (
         f"APFD (average percentage of faults detected) leaves out the {never} mutants killed in no situation.",
         "It has a value for orders of all situations only.",
         "Area: mean share of all mutants killed at k = 1 to the last; compare it with the random area.",
     )
-    return Table("Orders as a whole", ("strategy", "APFD", "area", "random area", "last k"), rows, notes)
+    return Table("Orders as a whole", ("strategy", "APFD", "area", "random area", "last k"), tuple(rows), notes)
 
 
 def _at(values: Sequence[float | None], sizes: tuple[int, ...], shape: str) -> list[str]:

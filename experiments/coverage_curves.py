@@ -570,10 +570,7 @@ class _Compare:
             about=about,
             kills=_band(again.mutants @ met),
             kill_sets=sets,
-            t_way=tuple(
-                (strength, _floats(chances(found).sum(axis=0) / possible))
-                for strength, found, possible in self._combinations
-            ),
+            t_way=tuple((t, _floats(chances(of).sum(axis=0) / possible)) for t, of, possible in self._combinations),
             difference=_band(again.mutants @ (met - random)),
             distinct=_band(again.distinct @ (met - random)),
             apfd=apfd(met[again.place]) if whole else None,

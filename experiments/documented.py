@@ -71,14 +71,12 @@ def holding(outcomes: Iterable[Outcome]) -> dict[str, tuple[int, int, str]]:
     for outcome in outcomes:
         if outcome.mutant == BASELINE:
             by_key[outcome.situation].append(outcome)
-    return {
-        key: (
-            sum(holds(one, HELD) for one in own),
-            len(own),
-            "; ".join(f"{v.requirement} at {v.t_s:.1f} s, {v.struck or '-'}" for o in own for v in o.violations[:1]),
-        )
-        for key, own in by_key.items()
-    }
+    found = {}
+    for key, own in by_key.items():
+        broken = (violation for one in own for violation in one.violations[:1])
+        others = "; ".join(f"{v.requirement} at {v.t_s:.1f} s, {v.struck or '-'}" for v in broken)
+        found[key] = sum(holds(one, HELD) for one in own), len(own), others
+    return found
 
 
 def is_accepted(outcomes: Iterable[Outcome]) -> bool:
@@ -127,14 +125,10 @@ def told(flights: Flights, space: Space) -> str:
     arms = {name: Flown(flights.get(name, {}), space, MUTANTS) for name in ARMS}
     done = {name: one for name, one in arms.items() if one.complete}
     missing = [name for name in arms if name not in done]
-    left = (
-        f"Not flown yet: {', '.join(missing)}.  The secondary tests are decided when every arm was flown."
-        if missing
-        else ""
-    )
+    left = f"Not flown yet: {', '.join(missing)}.  The secondary tests are decided when every arm was flown."
     return blocks(
         "## Flown",
-        f"{sum(map(len, flights.values())):,} of {PER_ARM * len(ARMS):,} flights.  {left}".rstrip(),
+        f"{sum(map(len, flights.values())):,} of {PER_ARM * len(ARMS):,} flights.  {left if missing else ''}".rstrip(),
         "### The primary test",
         primary(done),
         "### The paper's rows",
@@ -168,18 +162,11 @@ def rows(arms: Mapping[str, Flown], *, decided: bool) -> Iterator[Row]:
         for arm, mutant in itertools.product(arms, mutants):
             score = arms[arm].scores[mutant]
             cells = [part for n in SAFETY for part in (arms[arm].violated(mutant, n), f"{raw[arm, mutant, n]:.2g}")]
-            firm = f", {score.firmness.words}" if score.firmness else ""
             shown = [name for name in SAFETY if secondary.get((arm, mutant, name), 1.0) <= ALPHA]
             if (arm, mutant) == PRIMARY[:2] and raw[PRIMARY] <= ALPHA:
                 shown.append(f"{PRIMARY[2]}, the primary test")
-            yield (
-                row,
-                arm,
-                mutant,
-                *cells,
-                f"{score.verdict.words}{firm}",
-                " ".join(shown) or ("-" if decided else "open"),
-            )
+            verdict = f"{score.verdict.words}, {score.firmness.words}" if score.firmness else score.verdict.words
+            yield row, arm, mutant, *cells, verdict, " ".join(shown) or ("-" if decided else "open")
 
 
 def clean(one: Flown) -> Iterator[str]:

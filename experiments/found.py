@@ -54,30 +54,21 @@ class Evidence:
     @cached_property
     def found(self) -> tuple[Find, ...]:
         """What the search found, before the replication."""
-        return tuple(
-            Find(
-                **{key: one[key] for key in ("name", "situation", "mutant", "seed")},
-                words=tuple(one["words"]),
-                shows={row["mutant"]: _shown(row) for row in one["shows"]},
-            )
-            for one in self.search["finds"]
-        )
+        found = []
+        for one in self.search["finds"]:
+            shows = {row["mutant"]: _shown(row) for row in one["shows"]}
+            found.append(Find(one["name"], one["situation"], tuple(one["words"]), one["mutant"], shows, one["seed"]))
+        return tuple(found)
 
     @cached_property
     def replicas(self) -> Sequence[Replica]:
         """Each pair of find and mutant, judged again from the published flights of the replication."""
-        flown = list(self.flights.get("replication", {}).values())
-        pairs = {
-            (find.name, mutant): [one for one in flown if (one.mutant, one.situation) == (mutant, find.situation)]
-            for find in self.found
-            for mutant in find.shows
-        }
-        pools: dict[str, list[Outcome]] = {find.situation: [] for find in self.found}
-        for one in flown:
-            if one.mutant == BASELINE:
-                pools[one.situation].append(one)
-        first = self.replication["first"]
-        return replicas(self.found, pairs, pools, first, self.study.alpha) if flown else ()
+        flown: dict[tuple[str, str], list[Outcome]] = {}
+        for one in self.flights["replication"].values():
+            flown.setdefault((one.mutant, one.situation), []).append(one)
+        pairs = {(find.name, mutant): flown[mutant, find.situation] for find in self.found for mutant in find.shows}
+        pools = {find.situation: flown[BASELINE, find.situation] for find in self.found}
+        return replicas(self.found, pairs, pools, self.replication["first"], self.study.alpha)
 
     @property
     def held(self) -> list[str]:

@@ -99,16 +99,8 @@ def _row(one: Mapping[str, Any]) -> Row:
     state = "not confirmed" if not one["confirmed"] else "firm" if one["firm"] else "not firm"
     shown, alarms = (f"{one[name]['part']}/{one[name]['whole']}" for name in ("shown", "alarms"))
     title = one["title"].replace("|", "\\|")
-    return (
-        one["mutant"],
-        title,
-        shown,
-        alarms,
-        f"{one['p']:.2g}",
-        state,
-        f"{one['margin']:.1f}",
-        len(one["others"]),
-    )
+    p, margin = f"{one['p']:.2g}", f"{one['margin']:.1f}"
+    return one["mutant"], title, shown, alarms, p, state, margin, len(one["others"])
 
 
 def _listed(ids: Sequence[str]) -> str:

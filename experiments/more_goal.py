@@ -111,11 +111,9 @@ def flown(flights: Mapping[str, Mapping[str, Outcome]], reference: Mapping[str, 
     by_arm = {one.arm: one for one in arms}
     valid = sum(len(one.valid) for one in arms)
     rules = [*shown(arms), *masked(by_arm), stack(by_arm)] if valid == FLIGHTS else [UNFINISHED]
-    violated = (
-        part
-        for name in SAFETY
-        for part in (f"### Flights that violate {name}, of {len(SEEDS)}", BRACKETS, _by_situation(arms, name))
-    )
+    violated: list[str | Iterable[str]] = []
+    for name in SAFETY:
+        violated += [f"### Flights that violate {name}, of {len(SEEDS)}", BRACKETS, _by_situation(arms, name)]
     return blocks(
         "## Flown",
         f"{valid:,} of {FLIGHTS:,} flights.  {_repeated(by_arm[AS_IT_IS], reference)}",
@@ -182,17 +180,11 @@ def stack(arms: Mapping[Arm, Flown]) -> str:
 def _held(arms: Iterable[Flown]) -> Iterator[str]:
     columns = [(name, ending) for name in HELD for ending in ("H0", "H1")]
     head = ["arm", *(f"{name} {ending}" for name, ending in columns), "steady pairs of SR1", "steady pairs of SR2"]
-    return table(
-        head,
-        (
-            [
-                one.arm.name,
-                *(one.held(*column) for column in columns),
-                *(sum(name in one.pool.steady(key, Kind.SAFETY) for key in LIGHT) for name in SAFETY),
-            ]
-            for one in arms
-        ),
-    )
+    rows = []
+    for one in arms:
+        steady = (sum(name in one.pool.steady(key, Kind.SAFETY) for key in LIGHT) for name in SAFETY)
+        rows.append((one.arm.name, *(one.held(*column) for column in columns), *steady))
+    return table(head, rows)
 
 
 def _verdicts(arms: Iterable[Flown]) -> Iterator[str]:
@@ -203,38 +195,21 @@ def _verdicts(arms: Iterable[Flown]) -> Iterator[str]:
 def _verdict(arm: Arm, score: MutantScore) -> Row:
     verdict = score.verdict.words + (f" by {' and '.join(score.safety.by)}" if score.safety.by else "")
     ps = (f"{score.safety.p.get(name, 1.0):.2g}" for name in SAFETY)
-    return (
-        arm.name,
-        score.subject.id,
-        verdict,
-        *ps,
-        score.kill_rate.whole,
-        len(score.killing),
-        score.operability.verdict.words,
-    )
+    rate, operability = score.kill_rate, score.operability.verdict.words
+    return arm.name, score.subject.id, verdict, *ps, rate.whole, rate.part, operability
 
 
 def _by_situation(arms: Iterable[Flown], requirement: str) -> Iterator[str]:
     keys = PAIRED[requirement]
-    return table(
-        ("arm", "subject", *keys),
-        (
-            [one.arm.name, subject, *_cells(one, subject, requirement, keys)]
-            for one in arms
-            for subject in (BASELINE, *one.scores)
-        ),
-    )
+    subjects = ((one, subject) for one in arms for subject in (BASELINE, *one.scores))
+    rows = ((one.arm.name, subject, *_cells(one, subject, requirement, keys)) for one, subject in subjects)
+    return table(("arm", "subject", *keys), rows)
 
 
 def _cells(one: Flown, subject: str, requirement: str, keys: Iterable[str]) -> Iterator[str]:
     tested = {r.situation: r.steady for r in one.scores[subject].results} if subject in one.scores else {}
-    counts = Counter(
-        outcome.situation
-        for outcome in one.valid
-        if outcome.mutant == subject
-        for violation in outcome.violations
-        if violation.requirement == requirement
-    )
+    own = (outcome for outcome in one.valid if outcome.mutant == subject)
+    counts = Counter(o.situation for o in own for violation in o.violations if violation.requirement == requirement)
     for key in keys:
         steady = one.pool.steady(key, Kind.SAFETY) if subject == BASELINE else tested.get(key, ())
         yield str(counts[key]) if requirement in steady else f"({counts[key]})"

@@ -115,21 +115,6 @@ in the pool, and the fault changed a sample.
 |---|---|---|---|---|---|---|---|
 """
 
-PHASES = """
-## UNINTENDED with a phase drawn at random
-
-Where the drone is when a false collision comes depends on the phase, so that chance decides this row.  Flown: {number}
-evenly spaced phases of the {period:g} s with seeds {seeds}, {each} flights in each of {situations} light situations.
-
-The intervals (Clopper-Pearson, 95 %) are over phases and seeds, taken as independent draws.  They are too narrow: the
-seeds of a phase agree in {alike} of {cells} situations x phases.  The situations are all light ones of the grid, a
-census, so no interval speaks of others.  By phase, of {of}:
-{told}.
-
-| situation | violates SR1 | share | interval over phases and seeds |
-|---|---|---|---|
-"""
-
 
 def page(study: Study, flights: Sequence[Flight]) -> str:
     """The page: the paper's table beside ours, caveats, each row in detail, and the phases."""
@@ -175,24 +160,20 @@ def moment(flight: Flight) -> str:
 def line(row: Row, one: Shown, flights: Sequence[Flight], seeds: Sequence[str]) -> str:
     """The table row of a mutant: verdict, flights by seed, kills, change of robustness."""
     clean = {(f["situation"], f["seed"]): f for f in flights if f["mutant"] == "baseline"}
-    rho = f"rho_{row.requirement}"
+    column = f"rho_{row.requirement}"
     tested = fnmatch.filter(one.tested, row.light)
     own = [f for f in one.flights if f["situation"] in tested]
-    by_seed = [[f for f in own if f["seed"] == seed] for seed in seeds]
+    flown = [[f for f in own if f["seed"] == seed] for seed in seeds]
     kills = fnmatch.filter(one.kills, row.light)
     # a flight that did not put the requirement to the test has no robustness
-    told = [(float(f[rho]), clean[f["situation"], f["seed"]][rho]) for f in own if f[rho]]
-    change = [flown - float(before) for flown, before in told if before]
-    cells = (
-        one.flights[0]["mutant"],
-        one.detection.verdict.words,
-        f"{one.detection.p[row.requirement]:.2g}",
-        ", ".join(f"{len(revealed(some, row.requirement))}/{len(some)}" for some in by_seed),
-        f"{len(kills)}/{len(tested)}",
-        f"{len(one.kills) - len(kills)}/{len(one.tested) - len(tested)}",
-        f"{statistics.median(change):+.2f}" if change else "-",
-        f"{min(flown for flown, _ in told):.2f}" if told else "-",
-    )
+    told = [(float(f[column]), clean[f["situation"], f["seed"]][column]) for f in own if f[column]]
+    change = [rho - float(before) for rho, before in told if before]
+    by_seed = ", ".join(f"{len(revealed(some, row.requirement))}/{len(some)}" for some in flown)
+    in_dark = f"{len(one.kills) - len(kills)}/{len(one.tested) - len(tested)}"
+    verdict, p = one.detection.verdict.words, f"{one.detection.p[row.requirement]:.2g}"
+    median = f"{statistics.median(change):+.2f}" if change else "-"
+    least = f"{min(rho for rho, _ in told):.2f}" if told else "-"
+    cells = one.flights[0]["mutant"], verdict, p, by_seed, f"{len(kills)}/{len(tested)}", in_dark, median, least
     return f"| {' | '.join(cells)} |"
 
 
@@ -205,17 +186,25 @@ def phases(flights: Sequence[Flight]) -> str:
     cells = Counter((f["situation"], f["mutant"], broken(f, "SR1")) for f in own)
     places = {(situation, mutant) for situation, mutant, _ in cells}
     by_phase = Counter(f["mutant"] for f in own if broken(f, "SR1"))
-    text = PHASES.format(
-        number=len(ranked),
-        period=PERIOD_S,
-        seeds=", ".join(sorted({f["seed"] for f in own})),
-        each=max(flown.values()),
-        situations=len(flown),
-        alike=2 * len(places) - len(cells),
-        cells=len(places),
-        of=len(own) // len(ranked),
-        told=", ".join(f"{by_phase[mutant]} at {listed[mutant]:g} s" for mutant in ranked),
-    )
+    seeds = ", ".join(sorted({f["seed"] for f in own}))
+    told = ", ".join(f"{by_phase[mutant]} at {listed[mutant]:g} s" for mutant in ranked)
+    text = f"""
+## UNINTENDED with a phase drawn at random
+
+Where the drone is when a false collision comes depends on the phase, so that chance decides this row.  Flown: \
+{len(ranked)}
+evenly spaced phases of the {PERIOD_S:g} s with seeds {seeds}, {max(flown.values())} flights in each of \
+{len(flown)} light situations.
+
+The intervals (Clopper-Pearson, 95 %) are over phases and seeds, taken as independent draws.  They are too narrow: the
+seeds of a phase agree in {2 * len(places) - len(cells)} of {len(places)} situations x phases.  \
+The situations are all light ones of the grid, a
+census, so no interval speaks of others.  By phase, of {len(own) // len(ranked)}:
+{told}.
+
+| situation | violates SR1 | share | interval over phases and seeds |
+|---|---|---|---|
+"""
     text += "".join(f"| {key} | {counted(struck[key], flown[key])} |\n" for key in flown)
     return text + f"| all of them | {counted(struck.total(), flown.total())} |\n"
 

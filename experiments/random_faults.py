@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
+from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -103,23 +104,16 @@ class Arm:
         def drawn(flights: Sequence[Ruled]) -> list[Ruled]:
             return [one for seed in seeds for one in flights if one.seed == seed]
 
-        return tuple(
-            mutant_score(
-                *(subject, {key: drawn(flights) for key, flights in situations.items()}, self.space, pooled),
-                Spending(ALPHA),
-                firm=False,
-            )
-            for subject, situations in self.rulings.mutants.items()
-        )
+        found = []
+        for subject, situations in self.rulings.mutants.items():
+            own = {key: drawn(flights) for key, flights in situations.items()}
+            found.append(mutant_score(subject, own, self.space, pooled, Spending(ALPHA), firm=False))
+        return tuple(found)
 
     @cached_property
-    def digests(self) -> Mapping[str, Mapping[tuple[str, int], str]]:
-        """The digests of each fault's valid flights, by its id."""
-        found: dict[str, dict[tuple[str, int], str]] = {}
-        for outcome in self.outcomes:
-            if not outcome.invalid:
-                found.setdefault(outcome.mutant, {})[outcome.situation, outcome.seed] = outcome.digest
-        return found
+    def clean(self) -> Mapping[tuple[str, int], str]:
+        """The digests of the valid baselines."""
+        return {(one.situation, one.seed): one.digest for one in self.rulings.baselines if not one.invalid}
 
     @cached_property
     def states(self) -> Mapping[tuple[str, str], State]:
@@ -130,13 +124,7 @@ class Arm:
     @property
     def behaviours(self) -> int:
         """Different vectors of digests that are not the baseline's."""
-        return len({tuple(sorted(own.items())) for mutant, own in self.digests.items() if self.acts(mutant)})
-
-    def acts(self, mutant: str) -> bool:
-        """Whether a flight of a fault has another digest than the baseline of its situation and seed."""
-        clean = self.digests.get(BASELINE, {})
-        flown = self.digests.get(mutant, {})
-        return mutant != BASELINE and any(clean.get(draw) != digest for draw, digest in flown.items())
+        return len({self.rulings.behaviours[one.subject.id] for one in self.scores if not one.without_effect})
 
 
 def useful(score: MutantScore) -> bool:
@@ -253,6 +241,7 @@ def flown(hazop: Arm, random: Arm, faults: Mapping[str, Mutant], redraws: int = 
     complete = len(random.outcomes) == FLIGHTS and len(hazop.scores) == FAULTS and own == SITUATIONS * POOL
     comparable = random.states == hazop.states
     arms = hazop, random
+    heads = "id", "operator", "arguments", "stage", "verdict", "killed", "first [s]", "trivial"
     return blocks(
         "## Flown",
         _told(random, alike, own, comparable=comparable),
@@ -265,10 +254,7 @@ def flown(hazop: Arm, random: Arm, faults: Mapping[str, Mutant], redraws: int = 
         table(("seam", hazop.name, random.name), _by_seam(arms, faults)),
         "### Random faults",
         COLUMNS,
-        table(
-            ("id", "operator", "arguments", "stage", "verdict", "killed", "first [s]", "trivial"),
-            _listed(random, faults),
-        ),
+        table(heads, _listed(random, faults)),
     )
 
 
@@ -283,8 +269,7 @@ def _told(random: Arm, alike: int, own: int, *, comparable: bool) -> str:
 
 def _alike(hazop: Arm, random: Arm) -> tuple[int, int]:
     """Number of valid baselines of the random arm, and of those whose digest is that of the other arm."""
-    own, published = (arm.digests.get(BASELINE, {}) for arm in (random, hazop))
-    return len(own), sum(published.get(draw) == digest for draw, digest in own.items())
+    return len(random.clean), sum(hazop.clean.get(draw) == digest for draw, digest in random.clean.items())
 
 
 def _decided(hazop: Arm, random: Arm, redraws: int) -> Iterator[str]:
@@ -316,21 +301,21 @@ def _spread(numbers: Sequence[int]) -> str:
     return f"{least:g} to {most:g}"
 
 
-COUNTED: Mapping[str, Callable[[Arm, MutantScore], bool]] = {
-    "that change a sample": lambda _, score: score.infected,
-    "that change a flight": lambda arm, score: arm.acts(score.subject.id),
-    "put to the test": lambda _, score: score.tested,
-    "detected": lambda _, score: score.detected,
-    "of these trivial": lambda _, score: score.trivial,
-    "- killed nearly wherever tested": lambda _, score: score.killed_broadly,
-    "- killed right after take-off": lambda _, score: score.killed_early,
-    "useful": lambda _, score: useful(score),
+COUNTED: Mapping[str, Callable[[MutantScore], bool]] = {
+    "that change a sample": attrgetter("infected"),
+    "that change a flight": lambda score: not score.without_effect,
+    "put to the test": attrgetter("tested"),
+    "detected": attrgetter("detected"),
+    "of these trivial": attrgetter("trivial"),
+    "- killed nearly wherever tested": attrgetter("killed_broadly"),
+    "- killed right after take-off": attrgetter("killed_early"),
+    "useful": useful,
 }
 
 
 def _counted(arms: Sequence[Arm]) -> Iterator[Row]:
     yield ("faults", *(len(arm.scores) for arm in arms))
-    yield from ((name, *(sum(holds(arm, s) for s in arm.scores) for arm in arms)) for name, holds in COUNTED.items())
+    yield from ((name, *(sum(map(holds, arm.scores)) for arm in arms)) for name, holds in COUNTED.items())
     yield ("different sets of kills", *(len(kill_sets(arm.scores)) for arm in arms))
     yield ("different vectors of digests", *(arm.behaviours for arm in arms))
     yield ("detected by operability", *(sum(s.operability.detected for s in arm.scores) for arm in arms))
@@ -371,17 +356,9 @@ def _row(score: MutantScore, mutant: Mutant) -> Row:
     told = ", ".join(f"{name}={value}" for name, value in mutant.arguments.items() if value != "")
     first = f"{score.first.t_s:.1f}" if score.kills and score.first else ""
     reasons = {"everywhere": score.killed_broadly, "early": score.killed_early}
-    rate = score.kill_rate
-    return (
-        mutant.id,
-        mutant.operator,
-        told,
-        score.status.value.replace("_", " "),
-        score.verdict.words,
-        f"{rate.part}/{rate.whole}",
-        first,
-        ", ".join(name for name, holds in reasons.items() if holds),
-    )
+    trivial = ", ".join(name for name, holds in reasons.items() if holds)
+    stage, killed = score.status.value.replace("_", " "), f"{score.kill_rate.part}/{score.kill_rate.whole}"
+    return mutant.id, mutant.operator, told, stage, score.verdict.words, killed, first, trivial
 
 
 FILE = PUBLISHED / "random_faults.jsonl"

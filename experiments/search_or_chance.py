@@ -168,14 +168,9 @@ class Evidence:
 
     def after_opening(self, arm: str) -> list[tuple[str, str]]:
         """The situations that an arm proposed, each with the mutants that were flown there."""
-        return [
-            (sought.mutant, key)
-            for (_, own), one in self.by_place.items()
-            if own == arm
-            for key in one.proposed
-            for sought in one.sought
-            if _flight(sought.mutant, key) in self.flights
-        ]
+        own = [one for (_, of), one in self.by_place.items() if of == arm]
+        every = ((sought.mutant, key) for one in own for key in one.proposed for sought in one.sought)
+        return [(mutant, key) for mutant, key in every if _flight(mutant, key) in self.flights]
 
     @property
     def complete(self) -> bool:
@@ -241,13 +236,10 @@ def _decided(evidence: Evidence, redraws: int) -> Iterator[str]:
     listed = ", ".join(f"{name} {number}" for name, number in zip(list(ARMS)[1:], others, strict=True))
     yield f"**Rule 1: {told.value}.**  `{SEARCH}` newly detects {own} of {mutants} mutants; {listed}.  p = {p:.2g}."
     yield ""
-    spreads = redrawn(evidence.counts, redraws)
-    rows = [
-        (name, own - number, f"{low:+g} to {high:+g}", f"{beside:.2g}")
-        for name, number, (low, high), beside in zip(
-            list(ARMS)[1:], others, spreads, beside_each(evidence.counts), strict=True
-        )
-    ]
+    named = zip(list(ARMS)[1:], others, redrawn(evidence.counts, redraws), beside_each(evidence.counts), strict=True)
+    rows = []
+    for name, number, (low, high), beside in named:
+        rows.append((name, own - number, f"{low:+g} to {high:+g}", f"{beside:.2g}"))
     yield from table((f"`{SEARCH}` beside", "more mutants", "blocks drawn again", "p (Holm)"), rows)
 
 

@@ -18,6 +18,7 @@ import multiprocessing
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 from experiments.flights import Beside, flown
@@ -208,17 +209,12 @@ def _zeros(findings: Findings, order: Sequence[Variation]) -> str:
         "Every flight of theirs, whether it moves a row or not.",
     ]
     for path, zero in ZEROS.items():
-        values = ", ".join(f"{value:g}" for value in zero.values)
-        told = ((row, v, findings[row.name, v.name, v.change]) for row in ROWS for v in order if v.name == path)
-        rows = [
-            (
-                row.name,
-                f"{v.overrides[path]:g}",
-                *([found.impossible] if found.impossible else [found.baseline, ", ".join(found.revealed)]),
-            )
-            for row, v, found in told
-        ]
-        parts += [f"`{path}`: {values} {zero.unit}: {zero.reason}."]
+        rows = []
+        for row, v in product(ROWS, (v for v in order if v.name == path)):
+            found = findings[row.name, v.name, v.change]
+            cells = [found.impossible] if found.impossible else [found.baseline, ", ".join(found.revealed)]
+            rows.append((row.name, f"{v.overrides[path]:g}", *cells))
+        parts += [f"`{path}`: {', '.join(f'{value:g}' for value in zero.values)} {zero.unit}: {zero.reason}."]
         parts += [table(("row", "to", "baseline", "mutants, in the row's order"), rows)]
     return blocks(*parts)
 

@@ -56,16 +56,12 @@ def _flights(flights: Sequence[Flown]) -> Iterator[str | Iterable[str]]:
 def _flight(one: Flown) -> Row:
     x, y = one.log.signals["x_m"], one.log.signals["y_m"]
     near = (min(math.hypot(a - px, b - py) for a, b in zip(x, y, strict=True)) for px, py in PLACES.values())
-    return (
-        f"`{one.name}`",
-        one.outcome.ending + (f", struck {one.log.struck}" if one.log.struck else ""),
-        *(f"{metres:.2f} m" for metres in (*near, math.hypot(x[-1], y[-1]))),
-        *(_reading(one, name) for name in ("SR1", "SR2", "OP1")),
-        f"{float(one.log.signals['elapsed_s'][-1]):.2f} s",
-        f"{one.wall_s:.0f} s",
-        f"`{one.outcome.digest[:8]}`",
-        one.log.stack_error or "none",
-    )
+    metres = (f"{distance_m:.2f} m" for distance_m in (*near, math.hypot(x[-1], y[-1])))
+    readings = (_reading(one, name) for name in ("SR1", "SR2", "OP1"))
+    ended = one.outcome.ending + (f", struck {one.log.struck}" if one.log.struck else "")
+    times = f"{float(one.log.signals['elapsed_s'][-1]):.2f} s", f"{one.wall_s:.0f} s"
+    digest = f"`{one.outcome.digest[:8]}`"
+    return f"`{one.name}`", ended, *metres, *readings, *times, digest, one.log.stack_error or "none"
 
 
 def _reading(one: Flown, name: str) -> str:
@@ -120,15 +116,10 @@ def _orders(flights: Sequence[Flown]) -> Iterator[str | Iterable[str]]:
 
 
 def _order(one: Flown) -> Row:
-    return (
-        f"`{one.name}`",
-        _seconds(second_script(one)),
-        *(_at(first(one, word)) for word in ("seen", "told", "slow")),
-        _seconds(delay(one)),
-        ", ".join(f"{t_s:.2f} s" for t_s in touched(one)) or "none",
-        _at(last_goal(one)),
-        _at(first(one, "land")),
-    )
+    firsts = (_at(first(one, word)) for word in ("seen", "told", "slow"))
+    told = ", ".join(f"{t_s:.2f} s" for t_s in touched(one)) or "none"
+    ends = _at(last_goal(one)), _at(first(one, "land"))
+    return f"`{one.name}`", _seconds(second_script(one)), *firsts, _seconds(delay(one)), told, *ends
 
 
 def _at(crossing: Crossing | None) -> str:

@@ -25,9 +25,9 @@ from scaloft_fi.analysis.detection import Pool, Sample, Spending, State, adjuste
 from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.score import MutantScore, Redraw, Score, mutant_score, redraw, sample, score
 from scaloft_fi.analysis.survivor import backgrounds
-from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.outcome import BASELINE, Outcome, Subject
 from scaloft_fi.judge.requirement import Kind
-from scaloft_fi.judge.status import INVALID, Rulings, rulings_of
+from scaloft_fi.judge.status import INVALID, Rulings, Situations, rulings_of
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.verdict import short_units, survivors
@@ -143,47 +143,34 @@ def results(
     """
     choosing, judging = halves(defaults)
     parts = {"judging": judging, "choosing (selected)": choosing, "all (half selected)": (*choosing, *judging)}
-    either = paper.detected | wide.detected
-    found = paper.detected, wide.detected, either
+    found = paper.detected, wide.detected, paper.detected | wide.detected
     first, second = (", ".join(map(str, counts)) for counts in alone)
     chance = ", ".join(f"{one.safety.part} of {one.safety.whole}" for one in redrawn)
     parameters = {
         parameter: {mutant for cell, mutant in defaults.items() if cell.split("-")[1] == parameter}
         for parameter in dict.fromkeys(cell.split("-")[1] for cell in defaults)
     }
+    halved = ((n, *(f"{len(set(half) & some)} of {len(half)}" for some in found)) for n, half in parts.items())
+    by_parameter = ((n, len(own), *(len(own & some) for some in found)) for n, own in parameters.items())
+    of_these = [one for cell, one in defaults.items() if cell.split("-")[1] in PARAMETERS and one not in wide.detected]
+    every = (
+        (one, "judging" if one in judging else "choosing", *_verdict(paper, one), *_verdict(wide, one))
+        for one in defaults.values()
+    )
     return blocks(
         "## Flown",
         _cost(paper, wide, choosing, judging),
-        table(
-            ("half", "paper's grid", "wide grid", "both together"),
-            ((n, *(f"{len(set(half) & some)} of {len(half)}" for some in found)) for n, half in parts.items()),
-        ),
+        table(("half", "paper's grid", "wide grid", "both together"), halved),
         f"One seed alone detects {first} of the judging half in the paper's grid, {second} in the wide grid.",
         f"The unmutated drone in the place of a mutant, three of its first {len(REDRAWN)} seeds beside ten\n"
         f"others: {chance} redraws are called detected, in the paper's grid and in the wide grid.",
         "By parameter, both halves:",
-        table(
-            ("parameter", "defaults", "paper's grid", "wide grid", "both"),
-            ((n, len(own), *(len(own & some) for some in found)) for n, own in parameters.items()),
-        ),
+        table(("parameter", "defaults", "paper's grid", "wide grid", "both"), by_parameter),
         f"What stops the others of {', '.join(PARAMETERS)} in the wide grid:",
-        table(
-            ("mutant", "why"),
-            (
-                (mutant, whys.get(mutant, "not flown"))
-                for cell, mutant in defaults.items()
-                if cell.split("-")[1] in PARAMETERS and mutant not in wide.detected
-            ),
-        ),
+        table(("mutant", "why"), ((mutant, whys.get(mutant, "not flown")) for mutant in of_these)),
         *_baselines(wide),
         "Every default mutant; kills: situations where most of its flights violate, of those that put it to the test.",
-        table(
-            ("mutant", "half", "paper's grid", "kills", "wide grid", "kills"),
-            (
-                (one, "judging" if one in judging else "choosing", *_verdict(paper, one), *_verdict(wide, one))
-                for one in defaults.values()
-            ),
-        ),
+        table(("mutant", "half", "paper's grid", "kills", "wide grid", "kills"), every),
     )
 
 
@@ -255,27 +242,26 @@ class Grid:
 
     def scores(self, seeds: Collection[int], *, firm: bool = False) -> Mapping[str, MutantScore]:
         """The score of each default mutant beside these seeds of the baseline, by id."""
-        pool, counted = self.pool(seeds), set(self.study.roster.defaults.values())
-        spending = Spending(self.study.alpha)
-        return {
-            subject.id: mutant_score(subject, flights, self.study.space, pool, spending, firm=firm)
-            for subject, flights in self.rulings.mutants.items()
-            if subject.id in counted
-        }
+        space, pool, spending = self.study.space, self.pool(seeds), Spending(self.study.alpha)
+        own = self.counted.items()
+        return {one.id: mutant_score(one, flights, space, pool, spending, firm=firm) for one, flights in own}
+
+    @cached_property
+    def counted(self) -> Mapping[Subject, Situations]:
+        """The flights of each default mutant."""
+        counted = set(self.study.roster.defaults.values())
+        return {subject: own for subject, own in self.rulings.mutants.items() if subject.id in counted}
 
     @cached_property
     def samples(self) -> Mapping[str, Sequence[Sample]]:
         """The flights of each default mutant that count, by id: they are the same beside every pool."""
-        counted, rank = set(self.study.roster.defaults.values()), self.study.space.rank
-        valid = {
-            subject.id: {key: [one for one in flights[key] if one.ruling is not INVALID] for key in flights}
-            for subject, flights in self.rulings.mutants.items()
-            if subject.id in counted
-        }
-        return {
-            id_: [sample(key, flown[key]) for key in sorted(flown, key=rank) if flown[key]]
-            for id_, flown in valid.items()
-        }
+        found: dict[str, list[Sample]] = {}
+        for subject, own in self.counted.items():
+            valid = {key: [one for one in own[key] if one.ruling is not INVALID] for key in own}
+            found[subject.id] = [
+                sample(key, valid[key]) for key in sorted(valid, key=self.study.space.rank) if valid[key]
+            ]
+        return found
 
     def detected(self, seeds: Collection[int]) -> frozenset[str]:
         """The mutants that are detected beside these seeds of the baseline."""
@@ -285,11 +271,8 @@ class Grid:
     def firm(self, seeds: Collection[int]) -> Mapping[str, bool]:
         """Of each mutant that is detected beside these seeds of the baseline, whether it is firm."""
         pool, spending = self.pool(seeds), Spending(self.study.alpha)
-        return {
-            id_: firmness(id_, samples, pool, spending, Kind.SAFETY).firm
-            for id_, samples in self.samples.items()
-            if self._detects(id_, pool)
-        }
+        detected = {id_: own for id_, own in self.samples.items() if self._detects(id_, pool)}
+        return {id_: firmness(id_, own, pool, spending, Kind.SAFETY).firm for id_, own in detected.items()}
 
     def _detects(self, mutant: str, pool: Pool) -> bool:
         """The verdict of `detect` alone, without what an undecided mutant would need, which no draw asks for."""
