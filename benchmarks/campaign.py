@@ -12,11 +12,10 @@ which is comparable on a busy machine.
 
 from __future__ import annotations
 
-import checkout  # noqa: F401 - first: it sets the path and the threads
+import checkout  # first: it sets the path and the threads
 
 # isort: split
 
-import argparse
 import mmap
 import resource
 import struct
@@ -134,7 +133,7 @@ def measure(study: Study, keys: Sequence[str], every: int, rounds: int) -> dict[
 
 def main() -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = checkout.parser(__doc__)
     parser.add_argument("--situation", action="append", default=[], help="key or glob, repeatable")
     parser.add_argument("--every", type=int, default=4, help="fly every N-th default mutant (default: 4)")
     parser.add_argument("--whole", action="store_true", help="every default in every situation: an hour and a half")
@@ -144,8 +143,7 @@ def main() -> None:
     keys = options.situation or ([] if options.whole else SITUATIONS)
     every, rounds = (1, 1) if options.whole else (options.every, ROUNDS)
     figures = measure(study, keys, every, rounds)
-    for name, figure in figures.items():
-        print(f"{name:28} {figure}")
+    checkout.tell(figures)
 
 
 if __name__ == "__main__":

@@ -14,10 +14,9 @@ total of the first pass.
 
 from __future__ import annotations
 
-import checkout  # noqa: F401 - first: it sets the path and the threads
+import checkout  # first: it sets the path and the threads
 
 # isort: split
-import argparse
 import functools
 import time
 from collections import defaultdict
@@ -200,7 +199,7 @@ def normals(triangles: Any) -> Any:
 
 def main() -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = checkout.parser(__doc__)
     parser.add_argument("--situation", action="append", default=[], help="key or glob, repeatable (default: all)")
     parser.add_argument("--gym", action="store_true", help="fly gym-pybullet-drones too")
     options = parser.parse_args()
@@ -228,8 +227,7 @@ def main() -> None:
         **({"gym_sim_s_per_cpu_s": round(bare_simulated_s / gym_s, 1)} if gym_s else {}),
         "ms_per_sim_s": {part: round(spent * scale, 2) for part, spent in sorted(parts.items(), key=lambda p: -p[1])},
     }
-    for name, figure in figures.items():
-        print(f"{name:32} {figure}")
+    checkout.tell(figures)
 
 
 if __name__ == "__main__":

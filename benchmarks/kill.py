@@ -25,11 +25,10 @@ found its file intact.  outlived: number of processes that outlived their run.
 
 from __future__ import annotations
 
-from checkout import ROOT  # first: it sets the path and the threads
+from checkout import ROOT, parser  # first: it sets the path and the threads
 
 # isort: split
 
-import argparse
 import json
 import os
 import random
@@ -51,6 +50,7 @@ from typing import IO, Any
 
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.workers import MAKE
+from scaloft_fi.hazop.load import FOLDERS
 from scaloft_fi.verbs.new import example_files, write_new
 
 MARK = "SCALOFT_BENCHMARK_KILL"
@@ -170,7 +170,6 @@ class Cluster:
             self.targets[name] = Marked([sys.executable, "-m", "dask", *words, *files], self._folder, log)
 
 
-STUDY = ("hazop", "mutants", "sim")
 HEAL_EVERY_S = 0.5
 
 
@@ -239,7 +238,7 @@ class Campaign:
 def search(folder: Path, words: Sequence[str], cluster: Cluster | None) -> Campaign:
     """A search in a copy of the study of its own, without finds."""
     study = folder.parent / f"{folder.name}_study"
-    for part in STUDY:
+    for part in FOLDERS:
         shutil.copytree(ROOT / part, study / part, ignore=shutil.ignore_patterns("found.yaml"))
     return Campaign(folder, words, cluster, study, ("seek", "--into"))
 
@@ -306,18 +305,18 @@ def measure(
 
 def main() -> None:
     """Kill, resume, compare; exits with 1 when anything was lost."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--kills", type=int, default=20, help="how many (default: 20)")
-    parser.add_argument("--seed", type=int, default=0, help="of the moments and the victims (default: 0)")
-    parser.add_argument("--mutant", action="append", default=[], help="id or glob, repeatable")
-    parser.add_argument("--situation", action="append", default=[], help="key or glob, repeatable")
-    parser.add_argument("--baseline-seeds", type=int, default=10, help="of the baseline pool (default: 10)")
-    parser.add_argument("--jobs", type=int, default=2, help="worker processes (default: 2)")
-    other = parser.add_mutually_exclusive_group()
+    asked = parser(__doc__)
+    asked.add_argument("--kills", type=int, default=20, help="how many (default: 20)")
+    asked.add_argument("--seed", type=int, default=0, help="of the moments and the victims (default: 0)")
+    asked.add_argument("--mutant", action="append", default=[], help="id or glob, repeatable")
+    asked.add_argument("--situation", action="append", default=[], help="key or glob, repeatable")
+    asked.add_argument("--baseline-seeds", type=int, default=10, help="of the baseline pool (default: 10)")
+    asked.add_argument("--jobs", type=int, default=2, help="worker processes (default: 2)")
+    other = asked.add_mutually_exclusive_group()
     other.add_argument("--cluster", action="store_true", help="fly on a Dask cluster, and kill its processes too")
     other.add_argument("--seek", metavar="BUDGET", help="kill a search with this budget, such as 300flights")
     other.add_argument("--outside", action="store_true", help="fly a stage outside, and kill it and its guard too")
-    options = parser.parse_args()
+    options = asked.parse_args()
     mutants = options.mutant or (OUTSIDE if options.outside else MUTANTS)
     if options.seek:
         words = [*mutants, "--budget", options.seek]

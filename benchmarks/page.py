@@ -12,7 +12,6 @@ from __future__ import annotations
 import checkout  # first: it sets the path and the threads
 
 # isort: split
-import argparse
 import shutil
 import tempfile
 from pathlib import Path
@@ -34,7 +33,7 @@ OPENED = f"""async () => {{
 
 def main() -> None:
     """Print a line for each report and part."""
-    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options = checkout.parser(__doc__)
     options.add_argument("reports", nargs="*", type=Path)
     options.add_argument("--rounds", type=int, default=20, help="clicks of each part")
     asked = options.parse_args()

@@ -12,7 +12,6 @@ from __future__ import annotations
 import checkout  # first: it sets the path and the threads
 
 # isort: split
-import argparse
 import logging
 import time
 import warnings
@@ -33,7 +32,7 @@ Texts = list[tuple[str, str]]
 
 def main() -> None:
     """Print the figures."""
-    options = argparse.ArgumentParser(description=__doc__)
+    options = checkout.parser(__doc__)
     options.add_argument("--rounds", type=int, default=20)
     rounds = options.parse_args().rounds
     study = scaloft_fi.open(checkout.ROOT).definition

@@ -16,7 +16,6 @@ import checkout  # first: it sets the path and the threads
 
 # isort: split
 
-import argparse
 import hashlib
 import itertools
 import os
@@ -185,7 +184,7 @@ def measure(folder: Path, words: tuple[str, ...]) -> dict[str, float]:
 
 def main() -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = checkout.parser(__doc__)
     parser.add_argument("--flights", type=int, default=250_000, help="how many (default: 250,000)")
     parser.add_argument("--campaign", type=Path, help="folder to make it in, and to keep it (with a / in it)")
     options = parser.parse_args()
@@ -202,8 +201,7 @@ def main() -> None:
     finally:
         if options.campaign is None:
             shutil.rmtree(folder)
-    for name, figure in figures.items():
-        print(f"{name:12} {figure}")
+    checkout.tell(figures)
 
 
 if __name__ == "__main__":

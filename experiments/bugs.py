@@ -226,10 +226,12 @@ def flown(bugs: Sequence[Bug], flights: Flights, seen: Published) -> str:
         for bug in group:
             twins = sum(other.key in same[bug.key] for other in group)
             found[bug.key] = coupling(bug, own[bug.key], seen, twins)
+    other = sum(violated_by(one) != seen.violated[name] for name, one in flights[REFERENCE].items())
     return blocks(
         "## Flown",
         _answer([found[bug.key] for bug in counted], seen),
-        _reference(flights[REFERENCE], seen),
+        f"{other} of {len(flights[REFERENCE])} flights of the reference stack violate other requirements than the "
+        "published ones.",
         _twins(same),
         _couplings(counted, found, own, seen),
         *_sets(counted, own, seen),
@@ -262,13 +264,6 @@ def _without_the_greatest(counted: Sequence[Coupling], tested: frozenset[str]) -
     if rest:
         told = f"{mean_excess(rest, tested):+.3f} (p = {relabelled_p(rest, tested):.2g}, {len(rest)} bugs)"
         yield f"Not registered: without the bug of the greatest excess the mean is {told}."
-
-
-def _reference(flights: Mapping[str, Outcome], seen: Published) -> str:
-    other = sum(violated_by(one) != seen.violated[name] for name, one in flights.items())
-    return (
-        f"{other} of {len(flights)} flights of the reference stack violate other requirements than the published ones."
-    )
 
 
 def _twins(same: Mapping[str, Sequence[str]]) -> str:

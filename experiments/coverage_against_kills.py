@@ -154,8 +154,6 @@ def _array(strength: int, curve: Curve, random: Curve, sets: int) -> str:
 
 def _whole(curve: Curve) -> str:
     at = [k for k in (4, 8, 16) if k < len(curve.kill_sets.mean)]
-    if not at:
-        return f"The {curve.name} has too few situations."
     return f"Kill sets more than in random order, {curve.name}: {', '.join(f'{_both(curve, k)} at {k}' for k in at)}."
 
 

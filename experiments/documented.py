@@ -126,6 +126,8 @@ def told(flights: Flights, space: Space) -> str:
     done = {name: one for name, one in arms.items() if one.complete}
     missing = [name for name in arms if name not in done]
     left = f"Not flown yet: {', '.join(missing)}.  The secondary tests are decided when every arm was flown."
+    counts = {name: holding(one.valid).values() for name, one in done.items()}
+    hold = ((name, *(f"{count}/{whole}" for count, whole, _ in own)) for name, own in counts.items())
     return blocks(
         "## Flown",
         f"{sum(map(len, flights.values())):,} of {PER_ARM * len(ARMS):,} flights.  {left if missing else ''}".rstrip(),
@@ -136,7 +138,7 @@ def told(flights: Flights, space: Space) -> str:
         "requirement alone; *shown*: at most 0.01 after Holm over every secondary test.",
         table(("row", "arm", "mutant", "SR1", "p", "SR2", "p", "verdict", "shown by"), rows(done, decided=not missing)),
         "### Baselines that hold SR1, SR2 and OP1",
-        table(("arm", *LIGHT), ((name, *clean(one)) for name, one in done.items())),
+        table(("arm", *LIGHT), hold),
     )
 
 
@@ -167,11 +169,6 @@ def rows(arms: Mapping[str, Flown], *, decided: bool) -> Iterator[Row]:
                 shown.append(f"{PRIMARY[2]}, the primary test")
             verdict = f"{score.verdict.words}, {score.firmness.words}" if score.firmness else score.verdict.words
             yield row, arm, mutant, *cells, verdict, " ".join(shown) or ("-" if decided else "open")
-
-
-def clean(one: Flown) -> Iterator[str]:
-    """Of each light situation how many baselines hold."""
-    return (f"{count}/{whole}" for count, whole, _ in holding(one.outcomes.values()).values())
 
 
 def results(study: Study, jobs: int, folder: Path) -> str:

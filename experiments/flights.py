@@ -9,7 +9,7 @@ import sys
 import time
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -208,15 +208,12 @@ def shared(study: Study, flights: Sequence[Flight], jobs: int) -> Iterator[Outco
     Raises:
         ScaloftError: the study cannot be flown.
     """
-    with Local(jobs).workers(study, Physics(), stop=lambda: False, say=_say) as workers:
+    say = partial(print, file=sys.stderr, flush=True)
+    with Local(jobs).workers(study, Physics(), stop=lambda: False, say=say) as workers:
         if study.stack.forks:
             yield from workers.map(together(flights, lambda flight: study.expected_s(flight.situation), jobs))
         else:
             yield from workers.map(alone(flights))
-
-
-def _say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
 
 
 def flown_draws(besides: Iterable[Beside], jobs: int) -> list[list[Outcome]]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -96,7 +96,7 @@ END = "\n## Searched"
 
 def results(evidence: Evidence) -> str:
     """The sections with the results."""
-    replicated = _summary(evidence), _by_parameter(evidence), _finds(evidence)
+    replicated = *_summary(evidence), _by_parameter(evidence), _finds(evidence)
     return blocks(_searched(evidence)) + blocks(*replicated) + blocks(_lacking(evidence))
 
 
@@ -104,8 +104,7 @@ def _searched(evidence: Evidence) -> Iterator[str]:
     search = evidence.search
     shown = sum(len(find.shows) for find in evidence.found)
     tested = [one for one in search["sought"] if one["candidates"]]
-    yield "## Searched"
-    yield ""
+    yield "## Searched\n"
     yield f"The search took {search['wall_s'] / 60:.0f} min, {search['processor_s'] / 60:.0f} min of processor time, on"
     yield f"{search['jobs']} processors, for {search['flown']:,} flights."
     yield f"{len(evidence.found)} situations show {shown} of {len(evidence.survivors)} mutants."
@@ -114,25 +113,23 @@ def _searched(evidence: Evidence) -> Iterator[str]:
     yield f"at most {max(one['spent'] for one in tested):.2g} of {search['alpha']:g} for one mutant."
 
 
-def _summary(evidence: Evidence) -> Iterator[str]:
+def _summary(evidence: Evidence) -> Iterator[str | Iterable[str]]:
     total, held = len(evidence.study.roster.defaults), set(evidence.held)
-    before = total - len(evidence.survivors)
+    before, wide = total - len(evidence.survivors), set(evidence.survivors) - set(evidence.wide)
     least, most = evidence.left_out
     yield "## Replicated"
-    yield ""
-    yield f"{len(evidence.flights['replication'])} flights on the seeds from {evidence.replication['first']:,} on:"
-    yield f"**{len(held)} of {len(evidence.replicas)} pairs hold**, in {len(evidence.finds.finds)} situations;"
-    yield f"with any one seed left out of all of them {least if least == most else f'{least} to {most}'}."
-    yield ""
-    yield "| detected | of | by |"
-    yield "|---|---|---|"
-    yield f"| {before} | {total} | the paper's 32 situations |"
-    yield f"| **{before + len(held)}** | {total} | these, and each of the others by its find alone, replicated |"
-    wide = set(evidence.survivors) - set(evidence.wide)
-    yield f"| {before + len(wide)} | {total} | the paper's situations, and the wide grid (43 situations, three seeds) |"
-    yield f"| {before + len(wide | held)} | {total} | all three |"
-    yield f"| 78 | {total} | as the first row but one, by the first search, whose finds nobody should use |"
-    yield f"| 52 | {total} | by those of its finds that were free of the faults above; none of them was replicated |"
+    yield f"""{len(evidence.flights["replication"])} flights on the seeds from {evidence.replication["first"]:,} on:
+**{len(held)} of {len(evidence.replicas)} pairs hold**, in {len(evidence.finds.finds)} situations;
+with any one seed left out of all of them {least if least == most else f"{least} to {most}"}."""
+    rows = (
+        (before, "the paper's 32 situations"),
+        (f"**{before + len(held)}**", "these, and each of the others by its find alone, replicated"),
+        (before + len(wide), "the paper's situations, and the wide grid (43 situations, three seeds)"),
+        (before + len(wide | held), "all three"),
+        (78, "as the first row but one, by the first search, whose finds nobody should use"),
+        (52, "by those of its finds that were free of the faults above; none of them was replicated"),
+    )
+    yield table(("detected", "of", "by"), ((shown, total, by) for shown, by in rows))
 
 
 def _by_parameter(evidence: Evidence) -> Iterator[str]:

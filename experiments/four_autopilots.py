@@ -8,10 +8,10 @@ the rotors of a quad X and, below the companion, a firmware; `autopilots.md` say
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from experiments.pages import Row, blocks, table, write
+from experiments.pages import blocks, table, write
 from experiments.two_drones import counted, differences, figures
 from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.hazop.matrix import CellStatus, Matrix
@@ -66,7 +66,7 @@ def side_by_side(study: Study, folder: Path, arms: Sequence[str], ids: Sequence[
     parts: list[str | Iterator[str]] = ["## Flown", table(("", *arms), rows), "### Every fault"]
     parts += [
         "Verdict, and the situations where a violation of a safety requirement was seen, of those that test the fault.",
-        table(("mutant", *arms), _faults(ids, scores)),
+        table(("mutant", *arms), ((id_, *(_told(own.get(id_)) for own in scores.values())) for id_ in ids)),
     ]
     for arm in arms[1:]:
         told, _, _ = compared_by(study, str(folder / arms[0]), str(folder / arm), flights=False)
@@ -75,13 +75,10 @@ def side_by_side(study: Study, folder: Path, arms: Sequence[str], ids: Sequence[
     return blocks(*parts)
 
 
-def _faults(ids: Sequence[str], scores: Mapping[str, Mapping[str, MutantScore]]) -> Iterator[Row]:
-    """Verdict of each mutant in each arm, and the situations where a violation was seen, of those that test it."""
-    for id_ in ids:
-        yield (id_, *(_told(own[id_]) if id_ in own else "-" for own in scores.values()))
-
-
-def _told(one: MutantScore) -> str:
+def _told(one: MutantScore | None) -> str:
+    """The verdict on a mutant in an arm, and the situations where a violation was seen, of those that test it."""
+    if one is None:
+        return "-"
     if not one.tested:
         return one.verdict.words
     seen = f"{len(one.seen_in)}/{one.kill_rate.whole}"

@@ -110,31 +110,28 @@ def flown(flights: Mapping[str, Mapping[str, Outcome]], reference: Mapping[str, 
     arms = [Flown(flights.get(arm.name, {}), space, MUTANTS, arm) for arm in ARMS]
     by_arm = {one.arm: one for one in arms}
     valid = sum(len(one.valid) for one in arms)
-    rules = [*shown(arms), *masked(by_arm), stack(by_arm)] if valid == FLIGHTS else [UNFINISHED]
+    rules = ["Flights are missing or invalid, so no rule is decided."]
+    if valid == FLIGHTS:
+        rules = [*shown(arms), *masked(by_arm), stack(by_arm)]
+    brackets = "In brackets: the pair does not put the fault to the test; for a baseline: the pair is not steady."
     violated: list[str | Iterable[str]] = []
     for name in SAFETY:
-        violated += [f"### Flights that violate {name}, of {len(SEEDS)}", BRACKETS, _by_situation(arms, name)]
+        violated += [f"### Flights that violate {name}, of {len(SEEDS)}", brackets, _by_situation(arms, name)]
     return blocks(
         "## Flown",
         f"{valid:,} of {FLIGHTS:,} flights.  {_repeated(by_arm[AS_IT_IS], reference)}",
         "### Rules",
         rules,
         "### Baselines that hold",
-        WITHOUT_AND_WITH,
+        f"H0: of {DRAWS // 2} draws without a person; H1: of {DRAWS // 2} with a person.",
         _held(arms),
         "### Verdicts",
         _verdicts(arms),
         *violated,
         "### What was violated, where",
-        PLACES,
+        "Of mutants the violations in steady pairs, of baselines all; least and greatest time and position.",
         _places(arms),
     )
-
-
-UNFINISHED = "Flights are missing or invalid, so no rule is decided."
-WITHOUT_AND_WITH = f"H0: of {DRAWS // 2} draws without a person; H1: of {DRAWS // 2} with a person."
-BRACKETS = "In brackets: the pair does not put the fault to the test; for a baseline: the pair is not steady."
-PLACES = "Of mutants the violations in steady pairs, of baselines all; least and greatest time and position."
 
 
 def _repeated(as_it_is: Flown, reference: Mapping[str, str]) -> str:

@@ -29,7 +29,6 @@ NO_TURN = {"stack.planner.full_off_axis_rad": 3.2, "stack.planner.stop_off_axis_
 MUTANTS = ("MORE-goal@0.6m", "MORE-goal@1m", "MORE-goal@3m")
 TURNING = tuple(key for key in LIGHT if key.startswith("T1") and key.endswith("H0"))
 SEEDS = (0, 1)
-DRAWS = len(TURNING) * len(SEEDS)
 APART = 5
 
 

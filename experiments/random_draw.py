@@ -39,7 +39,8 @@ def quantities(study: Study) -> dict[str, float]:
     """The largest magnitude of each unit, as `Seam.unit` names it and in it; "" is a plain number."""
     scenarios = [study.scenario(situation) for situation in study.grid.situations]
     vehicle, cells, mine = scenarios[0].vehicle, scenarios[0].sensors.battery, scenarios[0].world.mine
-    length_m = _length_m([corner for ring in mine.footprint for corner in ring])
+    xs, ys = zip(*(corner for ring in mine.footprint for corner in ring), strict=True)
+    length_m = float(max(max(xs) - min(xs), max(ys) - min(ys)))
     force_mps2 = len(vehicle.rotors_m) * vehicle.max_thrust_n / vehicle.mass_kg
     return {
         "s": max(scenario.nominal_s for scenario in scenarios),  # the longest nominal mission of the grid
@@ -54,11 +55,6 @@ def quantities(study: Study) -> dict[str, float]:
         "EV": float(study.sim.stack.parameters["exposure"]["limit_ev"]),  # the limit of exposure control
         "": 1.0,  # the whole, for shares, confidences and gains
     }
-
-
-def _length_m(corners: list[tuple[float, float]]) -> float:
-    xs, ys = zip(*corners, strict=True)
-    return float(max(max(xs) - min(xs), max(ys) - min(ys)))
 
 
 def _roll_radps2(vehicle: Vehicle) -> float:

@@ -173,7 +173,8 @@ class Counts:
         return cls(len(scores), detected, plain, good, len(kill_sets(scores)))
 
 
-MEASURES = ("detected", "trivial", "useful", "kill_sets")
+MEASURES = {"detected": "detected", "trivial": "trivial", "useful": "useful", "kill_sets": "different sets of kills"}
+"""The words of the page by attribute of `Counts`."""
 
 
 def fisher(one: int, of_one: int, other: int, of_other: int) -> float:
@@ -225,8 +226,6 @@ def redrawn(hazop: Arm, random: Arm, redraws: int = REDRAWS) -> Mapping[str, tup
 
 
 UNFINISHED = "Flights are missing, or baselines of the arms differ, so the rule is not decided."
-COLUMNS = "Killed: situations with a kill, of those that test the fault; first: the earliest violation of a kill."
-WORDS = {"detected": "detected", "trivial": "trivial", "useful": "useful", "kill_sets": "different sets of kills"}
 
 
 def flown(hazop: Arm, random: Arm, faults: Mapping[str, Mutant], redraws: int = REDRAWS) -> str:
@@ -253,7 +252,7 @@ def flown(hazop: Arm, random: Arm, faults: Mapping[str, Mutant], redraws: int = 
         "Faults / detected / useful.",
         table(("seam", hazop.name, random.name), _by_seam(arms, faults)),
         "### Random faults",
-        COLUMNS,
+        "Killed: situations with a kill, of those that test the fault; first: the earliest violation of a kill.",
         table(heads, _listed(random, faults)),
     )
 
@@ -290,7 +289,7 @@ def _decided(hazop: Arm, random: Arm, redraws: int) -> Iterator[str]:
     rows = []
     for name in MEASURES:
         cells = (f"{getattr(n, name)} ({_spread(s)})" for n, s in zip((first, second), again[name], strict=True))
-        rows.append((WORDS[name], *cells, f"{ps[name]:.2g}"))
+        rows.append((MEASURES[name], *cells, f"{ps[name]:.2g}"))
     yield "In brackets: the middle nine tenths with the seeds drawn again.  p of *trivial* is of the detected."
     yield ""
     yield from table(("faults", hazop.name, random.name, "p"), rows)

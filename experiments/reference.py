@@ -102,14 +102,6 @@ def _once(name: str) -> Iterator[None]:
         yield
 
 
-def picture(output: Path) -> None:
-    """Take a picture of the matrix in the report."""
-    with tempfile.TemporaryDirectory() as made:
-        page = Path(made) / "report.html"
-        call("report", "--campaign", str(REFERENCE), "--output", str(page))
-        pictured(page, PART, output, 1440)
-
-
 def pictured(page: Path, part: str, output: Path, width_px: int = 1280) -> None:
     """Take a picture of the part of a page that a selector of CSS names, in a window of this width."""
     from playwright.sync_api import sync_playwright
@@ -139,7 +131,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for name, content in pages().items():
         (REFERENCE / name).write_bytes(content)
     if options.picture:
-        picture(PICTURE)
+        with tempfile.TemporaryDirectory() as made:
+            page = Path(made) / "report.html"
+            call("report", "--campaign", str(REFERENCE), "--output", str(page))
+            pictured(page, PART, PICTURE, 1440)
 
 
 if __name__ == "__main__":

@@ -285,18 +285,17 @@ class Search:
     proposed: tuple[str, ...]
 
 
+FIRST_SEED = 1901
+"""Seed of the searches of the first block; each block has the next one."""
+
+
+def seed_of(block: int) -> int:
+    """The seed of the searches of a block, which are numbered from 1."""
+    return FIRST_SEED + block - 1
+
+
 def search(
-    study: Study,
-    number: int,
-    mutants: Sequence[str],
-    arm: str,
-    folder: Path,
-    *,
-    seed: int,
-    budget: int,
-    jobs: int,
-    progress: Progress,
-    flyer: Flyer | None = None,
+    study: Study, number: int, mutants: Block, arm: str, folder: Path, *, budget: int, jobs: int, flyer: Flyer | None
 ) -> Search:
     """Search with an arm for the mutants of a block; nothing is shrunk, nor written into the study.
 
@@ -306,16 +305,16 @@ def search(
         mutants: ids of its mutants.
         arm: name of the arm.
         folder: of the campaign that holds the flights of all arms of the block; stored flights are not flown again.
-        seed: of the search.
         budget: flights, stored ones included.
         jobs: number of processes.
-        progress: progress display.
         flyer: flies; PyBullet when None.
 
     Raises:
         Interrupted: the user stopped the search; all outcomes are saved.
     """
     make, proposed, opened = ARMS[arm](), dict[str, None](), list[Proposal]()
+    seed, progress = seed_of(number), Progress()
+    progress.line(f"block {number}, {arm}: {', '.join(mutants)}")
 
     def proposer(grid: Grid, possible: Possible, own: int, mutant: str) -> Proposer:
         made = make(grid, possible, own, mutant)

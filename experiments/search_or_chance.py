@@ -29,11 +29,10 @@ from experiments import ROOT, search_arms
 from experiments import flights as kept_flights
 from experiments.flights import stored
 from experiments.pages import Row, blocks, table, write
-from experiments.search_arms import ARMS, SEARCH, Block, Search, Sought
+from experiments.search_arms import ARMS, SEARCH, Block, Search, Sought, seed_of
 from scaloft_fi.analysis.detection import holm
 from scaloft_fi.analysis.seeking import distance
 from scaloft_fi.campaign.flights.fly import Flyer
-from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.seeking.finds import SEEN_ON
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.streams import generator
@@ -117,15 +116,6 @@ def share(holds: Iterable[bool]) -> float:
 
 BUDGET = 60
 """Flights of a search for each of its mutants; a search is an arm with the mutants of a block."""
-FIRST_SEED = 1901
-"""Seed of the searches of the first block; each block has the next one."""
-
-
-def seed_of(block: int) -> int:
-    """The seed of the searches of a block, which are numbered from 1."""
-    return FIRST_SEED + block - 1
-
-
 UNFINISHED = "Searches are missing, or the arms of a block differ in the opening: the rule is not decided."
 STEPS = 5
 """Rows of the table of mutants detected after so many flights."""
@@ -157,9 +147,9 @@ class Evidence:
             if (one.block, one.seed, one.budget, tuple(sought.mutant for sought in one.sought)) in planned
         }
 
-    def of(self, arm: str) -> list[Sought]:
-        """What an arm came to for each mutant."""
-        return [sought for (_, own), one in sorted(self.by_place.items()) if own == arm for sought in one.sought]
+    def of(self, arm: str) -> list[Search]:
+        """The searches of an arm, block by block."""
+        return [one for (_, own), one in sorted(self.by_place.items(), key=lambda entry: entry[0]) if own == arm]
 
     def in_opening(self, block: int, arm: str) -> frozenset[tuple[str, str]]:
         """The mutants of a search that situations of the opening show, with the situation."""
@@ -168,8 +158,7 @@ class Evidence:
 
     def after_opening(self, arm: str) -> list[tuple[str, str]]:
         """The situations that an arm proposed, each with the mutants that were flown there."""
-        own = [one for (_, of), one in self.by_place.items() if of == arm]
-        every = ((sought.mutant, key) for one in own for key in one.proposed for sought in one.sought)
+        every = ((sought.mutant, key) for one in self.of(arm) for key in one.proposed for sought in one.sought)
         return [(mutant, key) for mutant, key in every if _flight(mutant, key) in self.flights]
 
     @property
@@ -244,7 +233,7 @@ def _decided(evidence: Evidence, redraws: int) -> Iterator[str]:
 
 
 def _arms(evidence: Evidence) -> Iterator[Row]:
-    sought = {arm: evidence.of(arm) for arm in ARMS}
+    sought = {arm: [one for search in evidence.of(arm) for one in search.sought] for arm in ARMS}
 
     def row(name: str, value: Callable[[str], object]) -> Row:
         return (name, *map(value, ARMS))
@@ -253,9 +242,9 @@ def _arms(evidence: Evidence) -> Iterator[Row]:
         return [evidence.shows(mutant, key) for mutant, key in evidence.after_opening(arm)]
 
     def opened(arm: str) -> int:
-        return sum(len(evidence.in_opening(block, own)) for block, own in evidence.by_place if own == arm)
+        return sum(len(evidence.in_opening(search.block, arm)) for search in evidence.of(arm))
 
-    yield row("flights asked for", lambda arm: sum(o.used for (_, own), o in evidence.by_place.items() if own == arm))
+    yield row("flights asked for", lambda arm: sum(search.used for search in evidence.of(arm)))
     yield row("newly detected", lambda arm: sum(bool(one.shown_in) for one in sought[arm]))
     yield row("- by situations of the opening", opened)
     yield row(
@@ -266,16 +255,11 @@ def _arms(evidence: Evidence) -> Iterator[Row]:
 
 
 def _curve(evidence: Evidence) -> Iterator[Row]:
+    """By number of flights for each mutant of the block the mutants that each arm detected after no more."""
+    after = {arm: [one.after / len(own.sought) for own in evidence.of(arm) for one in own.sought] for arm in ARMS}
     for step in range(1, STEPS + 1):
         flights = evidence.budget * step // STEPS
-        yield (flights, *(sum(0 < each <= flights for each in _after(evidence, arm)) for arm in ARMS))
-
-
-def _after(evidence: Evidence, arm: str) -> Iterator[float]:
-    """Flights for each mutant of the block after which an arm detected a mutant."""
-    for (_, own), flown in evidence.by_place.items():
-        if own == arm:
-            yield from (one.after / len(flown.sought) for one in flown.sought)
+        yield (flights, *(sum(0 < each <= flights for each in after[arm]) for arm in ARMS))
 
 
 def _blocks(evidence: Evidence) -> Iterator[Row]:
@@ -304,14 +288,7 @@ KEPT = "all arms"
 
 
 def fly(
-    study: Study,
-    blocks: Sequence[Block],
-    campaigns: Path,
-    path: Path,
-    *,
-    jobs: int,
-    budget: int = BUDGET,
-    flyer: Flyer | None = None,
+    study: Study, blocks: Sequence[Block], campaigns: Path, path: Path, *, jobs: int, budget: int, flyer: Flyer | None
 ) -> list[Search]:
     """Fly the searches that the file lacks; returns all searches of the file.
 
@@ -329,15 +306,11 @@ def fly(
     for number, mutants in enumerate(blocks, 1):
         flights, folder = budget * len(mutants), campaigns / f"{number:02}"
         for arm in ARMS:
-            if (number, arm, flights) in done:
-                continue
-            progress = Progress()
-            progress.line(f"block {number} of {len(blocks)}, {arm}: {', '.join(mutants)}")
-            more = {"seed": seed_of(number), "budget": flights, "jobs": jobs}
-            searches.append(
-                search_arms.search(study, number, mutants, arm, folder, **more, progress=progress, flyer=flyer)
-            )
-            search_arms.write_searches(path, searches)
+            if (number, arm, flights) not in done:
+                searches.append(
+                    search_arms.search(study, number, mutants, arm, folder, budget=flights, jobs=jobs, flyer=flyer)
+                )
+                search_arms.write_searches(path, searches)
     return searches
 
 
@@ -352,7 +325,7 @@ def results(_study: Study, jobs: int, folder: Path) -> str:
     mutants, path = search_arms.read_blocks(), folder / FLIGHTS
     before = search_arms.read_searches(folder / SEARCHES)
     study = Study.open(ROOT, GRID)
-    searches = fly(study, mutants, CAMPAIGNS, folder / SEARCHES, jobs=jobs)
+    searches = fly(study, mutants, CAMPAIGNS, folder / SEARCHES, jobs=jobs, budget=BUDGET, flyer=None)
     if len(searches) > len(before):
         kept_flights.write(path, {KEPT: flights_in(study, CAMPAIGNS, len(mutants))})
     return flown(Evidence(mutants, searches, kept_flights.read(path)[KEPT]))

@@ -1,9 +1,9 @@
 """Fly the mission scripts of the SCALOFT testbed, unmodified, over ROS 1 above our planner, with and without faults.
 
-    python -m experiments.testbed SETUP_SCRIPT TRIAL_SCRIPT [--keep FOLDER] [--output FILE]
+    python -m experiments.testbed SETUP_SCRIPT TRIAL_SCRIPT [--output FILE]
 
 It needs what `examples/testbed/setup.sh` and `pip install ./examples/ros1` install.  Each flight keeps what crossed
-the seams of the border, with simulated and wall time, and what the scripts wrote; `--keep` has the files.  No
+the seams of the border, with simulated and wall time, and what the scripts printed.  No
 flight is repeated and none left out.  It writes the head and the tables of the page; the published one says besides,
 in two sections of sentences, what its tables show and what they do not.
 """
@@ -216,27 +216,21 @@ def flown(study: Study, name: str, folder: Path) -> Flown:
     return Flown(name, log, judged(study, flight, log), tape.crossings, said, wall_s)
 
 
-def make_study(folder: Path, scripts: Sequence[Path]) -> Study:
-    """Write the example's study with these scripts."""
-    run_path(str(ROOT / "examples" / "testbed" / "make_study.py"))["make_study"](folder, scripts, ROOT)
-    return Study.open(folder)
-
-
 def main() -> None:
     """Fly, and write the page."""
     asked = parser(__doc__, "testbed")
     asked.add_argument("setup", type=Path)
     asked.add_argument("trial", type=Path)
-    asked.add_argument("--keep", type=Path)
     options = asked.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
-        keep = options.keep or Path(temporary) / "files"
-        study = make_study(Path(temporary) / "study", [options.setup, options.trial])
+        folder, scripts = Path(temporary) / "study", (options.setup, options.trial)
+        run_path(str(ROOT / "examples" / "testbed" / "make_study.py"))["make_study"](folder, scripts, ROOT)
+        study = Study.open(folder)
         flights = []
         for name in FLIGHTS:
-            flights.append(flown(study, name, keep / name.replace("/", "_")))
+            flights.append(flown(study, name, Path(temporary) / name.replace("/", "_")))
             print(f"{name}: {flights[-1].outcome.ending}, {flights[-1].wall_s:.0f} s", file=sys.stderr)
-    digests = {path.name: sha256(path.read_bytes()).hexdigest() for path in (options.setup, options.trial)}
+    digests = {path.name: sha256(path.read_bytes()).hexdigest() for path in scripts}
     options.output.write_text(page(flights, digests), encoding="utf-8")
 
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from functools import partial
 from itertools import product
 
 from experiments import PUBLISHED, ROOT
@@ -36,7 +35,7 @@ def results(study: Study) -> tuple[str, str]:
     told, matrix, _ = compared_by(study, str(REFERENCE), str(SECOND), flights=False)
     with snapshot(study, str(REFERENCE)) as reference, snapshot(study, str(SECOND)) as second:
         both = [*zip(figures(reference), figures(second), strict=True)]
-        left_out = [*map(partial(_without, reference, second), range(SEEDS))]
+        left_out = [_without(reference, second, seed) for seed in range(SEEDS)]
     text = blocks(
         "## Flown",
         table(("", "reference drone", "second drone"), ((name, one, two) for (name, one), (_, two) in both)),

@@ -16,7 +16,7 @@ from experiments import search_arms as arms
 from experiments import search_or_chance as experiment
 from experiments.flights import published, read
 from experiments.pages import registered
-from experiments.search_or_chance import BUDGET, UNFINISHED, Answer, Evidence, answer, flown, seed_of, share, totals
+from experiments.search_or_chance import BUDGET, UNFINISHED, Answer, Evidence, answer, flown, share, totals
 from scaloft_fi.campaign.seeking.seek import CHUNK, GENERATION, OPENING
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
@@ -134,7 +134,7 @@ def test_the_plan_counts_its_flights_and_lists_its_blocks():
     different = asked - (len(arms.ARMS) - 1) * sum(OPENING * (1 + size) for size in SIZES)
     assert f"{asked:,} flights, at most {different:,} of them different." in plan
     assert f": {MUTANTS} mutants in {len(BLOCKS)} blocks." in plan
-    assert all(f"| {n} | {seed_of(n)} | {', '.join(block)} |\n" in plan for n, block in enumerate(BLOCKS, 1))
+    assert all(f"| {n} | {arms.seed_of(n)} | {', '.join(block)} |\n" in plan for n, block in enumerate(BLOCKS, 1))
     for chance, found, *yes in POWER:
         assert f"| {100 * chance:.0f} % | {100 * found:.0f} % | {100 * yes[0]:.0f} % | {100 * yes[1]:.0f} % |" in plan
 
@@ -186,7 +186,7 @@ def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Stu
     assert list(block.searches) == list(arms.ARMS)
     for search in block.searches.values():
         assert search.used <= search.budget == 2 * SMALL_BUDGET
-        assert search.seed == seed_of(1)
+        assert search.seed == arms.seed_of(1)
         late, less = search.sought
         assert (late.mutant, less.mutant) == (LATE, LESS)
         assert not less.shown_in
@@ -236,7 +236,7 @@ def search(block: int, arm: str, found: int, opening: str = "o", **more: int) ->
         else arms.Sought(mutant, "", 0, None, 0)
         for n, mutant in enumerate(BLOCKS[block - 1])
     )
-    seed, budget = more.get("seed", seed_of(block)), more.get("budget", BUDGET * len(sought))
+    seed, budget = more.get("seed", arms.seed_of(block)), more.get("budget", BUDGET * len(sought))
     return arms.Search(block, arm, seed, budget, 200, sought, (opening,), ("later",))
 
 
