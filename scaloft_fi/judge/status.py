@@ -183,6 +183,27 @@ Situations = Mapping[str, Sequence[Ruled]]
 """Flights of a mutant by situation, in the order of their seeds."""
 
 
+class Brief(NamedTuple):
+    """All of an outcome that decides its ruling beside its baseline; the attributes are those of `Outcome`."""
+
+    subject: Subject
+    situation: str
+    seed: int
+    invalid: str
+    carried: int
+    altered: int
+    digest: str
+    violations: Sequence[Violation]
+
+
+_BRIEF = attrgetter(*Brief._fields)
+
+
+def brief(outcome: Outcome) -> Brief:
+    """Of an outcome."""
+    return Brief(*_BRIEF(outcome))
+
+
 @dataclass(frozen=True)
 class Rulings:
     """The flights of a campaign.
@@ -211,32 +232,36 @@ class Rulings:
 
 def rulings_of(outcomes: Iterable[Outcome]) -> Rulings:
     """The rulings of outcomes, which may be in any order."""
-    return rulings_beside(*apart(outcomes))
+    baselines, flown = apart(outcomes)
+    return rulings_beside(baselines, map(brief, flown))
 
 
-def rulings_beside(baselines: Sequence[Outcome], flown: Iterable[Outcome]) -> Rulings:
-    """The rulings of flights of mutants beside their baselines; of a flight no more is read than `Baseline.rule` asks.
+def rulings_beside(baselines: Sequence[Outcome], flown: Iterable[Brief]) -> Rulings:
+    """The rulings of flights of mutants beside their baselines.
 
     Args:
         baselines: outcomes of the drone without a fault.
-        flown: outcomes of mutants and PLACEBO, in any order, read once.
+        flown: of mutants and PLACEBO, in any order, read once.
     """
     counted = _counting(baselines)
     subjects, draws = dict[str, Subject](), set[tuple[str, int]]()
     flights = defaultdict[tuple[str, str], list[Ruled]](list)
     behaviours = defaultdict[str, int](int)
-    for outcome in flown:
-        subject, draw = outcome.subject, (outcome.situation, outcome.seed)
-        ruling = rule(outcome, counted.get(draw))
-        violations = () if ruling is INVALID else outcome.violations
-        flights[subject.id, outcome.situation].append(Ruled(outcome.seed, ruling, violations))
-        subjects[subject.id] = subject
-        if not outcome.invalid:
+    for subject, situation, seed, invalid, carried, altered, digest, violations in flown:
+        mutant, draw = subject.id, (situation, seed)
+        baseline = None if invalid else counted.get(draw)
+        if baseline is None:
+            ruled = Ruled(seed, INVALID, ())
+        else:
+            ruled = Ruled(seed, baseline.rule(carried, altered, digest, violations), violations)
+        flights[mutant, situation].append(ruled)
+        subjects[mutant] = subject
+        if not invalid:
             draws.add(draw)
-            behaviours[subject.id] += hash((draw, outcome.digest))  # a sum, because their order does not count
+            behaviours[mutant] += hash((draw, digest))  # a sum, because their order does not count
     mutants = defaultdict[Subject, dict[str, Sequence[Ruled]]](dict)
-    for (mutant, situation), ruled in flights.items():
-        mutants[subjects[mutant]][situation] = sorted(ruled, key=_seed)
+    for (mutant, situation), listed in flights.items():
+        mutants[subjects[mutant]][situation] = sorted(listed, key=_seed)
     return Rulings(tuple(baselines), dict(mutants), frozenset(draws), behaviours)
 
 

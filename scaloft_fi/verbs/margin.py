@@ -23,7 +23,6 @@ from scaloft_fi.campaign.store.archive import campaign_folder, study_of
 from scaloft_fi.defaults import CAMPAIGN, Seeds
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix, SeverityClass, cell_of, parse
-from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import realise, source_of
@@ -318,18 +317,15 @@ def told_cells(matrix: Matrix, margins: Mapping[str, tuple[CellMargin, ...]] | N
     return MatrixCells(tuple(MatrixCell(one, margins[one.cell.name] if margins is not None else None) for one in told))
 
 
-def cell_margins(
-    outcomes: Iterable[Outcome], scored: Score, matrix: Matrix, kind: Kind = Kind.SAFETY
-) -> Mapping[str, tuple[CellMargin, ...]]:
+def cell_margins(scored: Score, matrix: Matrix, kind: Kind = Kind.SAFETY) -> Mapping[str, tuple[CellMargin, ...]]:
     """The margins of the faults of each cell, by its name; of a cell that is not credible none.
 
     Args:
-        outcomes: of a campaign.
-        scored: their score.
+        scored: score of a campaign.
         matrix: whose cells.
         kind: of the requirements whose violation kills.
     """
-    by_fault = margins(outcomes, scored, matrix, kind)
+    by_fault = margins((), scored, matrix, kind)  # no robustness is asked for
     verdicts = {mutant.subject.id: detection_of(mutant, kind).verdict for mutant in scored.mutants}
 
     def of(cell: Cell, fault: Fault) -> CellMargin:
@@ -355,7 +351,7 @@ def margins_of_cells(
     """
     with snapshot(study, campaign) as now:
         matrix = now.study.matrix
-        return matrix, cell_margins(now.outcomes, now.score, matrix, _kind(operability))
+        return matrix, cell_margins(now.score, matrix, _kind(operability))
 
 
 def margin_texts(matrix: Matrix, found: Mapping[str, Sequence[CellMargin]]) -> Mapping[str, str]:

@@ -243,7 +243,7 @@ class Snapshot:
     @cached_property
     def _counting(self) -> Sequence[FlownFlight]:
         """The flights that count; of those of one platform no more than one of each mutant in each situation."""
-        flights = self.now.flights if self._platforms.several else self.store.flights(one_each=True)
+        flights = self.now.flights if self._platforms.several else self.now.one_each
         return [flight for flight in flights if self.now.stands(flight)]
 
     @cached_property

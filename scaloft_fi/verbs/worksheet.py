@@ -27,7 +27,6 @@ from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix, Parameter, SeverityClass, Team, worst_first
 from scaloft_fi.hazop.render import ladder
-from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Status
 from scaloft_fi.marks import About
@@ -281,7 +280,6 @@ class SheetRow:
 
 def sheet_rows(
     matrix: Matrix,
-    outcomes: Iterable[Outcome],
     scored: Score,
     space: Space,
     dispositions: Sequence[Disposition] = (),
@@ -292,15 +290,14 @@ def sheet_rows(
 
     Args:
         matrix: of the study.
-        outcomes: of a campaign.
-        scored: the same, scored.
+        scored: score of a campaign.
         space: the grid.
         dispositions: of the study.
         finds: of the study.
         campaign: name of the campaign, for commands.
     """
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
-    margins = cell_margins(tuple(outcomes), scored, matrix)
+    margins = cell_margins(scored, matrix)
     accepted = {disposition.mutant: Accepted(disposition) for disposition in dispositions}
     parameters = {parameter.id: parameter for parameter in matrix.parameters}
 
@@ -591,7 +588,7 @@ def worksheet(study: Study, campaign: options.Campaign) -> Worksheet:
     """
     with snapshot(study, campaign) as now:
         study, finds, stale = now.study, now.study.finds, now.stale
-        rows = sheet_rows(study.matrix, now.outcomes, now.score, study.space, study.dispositions, finds, now.name)
+        rows = sheet_rows(study.matrix, now.score, study.space, study.dispositions, finds, now.name)
     return Worksheet(rows, stale, finds.warnings)
 
 

@@ -66,7 +66,7 @@ def flights(*answers: tuple[str, str, dict[str, float]]) -> list[Outcome]:
 
 
 def told(outcomes: list[Outcome], kind: Kind = Kind.SAFETY) -> Mapping[str, str]:
-    return margin_texts(MATRIX, cell_margins(outcomes, score(outcomes, ROSTER, GRID), MATRIX, kind))
+    return margin_texts(MATRIX, cell_margins(score(outcomes, ROSTER, GRID), MATRIX, kind))
 
 
 def found_in(outcomes: list[Outcome]) -> Mapping[PhasedFault, Sequence[Margin]]:

@@ -54,7 +54,7 @@ hostile = st.text(min_size=1, max_size=30) | st.sampled_from(HOSTILE)
 def rows(
     outcomes: list[Outcome], matrix: Matrix = MATRIX, dispositions: tuple[Disposition, ...] = ()
 ) -> tuple[worksheet.SheetRow, ...]:
-    return worksheet.sheet_rows(matrix, outcomes, score(outcomes, ROSTER, GRID), GRID, dispositions)
+    return worksheet.sheet_rows(matrix, score(outcomes, ROSTER, GRID), GRID, dispositions)
 
 
 def named(found: tuple[worksheet.SheetRow, ...], cell: str) -> worksheet.SheetRow:
@@ -90,9 +90,7 @@ CASES = {
     "not credible": ("EARLY-collision", rows(FLOWN)),
     "a survivor with a find": (
         "NO-human",
-        worksheet.sheet_rows(
-            MATRIX, [*FLOWN, *SILENT], score([*FLOWN, *SILENT], ROSTER, GRID), GRID, (), SHOWN, "mine"
-        ),
+        worksheet.sheet_rows(MATRIX, score([*FLOWN, *SILENT], ROSTER, GRID), GRID, (), SHOWN, "mine"),
     ),
 }
 
@@ -274,7 +272,7 @@ def latex_sheet(matrix: Matrix) -> str:
     roster = Roster.of(matrix, [mutant.id for mutant in derive(matrix)])
     flown = pool(*(key for key, _ in GRID.points))
     flown += [outcome("LATE-human@3s", HUMAN, seed, violated={"SR2": 8.0}) for seed in SEEDS]
-    return worksheet.to_latex(worksheet.sheet_rows(matrix, flown, score(flown, roster, GRID), GRID, ()))
+    return worksheet.to_latex(worksheet.sheet_rows(matrix, score(flown, roster, GRID), GRID, ()))
 
 
 def compiled(fragments: list[str], engine: str, folder: Path) -> str:

@@ -39,6 +39,7 @@ from scaloft_fi.hazop.load import FOLDERS
 from scaloft_fi.hazop.matrix import parse
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
+from scaloft_fi.judge.status import Brief, brief
 from scaloft_fi.sim.grid import grid_names
 from scaloft_fi.study import Study
 
@@ -559,15 +560,15 @@ class Archive(Store):
         flown = (pair for pair in self._flown.values() if subjects is None or pair[0].mutant in subjects)
         return tuple(outcome for flight, outcome in flown if stands(flight))
 
-    def standing_mutants(self, stands: Stands) -> Iterator[Outcome]:
-        """The outcomes of the current flights of mutants and PLACEBO."""
-        return (outcome for outcome in self.standing(stands) if outcome.mutant != BASELINE)
+    def standing_mutants(self, stands: Stands) -> Iterator[Brief]:
+        """The current flights of mutants and PLACEBO."""
+        return map(brief, (outcome for outcome in self.standing(stands) if outcome.mutant != BASELINE))
 
     def origins(self) -> dict[int, Origin]:
         """None: why a flight would be stale is not asked of a record."""
         return {}
 
-    def planned(self) -> list[Planned]:
+    def planned(self, *, unflown: bool = False) -> list[Planned]:
         """None: what was planned and not flown is not in a record."""
         return []
 

@@ -114,20 +114,17 @@ class StaleFlights:
 def held_in(now: Now, folder: Path) -> Held:
     """Read what an open store holds."""
     with now.store.snapshot():
-        planned = now.store.planned()
-        due = {flight.key for flight in planned if now.origin(flight.mutant, flight.situation) == flight.origin}
+        unflown = now.store.planned(unflown=True)
         return Held(
             folder=folder,
             why=_counted(map(now.why, now.stale)),
-            owed=len(due - now.store.known(due)),
+            owed=sum(now.origin(flight.mutant, flight.situation) == flight.origin for flight in unflown),
             flown_again=len(now.stale) - len(now.lost),
         )
 
 
 def stale_in(now: Now) -> StaleFlights:
     """The flights of an open store that no longer count and were not flown again."""
-    if all(flight.origin is not None and now.stands(flight) for flight in now.store.flights(one_each=True)):
-        return StaleFlights()
     lost = {flight[1:4]: flight for flight in now.lost}.values()
     flown = [flight for flight in lost if not isinstance(now.origin(flight.mutant, flight.situation), str)]
     return StaleFlights(_counted(map(now.why, lost)), tuple(flown))
@@ -216,8 +213,15 @@ class Now:
         return self.store.flights()
 
     @cached_property
+    def one_each(self) -> list[FlownFlight]:
+        """One flight for each mutant, situation and origin."""
+        return self.store.flights(one_each=True)
+
+    @cached_property
     def stale(self) -> list[FlownFlight]:
         """The stale outcomes of the store."""
+        if all(flight.origin is not None and self.stands(flight) for flight in self.one_each):
+            return []
         return [flight for flight in self.flights if not self.stands(flight)]
 
     @cached_property

@@ -16,6 +16,7 @@ from typing import Any, Generic, NamedTuple, NoReturn, TypeVar
 from scaloft_fi.errors import InputError, shown
 from scaloft_fi.judge.outcome import Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
+from scaloft_fi.judge.status import Brief
 
 MOST_FLIGHTS = "SCALOFT_MOST_FLIGHTS"
 """Name of the environment variable that raises the limit of rows."""
@@ -189,7 +190,7 @@ and `_Lines` parses a line once.
 """
 KEY = len(COLUMNS)
 """Place of the key in a row of the store, which begins with `COLUMNS`."""
-RULED = (*SUBJECT, "situation", "seed", "invalid", "carried", "altered", "digest", "violations")
+RULED = (*SUBJECT, *Brief._fields[1:])
 """The columns by which a mutant's flight is ruled beside its baseline."""
 
 _READING: Mapping[str, Cell] = {
@@ -255,25 +256,33 @@ class Reader:
         self._characters, self._most_characters = 0, most_flights() * _PER_FLIGHT
 
     def __call__(self, rows: Sequence[Record], tracks: Iterable[bytes] = repeat(b"")) -> list[Outcome]:
-        """The outcomes of rows, with their tracks.
+        """The outcomes of rows, with their tracks; raises the errors of `_parts`."""
+        if not rows:
+            return []
+        made = {**_LEFT_OUT, **self._parts(rows), "track": tracks}
+        return list(map(Outcome, *(made[name] for name in _FIELDS)))
+
+    def brief(self, rows: Sequence[Record]) -> Iterable[Brief]:
+        """The rows of `RULED` as rulings need them; raises the errors of `_parts`."""
+        made = self._parts(rows) if rows else dict.fromkeys(Brief._fields, ())
+        return map(Brief._make, zip(*(made[name] for name in Brief._fields), strict=True))
+
+    def _parts(self, rows: Sequence[Record]) -> dict[str, Iterable[Any]]:
+        """What the fields of outcomes have, field by field.
 
         Raises:
             BadCellError: a cell has a value that `to_row` does not make.
             TooLargeError: the texts are larger than the limit.
         """
-        if not rows:
-            return []
         check_rows("outcomes", rows, self._columns, len(self._columns))
         columns = dict(zip(self._columns, zip(*rows, strict=True), strict=False))
         self._characters += sum(sum(map(len, columns[name])) for name in _TEXTS if name in columns)
         if self._characters > self._most_characters:
             raise TooLargeError("outcomes", "text")
         made: dict[str, Iterable[Any]] = {
-            **_LEFT_OUT,
             **columns,
             "subject": map(self._subjects.__getitem__, zip(*(columns[name] for name in SUBJECT), strict=True)),
             **{name: map(intern, columns[name]) for name in ("situation", "ending", "struck") if name in columns},
-            "track": tracks,
         }
         for lines in (self._readings, self._violations, self._realised):
             if lines.name not in columns:
@@ -285,7 +294,7 @@ class Reader:
                 raise BadCellError(
                     lines.name, error.allowed, f"table outcomes, key {shown(key)}", error.value
                 ) from None
-        return list(map(Outcome, *(made[name] for name in _FIELDS)))
+        return made
 
 
 class _Subjects(dict[Record, Subject]):

@@ -21,6 +21,7 @@ from typing import Any, NamedTuple, TypeVar
 from scaloft_fi.campaign.store import record
 from scaloft_fi.errors import InputError, shown
 from scaloft_fi.judge.outcome import BASELINE, Outcome
+from scaloft_fi.judge.status import Brief
 
 MOST_CELL_BYTES = 65_536
 """Greatest size of a cell of an outcome."""
@@ -324,6 +325,10 @@ Called once for each mutant, situation and origin, and for each flight without a
 _NAMES = "key", "origin"
 _COLUMNS = (*record.COLUMNS, *_NAMES)
 _FLIGHTS = f"SELECT {', '.join(FlownFlight._fields)} FROM outcomes ORDER BY mutant, situation, seed, key"
+_UNFLOWN = (
+    "WHERE NOT EXISTS (SELECT 1 FROM outcomes WHERE outcomes.key = plan.key)"
+    " OR key IN (SELECT key FROM outcomes WHERE invalid != '')"
+)
 _ONE_EACH = (
     "SELECT min(key), mutant, situation, min(seed), origin FROM outcomes"
     " GROUP BY mutant, situation, origin ORDER BY mutant, situation, origin"
@@ -547,7 +552,9 @@ class Store:
     def keyed(self, keys: Iterable[str] | None = None) -> list[tuple[str, Outcome]]:
         """All outcomes, or those with `keys`, each with its key, in the order of `outcomes`."""
         wanted = None if keys is None else set(keys)
-        return self._selected(None if wanted is None else lambda row: row[record.KEY] in wanted)
+        return self._selected(
+            lambda rows: rows if wanted is None else [row for row in rows if row[record.KEY] in wanted]
+        )
 
     def standing(self, stands: Stands, subjects: Collection[str] | None = None) -> tuple[Outcome, ...]:
         """The outcomes of the current flights, without their tracks, ordered by mutant, situation, seed.
@@ -556,24 +563,22 @@ class Store:
             stands: whether a flight is current.
             subjects: ids of the subjects whose flights are read; None: all.
         """
-        return tuple(outcome for _, outcome in self._selected(_keeps(stands, tuple(record.COLUMNS)), subjects))
+        return tuple([outcome for _, outcome in self._selected(_keeps(stands, tuple(record.COLUMNS)), subjects)])
 
-    def standing_mutants(self, stands: Stands) -> Iterator[Outcome]:
-        """The outcomes of the current flights of mutants and PLACEBO, in any order, with `record.RULED` alone."""
-        keep, read = _keeps(stands, record.RULED), record.Reader(record.RULED)
+    def standing_mutants(self, stands: Stands) -> Iterator[Brief]:
+        """The current flights of mutants and PLACEBO, in any order."""
+        kept, read = _keeps(stands, record.RULED), record.Reader(record.RULED)
         for rows in self._read(record.RULED, "WHERE mutant != ?", (BASELINE,)):
-            yield from read(list(filter(keep, rows)))
+            yield from read.brief(kept(rows))
 
-    def _selected(
-        self, keep: Callable[[record.Record], bool] | None, subjects: Collection[str] | None = None
-    ) -> list[tuple[str, Outcome]]:
-        """The outcomes of the rows that `keep` keeps, or of all, each with its key: by mutant, situation, seed, key."""
+    def _selected(self, kept_of: Keeps, subjects: Collection[str] | None = None) -> list[tuple[str, Outcome]]:
+        """The outcomes of the rows that `kept_of` keeps, each with its key: by mutant, situation, seed, key."""
         read, of = record.Reader(), () if subjects is None else sorted(subjects)
         where = "" if subjects is None else f"WHERE mutant IN ({', '.join('?' * len(of))})"
         places = defaultdict[tuple[str, str], list[tuple[int, str, Outcome]]](list)
         # sorting here is faster than reading the rows in the order of an index
         for rows in self._read(tuple(record.COLUMNS), where, of):
-            kept = list(filter(keep, rows)) if keep else rows
+            kept = kept_of(rows)
             for outcome, row in zip(read(kept), kept, strict=True):
                 places[outcome.subject.id, outcome.situation].append((outcome.seed, row[record.KEY], outcome))
         # keys are distinct
@@ -646,9 +651,10 @@ class Store:
                         raise record.BadCellError("parts", allowed, f"table origins, id {number}", parts) from error
         return found
 
-    def planned(self) -> list[record.Planned]:
-        """All recorded plans, ordered by key."""
-        known, query = self.origins(), "SELECT key, mutant, situation, seed, canary, origin FROM plan ORDER BY key"
+    def planned(self, *, unflown: bool = False) -> list[record.Planned]:
+        """All recorded plans, or those without a valid outcome, ordered by key."""
+        known, where = self.origins(), _UNFLOWN if unflown else ""
+        query = f"SELECT key, mutant, situation, seed, canary, origin FROM plan {where} ORDER BY key"
         with self._sentences():
             return [
                 record.Planned(key, intern(mutant), intern(situation), seed, bool(canary), known.get(origin))
@@ -718,8 +724,12 @@ class Store:
             ]
 
 
-def _keeps(stands: Stands, columns: tuple[str, ...]) -> Callable[[record.Record], bool]:
-    """Whether a row of `columns` and `_NAMES` is of a current flight; `stands` is asked as `Stands` says."""
+Keeps = Callable[[list[record.Record]], list[record.Record]]
+"""Those of some rows that are kept."""
+
+
+def _keeps(stands: Stands, columns: tuple[str, ...]) -> Keeps:
+    """The rows of `columns` and `_NAMES` that are of current flights; `stands` is asked as `Stands` says."""
     columns += _NAMES
     flown = itemgetter(*map(columns.index, FlownFlight._fields))
     place_of = itemgetter(*map(columns.index, ("mutant", "situation", "origin")))
@@ -729,13 +739,19 @@ def _keeps(stands: Stands, columns: tuple[str, ...]) -> Callable[[record.Record]
         answer = answers.get(place := place_of(row))
         if answer is None:
             flight = FlownFlight(*flown(row))
-            record.check_rows("outcomes", [flight], record.FLIGHT)
             answer = stands(flight)
             if flight.origin is not None:
                 answers[place] = answer
         return answer
 
-    return keep
+    def kept(rows: list[record.Record]) -> list[record.Record]:
+        # most places are known, and most flights of a campaign stand
+        if all(map(answers.get, set(map(place_of, rows)))):
+            return rows
+        record.check_rows("outcomes", list(map(flown, rows)), record.FLIGHT)
+        return list(filter(keep, rows))
+
+    return kept
 
 
 def _flights(number: int) -> str:

@@ -204,7 +204,7 @@ def analyses(evidence: Evidence, scored: Score, matrix: suites.KillMatrix) -> di
     units, campaign = short_units(study.requirements), evidence.campaign
     known = backgrounds(study.matrix, [row.id for row in matrix.mutants])
     return {
-        "margins": margin_texts(outcomes, scored, study.matrix),
+        "margins": margin_texts(scored, study.matrix),
         "ladders": ladders(scored, study.matrix, roster),
         "thresholds": thresholds(outcomes, scored, study.matrix, study.requirements),
         "whens": plain(whens(outcomes, scored)),
@@ -217,9 +217,9 @@ def analyses(evidence: Evidence, scored: Score, matrix: suites.KillMatrix) -> di
     }
 
 
-def margin_texts(outcomes: Sequence[Outcome], scored: Score, cells: Matrix) -> dict[str, str]:
+def margin_texts(scored: Score, cells: Matrix) -> dict[str, str]:
     """The margin of each cell that has one; faults without an order have a verdict and no margin."""
-    by_cell = cell_margins(outcomes, scored, cells).items()
+    by_cell = cell_margins(scored, cells).items()
     texts = {cell: "; ".join(one.text for one in listed if one.margin.known) for cell, listed in by_cell}
     return {cell: text for cell, text in texts.items() if text}
 

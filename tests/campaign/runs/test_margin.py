@@ -178,7 +178,7 @@ def test_the_matrix_shows_the_margin_from_the_store_alone(study: Any, late: Any)
     found = search(study, late)
     outcomes = Runs(study, late).current()
     scored = score(outcomes, study.roster, study.space)
-    told = margin_texts(study.matrix, cell_margins(outcomes, scored, study.matrix))
+    told = margin_texts(study.matrix, cell_margins(scored, study.matrix))
     assert told["LATE-human"] == margin_text(lowest(found.values()))
     assert told["REVERSE-human"] == "CONTROL"
     assert told["EARLY-collision"] == "-"
