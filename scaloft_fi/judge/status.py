@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
@@ -305,9 +305,13 @@ def flight_of(outcome: Outcome, baseline: Outcome | None) -> JudgedFlight:
 
 def flights_of(outcomes: Iterable[Outcome]) -> list[JudgedFlight]:
     """Compare every flight of a mutant (PLACEBO included) with its baseline, in the given order."""
-    baselines, flown = apart(outcomes)
+    return list(each_flight(*apart(outcomes)))
+
+
+def each_flight(baselines: Iterable[Outcome], flown: Iterable[Outcome]) -> Iterator[JudgedFlight]:
+    """The same one by one, of flights of mutants beside their baselines."""
     known = _counting(baselines)
-    return [_beside(outcome, known.get((outcome.situation, outcome.seed))) for outcome in flown]
+    return (_beside(outcome, known.get((outcome.situation, outcome.seed))) for outcome in flown)
 
 
 def _beside(outcome: Outcome, baseline: Baseline | None) -> JudgedFlight:

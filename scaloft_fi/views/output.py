@@ -343,17 +343,21 @@ def writer_of(hint: Any) -> Callable[[Any], Any]:
     """Makes plain JSON values of the values of a type."""
     kind = kind_of(hint)
     write = _writer(kind)
-    return (lambda value: None if value is None else write(value)) if kind.null else write
+    return (lambda value: None if value is None else write(value)) if kind.null and write is not _same else write
+
+
+def _same(value: Any) -> Any:
+    return value
 
 
 def _writer(kind: Kind) -> Callable[[Any], Any]:
     if is_model(kind.bare):
         keys = [(one.key, attrgetter(one.name), writer_of(one.hint)) for one in printed_of(kind.bare)]
-        return lambda value: {key: write(of(value)) for key, of, write in keys}
+        return lambda value: {key: of(value) if write is _same else write(of(value)) for key, of, write in keys}
     if kind.infinite:
         return lambda value: f"{value:g}" if isinstance(value, float) and not math.isfinite(value) else value
     if kind.bare in _SCALARS:
-        return _PLAIN.get(kind.bare, lambda value: value)
+        return _PLAIN.get(kind.bare, _same)
     if not kind.by_name:
         each, ordered = writer_of(get_args(kind.bare)[0]), sorted if get_origin(kind.bare) is frozenset else iter
         return lambda value: [each(one) for one in ordered(value)]
@@ -573,7 +577,7 @@ def cell(value: Any) -> Any:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, list | tuple):
-        return ";".join(str(cell(entry)) for entry in value)
+        return ";".join([entry if isinstance(entry, str) else str(cell(entry)) for entry in value])
     return value
 
 

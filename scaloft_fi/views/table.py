@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cache, lru_cache, partial
 from html import escape
-from itertools import accumulate, groupby
+from itertools import accumulate, groupby, islice
 from pathlib import Path
 
 from scaloft_fi import output
@@ -349,11 +349,19 @@ def render(tables: Sequence[Table], how: Format, *, width: int | None = None, ma
 
 def csv_text(headers: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
     """A line of headers and a line for each row, without a formula; nothing stands where there is no value."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(map(_in_csv, headers))
-    writer.writerows(map(_in_csv, row) for row in rows)
-    return text.getvalue()
+    parts, listed = list[str](), iter(rows)
+    lines: list[Iterable[object]] = [headers]
+    while lines:  # one buffer for all would take four bytes a letter
+        text = io.StringIO()
+        shown = ([_in_csv(cell) if isinstance(cell, str) else cell for cell in row] for row in lines)
+        csv.writer(text, lineterminator="\n").writerows(shown)
+        parts.append(text.getvalue())
+        lines = list(islice(listed, LINES))
+    return "".join(parts)
+
+
+LINES = 2000
+"""Lines of CSV that are made at once."""
 
 
 LATEX_NOTE = (
@@ -452,11 +460,11 @@ def _rendered(table: Table, how: Format) -> str:
     return f"### {markdown(title)}\n\n{body}\n" + "".join(f"\n{note}\n" for note in notes)
 
 
-def _in_csv(value: object) -> object:
+def _in_csv(value: str) -> str:
     """A text that a spreadsheet takes for a number, and the sign `-` alone, are no formulas."""
-    if isinstance(value, str) and value[:1].isalnum() and value.isprintable():
+    if value[:1].isalnum() and value.isprintable():
         return value  # nearly every cell, without a search
-    return spreadsheet_text(value) if isinstance(value, str) and not _HARMLESS.fullmatch(value) else value
+    return value if _HARMLESS.fullmatch(value) else spreadsheet_text(value)
 
 
 @dataclass(frozen=True)

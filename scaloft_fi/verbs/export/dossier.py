@@ -14,7 +14,7 @@ import shlex
 import zipfile
 from array import array
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import cache, cached_property, partial
@@ -36,7 +36,7 @@ from scaloft_fi.hazop.matrix import Cell, Matrix, cell_of, worst_first
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, track_values
 from scaloft_fi.judge.requirement import Kind, Requirement, measured_rho
 from scaloft_fi.judge.space import Space
-from scaloft_fi.judge.status import JudgedFlight, Status, baseline_status, flights_of
+from scaloft_fi.judge.status import JudgedFlight, Status, apart, baseline_status, each_flight, flights_of
 from scaloft_fi.marks import About, Choices
 from scaloft_fi.output import in_campaign, json_text, printable
 from scaloft_fi.registry import Registry
@@ -147,7 +147,7 @@ def flight_columns(rows: Sequence[FlightRow], names: Sequence[str]) -> Columns:
 def export_rows(
     outcomes: Iterable[Outcome], roster: Roster, space: Space, requirements: Sequence[str] = ()
 ) -> list[FlightRow]:
-    """Rows in the order of `ordered`.
+    """The rows of `each_row` in the order of `ordered`.
 
     Args:
         outcomes: of a campaign.
@@ -156,13 +156,22 @@ def export_rows(
         requirements: names that have a `rho_` column even when no flight was judged by them.
     """
     listed = ordered(outcomes, roster, space)
-    names = list(dict.fromkeys([*requirements, *(r.requirement for outcome in listed for r in outcome.readings)]))
-    flights = iter(flights_of(listed))
-    clean = {(outcome.situation, outcome.seed) for outcome in listed if outcome.mutant == BASELINE}
-    return [
-        _row(one, None if one.mutant == BASELINE else next(flights), names, (one.situation, one.seed) in clean)
-        for one in listed
-    ]
+    return list(each_row(listed, judged_by(listed, requirements)))
+
+
+def judged_by(outcomes: Iterable[Outcome], requirements: Iterable[str]) -> list[str]:
+    """The `requirements`, and others by which flights were judged."""
+    return list(dict.fromkeys([*requirements, *(r.requirement for outcome in outcomes for r in outcome.readings)]))
+
+
+def each_row(listed: Sequence[Outcome], names: Sequence[str]) -> Iterator[FlightRow]:
+    """One row for each of these flights, made when it is asked for; `names` are those that have a `rho_` column."""
+    baselines, flown = apart(listed)
+    flights = each_flight(baselines, flown)
+    clean = {(outcome.situation, outcome.seed) for outcome in baselines}
+    for one in listed:
+        flight = None if one.mutant == BASELINE else next(flights)
+        yield _row(one, flight, names, (one.situation, one.seed) in clean)
 
 
 def ordered(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> list[Outcome]:
@@ -187,7 +196,7 @@ _write = writer_of(_Flight)
 def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[str], beside: bool) -> FlightRow:
     """A row; `beside` tells whether a baseline of its situation and seed counts."""
     status = flight.status if flight else baseline_status(outcome)
-    violated = [reading for reading in outcome.readings if reading.violated]
+    violated = [reading for reading in outcome.readings if reading.violated_at_s is not None]
     struck = {violation.requirement: violation.struck for violation in outcome.violations}
     rho = {reading.requirement: measured_rho(reading) for reading in outcome.readings}
     first = outcome.first_violation
@@ -196,34 +205,36 @@ def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[s
         *(outcome.mutant, outcome.situation, outcome.seed),
         status if beside or outcome.invalid else WAITING,
         outcome.ending,
-        tuple(reading.requirement for reading in violated),
+        tuple([reading.requirement for reading in violated]),
         outcome.infected_at_s,
         *(t_s, x, y, z),
         first.struck if first else "",
         *(outcome.duration_s, outcome.digest),
-        held=tuple(reading.requirement for reading in outcome.readings if not (reading.violated or reading.open)),
+        held=tuple([one.requirement for one in outcome.readings if one.violated_at_s is None and not one.open]),
         revealed_by=(*flight.revealed, *flight.operability_revealed) if flight else (),
-        violation_times_s=tuple(reading.violated_at_s or 0.0 for reading in violated),
-        violation_bodies=tuple(struck.get(reading.requirement, "") for reading in violated),
-        triggered=tuple(reading.requirement for reading in outcome.readings if reading.triggered),
-        realised=tuple(axis for axis, came_true in outcome.realised if came_true),
+        violation_times_s=tuple([reading.violated_at_s or 0.0 for reading in violated]),
+        violation_bodies=tuple([struck.get(reading.requirement, "") for reading in violated]),
+        triggered=tuple([reading.requirement for reading in outcome.readings if reading.triggered]),
+        realised=tuple([axis for axis, came_true in outcome.realised if came_true]),
         carried=outcome.carried,
         altered=outcome.altered,
     )
     return _named(_write(row), {name: rho.get(name) for name in requirements})
 
 
-def to_json(rows: Sequence[FlightRow]) -> str:
+def to_json(rows: Iterable[FlightRow]) -> str:
     """A JSON list, one flight a line."""
-    return "[\n" + ",\n".join(json_text(row) for row in rows) + "\n]\n" if rows else "[]\n"
+    lines = ",\n".join(map(json_text, rows))
+    return f"[\n{lines}\n]\n" if lines else "[]\n"
 
 
-def to_csv(rows: Sequence[FlightRow], columns: Sequence[str]) -> str:
+def to_csv(rows: Iterable[FlightRow], columns: Sequence[str]) -> str:
     """CSV with the same columns; lists joined by `;`, nothing where there is no value.
 
     A text that would be a formula in a spreadsheet has a `'` before it: see `spreadsheet_text`.
     """
-    return csv_text(columns, ([cell(row[name]) for name in columns] for row in rows))
+    values = (map(row.__getitem__, columns) for row in rows)
+    return csv_text(columns, ([cell(one) if isinstance(one, list | bool) else one for one in row] for row in values))
 
 
 Content = str | bytes | Mapping[str, Any] | Sequence[Any]
@@ -330,16 +341,20 @@ class Dossier:
     @cached_property
     def rows(self) -> list[FlightRow]:
         """One row per flight, in the order of mutants, situations and seeds: see `scaloft_fi.verbs.export.dossier`."""
-        return export_rows(self.outcomes, self.roster, self.space, self._names)
+        return list(self.each_row())
+
+    def each_row(self) -> Iterator[FlightRow]:
+        """The same, each made when it is asked for."""
+        return each_row(ordered(self.outcomes, self.roster, self.space), self._names)
 
     @property
     def columns(self) -> list[str]:
         """The columns of the rows."""
-        return columns(self.rows, self._names)
+        return columns((), self._names)
 
-    @property
+    @cached_property
     def _names(self) -> list[str]:
-        return [requirement.name for requirement in self.requirements]
+        return judged_by(self.outcomes, [requirement.name for requirement in self.requirements])
 
     @cached_property
     def coverage(self) -> Coverage:
@@ -450,13 +465,13 @@ def telling(flights: Iterable[JudgedFlight]) -> JudgedFlight | None:
 @export_format("csv", "one row per flight, the columns of json")
 def csv_rows(dossier: Dossier) -> str:
     """One flight a line, below a line of names."""
-    return to_csv(dossier.rows, dossier.columns)
+    return to_csv(dossier.each_row(), dossier.columns)
 
 
 @export_format("json", "one row per flight, a list")
 def json_rows(dossier: Dossier) -> str:
     """One flight a line."""
-    return to_json(dossier.rows)
+    return to_json(dossier.each_row())
 
 
 @export_format("parquet", "one row per flight, typed (extra: parquet)", text=False)
