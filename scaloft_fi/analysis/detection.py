@@ -531,6 +531,13 @@ def _strata(
             yield Stratum(k, n, pair.violated - violated, pair.judged - judged, pair.judged // GATE)
 
 
+def _violating(samples: Iterable[Sample], pool: Pool, name: str) -> list[Sample]:
+    """The situations where subject or pool violate a requirement: others weigh nothing, whatever is left out."""
+    tested = pool.tested.get(name, {})
+    pairs = ((sample, tested.get(sample.situation)) for sample in samples)
+    return [sample for sample, pair in pairs if pair is not None and (pair.violated or sample.count(name))]
+
+
 def reaches(p: float, share: float) -> bool:
     """Whether p is at most this share of alpha, but for rounding."""
     return p <= share * (1 + ROUNDING)
@@ -614,7 +621,7 @@ def firmness(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spend
     names = pool.requirements(kind)
     # what decides without a seed is most often what decides with it, so that is asked first
     tries = sorted(
-        ((looked, name, share) for looked, share in looks for name in names),
+        ((_violating(looked, pool, name), name, share) for looked, share in looks for name in names),
         key=lambda one: p_value(_strata(one[0], pool, one[1], None)) / one[2],
     )
 

@@ -113,7 +113,7 @@ COLUMNS = [
 
 
 def csv_of(rows: list[FlightRow]) -> str:
-    return to_csv(rows, columns(rows))
+    return to_csv((row.values() for row in rows), columns(rows))
 
 
 def test_a_row_has_the_columns_of_the_contract_in_their_order():

@@ -166,12 +166,24 @@ def judged_by(outcomes: Iterable[Outcome], requirements: Iterable[str]) -> list[
 
 def each_row(listed: Sequence[Outcome], names: Sequence[str]) -> Iterator[FlightRow]:
     """One row for each of these flights, made when it is asked for; `names` are those that have a `rho_` column."""
+    return (_named(_write(row), dict(zip(names, rho, strict=True))) for row, rho in _each(listed, names))
+
+
+def each_line(listed: Sequence[Outcome], names: Sequence[str]) -> Iterator[tuple[Any, ...]]:
+    """The values of the same rows, in the order of their columns."""
+    at = len(HEAD)
+    return ((*row[:at], *rho, *row[at:]) for row, rho in _each(listed, names))
+
+
+def _each(listed: Sequence[Outcome], names: Sequence[str]) -> Iterator[tuple[_Flight, list[float | None]]]:
+    """Each flight, and the robustness of each requirement of `names`."""
     baselines, flown = apart(listed)
     flights = each_flight(baselines, flown)
     clean = {(outcome.situation, outcome.seed) for outcome in baselines}
     for one in listed:
         flight = None if one.mutant == BASELINE else next(flights)
-        yield _row(one, flight, names, (one.situation, one.seed) in clean)
+        rho = {reading.requirement: measured_rho(reading) for reading in one.readings}
+        yield _row(one, flight, (one.situation, one.seed) in clean), [rho.get(name) for name in names]
 
 
 def ordered(outcomes: Iterable[Outcome], roster: Roster, space: Space) -> list[Outcome]:
@@ -193,15 +205,14 @@ def _named(row: Mapping[str, Any], rho: Mapping[str, Any]) -> FlightRow:
 _write = writer_of(_Flight)
 
 
-def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[str], beside: bool) -> FlightRow:
+def _row(outcome: Outcome, flight: JudgedFlight | None, beside: bool) -> _Flight:
     """A row; `beside` tells whether a baseline of its situation and seed counts."""
     status = flight.status if flight else baseline_status(outcome)
     violated = [reading for reading in outcome.readings if reading.violated_at_s is not None]
     struck = {violation.requirement: violation.struck for violation in outcome.violations}
-    rho = {reading.requirement: measured_rho(reading) for reading in outcome.readings}
     first = outcome.first_violation
     t_s, x, y, z = (first.t_s, first.x, first.y, first.z) if first else (None,) * 4
-    row = _Flight(
+    return _Flight(
         *(outcome.mutant, outcome.situation, outcome.seed),
         status if beside or outcome.invalid else WAITING,
         outcome.ending,
@@ -219,7 +230,6 @@ def _row(outcome: Outcome, flight: JudgedFlight | None, requirements: Sequence[s
         carried=outcome.carried,
         altered=outcome.altered,
     )
-    return _named(_write(row), {name: rho.get(name) for name in requirements})
 
 
 def to_json(rows: Iterable[FlightRow]) -> str:
@@ -228,13 +238,12 @@ def to_json(rows: Iterable[FlightRow]) -> str:
     return f"[\n{lines}\n]\n" if lines else "[]\n"
 
 
-def to_csv(rows: Iterable[FlightRow], columns: Sequence[str]) -> str:
-    """CSV with the same columns; lists joined by `;`, nothing where there is no value.
+def to_csv(rows: Iterable[Iterable[Any]], columns: Sequence[str]) -> str:
+    """CSV of the values of `columns`; lists joined by `;`, nothing where there is no value.
 
     A text that would be a formula in a spreadsheet has a `'` before it: see `spreadsheet_text`.
     """
-    values = (map(row.__getitem__, columns) for row in rows)
-    return csv_text(columns, ([cell(one) if isinstance(one, list | bool) else one for one in row] for row in values))
+    return csv_text(columns, ([cell(one) if isinstance(one, tuple | list) else one for one in row] for row in rows))
 
 
 Content = str | bytes | Mapping[str, Any] | Sequence[Any]
@@ -346,6 +355,10 @@ class Dossier:
     def each_row(self) -> Iterator[FlightRow]:
         """The same, each made when it is asked for."""
         return each_row(ordered(self.outcomes, self.roster, self.space), self._names)
+
+    def each_line(self) -> Iterator[tuple[Any, ...]]:
+        """Their values, in the order of `columns`."""
+        return each_line(ordered(self.outcomes, self.roster, self.space), self._names)
 
     @property
     def columns(self) -> list[str]:
@@ -465,7 +478,7 @@ def telling(flights: Iterable[JudgedFlight]) -> JudgedFlight | None:
 @export_format("csv", "one row per flight, the columns of json")
 def csv_rows(dossier: Dossier) -> str:
     """One flight a line, below a line of names."""
-    return to_csv(dossier.each_row(), dossier.columns)
+    return to_csv(dossier.each_line(), dossier.columns)
 
 
 @export_format("json", "one row per flight, a list")
