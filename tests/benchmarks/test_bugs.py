@@ -67,7 +67,6 @@ def test_the_bugs_that_were_sought_are_in_cells_whose_mutant_has_kills(seen: Pub
     assert all(seen.killing(bug.cell) for bug in BUGS[-SOUGHT:])
 
 
-@pytest.mark.release
 @pytest.mark.flight
 def test_without_a_defect_the_copies_fly_as_the_reference_stack(study: Study):
     declare()
@@ -103,7 +102,6 @@ def test_the_plan_counts_its_flights():
     assert f"= {FLIGHTS:,}.\n" in PLAN
 
 
-@pytest.mark.release
 def test_the_published_page_is_that_of_the_published_flights(study: Study):
     page = PLAN + flown(BUGS, read(PUBLISHED / "bugs_flights.jsonl.gz"), campaign_of(study, published()))
     assert page == (PUBLISHED / "bugs.md").read_text(encoding="utf-8")

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import nullcontext
 from dataclasses import replace
 from itertools import combinations, product
 from types import SimpleNamespace
@@ -14,10 +13,9 @@ import pytest
 from builders import FIVE, GRID, ROSTER, keys_of, outcome, pool, seeded, space_of, spaces
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from published_flights import PUBLISHED, ROOT, outcomes
 
 import experiments.coverage_against_kills as experiment
-from experiments import coverage_curves
+from experiments import ROOT, coverage_curves
 from experiments.coverage_against_kills import predict
 from scaloft_fi.analysis.coverage import covering_array, t_way
 from scaloft_fi.analysis.detection import Spending
@@ -288,23 +286,8 @@ def test_without_an_array_nothing_is_judged():
 TWO = KEYS[:2]
 
 
-def holding(monkeypatch: pytest.MonkeyPatch, outcomes: Sequence[Outcome]) -> None:
-    @contextmanager
-    def snapshot(study: Study, campaign: str) -> Iterator[SimpleNamespace]:
-        yield SimpleNamespace(rulings=rulings_of(outcomes), spending=Spending())
-
-    monkeypatch.setattr(experiment, "snapshot", snapshot)
-
-
 def test_a_campaign_without_default_mutants_is_refused(monkeypatch: pytest.MonkeyPatch):
-    holding(monkeypatch, [*pool(*TWO), outcome("LATE-human@1s", TWO[0])])
+    now = SimpleNamespace(rulings=rulings_of([*pool(*TWO), outcome("LATE-human@1s", TWO[0])]), spending=Spending())
+    monkeypatch.setattr(experiment, "snapshot", lambda _study, _campaign: nullcontext(now))
     with pytest.raises(InputError, match="needs default mutants of credible cells: none was flown"):
         experiment.pages(Study.open(ROOT), "any")
-
-
-def test_the_published_pages_are_those_of_the_published_flights(monkeypatch: pytest.MonkeyPatch):
-    holding(monkeypatch, outcomes())
-    made = experiment.pages(Study.open(ROOT), "any")
-    assert sorted(made) == ["coverage_against_kills.md", "coverage_against_kills.svg"]
-    for name, text in made.items():
-        assert text == (PUBLISHED / name).read_text(encoding="utf-8")

@@ -192,7 +192,6 @@ def test_a_random_fault_flies_with_the_published_baseline_and_shares_it(study: S
         assert clean.digest in {row["digest"] for row in published() if name_of(row) == clean.name}
 
 
-@pytest.mark.release
 def test_the_published_page_is_that_of_the_published_flights(study: Study):
     """Two minutes of processor time: the seeds are drawn again 200 times."""
     told = (PUBLISHED / "random_faults.md").read_text(encoding="utf-8")

@@ -5,10 +5,10 @@ from collections import Counter
 
 import pytest
 
-from experiments import PUBLISHED, ROOT, wide
+from experiments import PUBLISHED, wide
 from experiments.flights import outcomes, published
 from experiments.pages import registered
-from experiments.wide import ALL, halves
+from experiments.wide import halves
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Redraw, score
 from scaloft_fi.study import Study
@@ -61,21 +61,10 @@ def test_a_grid_beside_itself_detects_the_same_at_once_the_flying(study: Study, 
     assert page.count("| judging |") == 1 + 57
 
 
-@pytest.mark.release
 def test_the_published_page_is_that_of_the_published_flights(study: Study):
     """Two minutes of processor time: five hundred draws of the pool are scored."""
     told = (PUBLISHED / "wide.md").read_text(encoding="utf-8")
     assert told == registered("wide") + wide.page(study, 1, PUBLISHED)
-
-
-def test_the_headline_told_again_is_that_of_the_published_flights(study: Study):
-    further, told = Study.open(ROOT, "wide"), (PUBLISHED / "wide.md").read_text(encoding="utf-8")
-    _, judging = halves(study.roster.defaults)
-    flights = published("wide")
-    scores = wide.grid_of(further, flights).scores(ALL, firm=True)
-    found = [sum(test(scores[id_]) for id_ in judging) for test in (lambda s: s.detected, lambda s: s.firm)]
-    assert found == [31, 28]
-    assert "| judging | 19 of 57 | 17 of 57 | 31 of 57 | 28 of 57 |" in told
 
 
 def test_a_seed_that_a_half_was_not_wholly_flown_with_does_not_count(study: Study):
