@@ -17,14 +17,13 @@ from typing import Any
 
 import bombs
 import pytest
-from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 from options import usually
+from printed import invoked
 
 from scaloft_fi import document as apart
 from scaloft_fi.campaign.store.archive import _unpacked, read_columns
-from scaloft_fi.cli import main
 from scaloft_fi.document import MIB, read_apart
 from scaloft_fi.errors import ExitCode, InputError
 from scaloft_fi.hazop.sheet import read_sheet
@@ -152,7 +151,7 @@ def test_an_archive_that_unpacks_to_640_mib_is_one_sentence(peaks: list[int], te
 def test_judge_says_one_sentence_of_a_bomb_and_exits_with_2(name: str, tmp_path: Path, temporary: Path):
     path = {**bombs.RECORDS, "slow bag": bombs.slow_bag}[name](tmp_path)
     began_s = time.monotonic()
-    told = CliRunner().invoke(main, ["judge", "--fields", str(path)])
+    told = invoked("judge", "--fields", str(path))
     assert time.monotonic() - began_s < 20.0
     assert told.exit_code == ExitCode.BAD_INPUT
     assert len(told.stderr.splitlines()) == 1

@@ -11,17 +11,16 @@ import pytest
 import scaloft_ros1.border  # noqa: F401 - the study of the testbed names it
 import trimesh
 import yaml
-from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 from options import cases, usually
+from printed import invoked
 from processes import call, install, install_project
 from studies import RECORDS, ROOT, copied, edit_in, example, mission_study, own_simulator
 
 from scaloft_fi.checks import Finding, Severity
 from scaloft_fi.checks.check import Check, check_study
 from scaloft_fi.checks.parts import crossed_ways, depth, gaps, overlaps
-from scaloft_fi.cli import main
 from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.sim.mesh import box
 from scaloft_fi.sim.world import Box, Turned, World
@@ -111,7 +110,7 @@ def test_a_program_of_a_stage_outside_that_is_missing_is_told(tmp_path: Path):
 
 @pytest.mark.release
 def test_the_examples_of_plugins_have_no_error_and_no_physics_is_imported(tmp_path: Path):
-    assert CliRunner().invoke(main, ["new", str(tmp_path / "straight"), "--planner"]).exit_code == 0
+    assert invoked("new", str(tmp_path / "straight"), "--planner").exit_code == 0
     for package in (EXAMPLES / "own_stack", tmp_path / "straight"):
         install_project(tmp_path / "site", package)
     study = tmp_path / "straight" / "study"
@@ -349,7 +348,7 @@ def test_a_hull_around_the_mine_is_the_cause_and_without_it_the_mine_can_be_flow
 def test_the_map_shows_the_flaws_of_a_mesh_that_cannot_be_flown(copy: Path, tmp_path: Path):
     _room(copy, [*ROOM.faces.tolist(), *ROOM.faces[:, ::-1].tolist()])
     picture = tmp_path / "map.svg"
-    result = CliRunner().invoke(main, ["map", "--study", str(copy), "--output", str(picture)])
+    result = invoked("map", "--study", str(copy), "--output", str(picture))
     assert result.exit_code == 2
     assert "12 of 24 faces are there twice" in result.stderr
     assert "mesh: 12 of 24 faces are there twice" in picture.read_text()

@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
+from printed import invoked
 from processes import ROOT, marked
 from scaloft_ros1.border import unimportable
 from studies import mission_study
 
 from scaloft_fi.campaign.flights.fly import judged, wire_of
 from scaloft_fi.campaign.store.held import flight_named
-from scaloft_fi.cli import main
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.sim.flight import fly
@@ -128,5 +127,5 @@ def test_a_script_that_is_not_there_is_named(tmp_path: Path):
 
 def test_the_catalogue_of_the_study_is_current(tmp_path: Path):
     mission_study(tmp_path / "study", EXAMPLE / "own_mission.py")
-    result = CliRunner().invoke(main, ["mutants", "--check", "--study", str(tmp_path / "study")])
+    result = invoked("mutants", "--check", "--study", str(tmp_path / "study"))
     assert result.exit_code == 0, result.output

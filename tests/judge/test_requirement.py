@@ -79,10 +79,7 @@ SAID: dict[str, tuple[str, dict[str, list[float]], tuple[requirements.Compliance
     "near from take-off": ("SR2", NEAR | {"speed_mps": [0.5] * 40 + [0.2] * 20}, (HELD, None, 1)),
     "out of sight in between": (
         "SR2",
-        {
-            "person_sight_m": [2.0] * 60 + [100.0] + [2.0] * 41,
-            "speed_mps": [0.2] * 60 + [0.5] * 41 + [0.2],
-        },
+        {"person_sight_m": [2.0] * 60 + [100.0] + [2.0] * 41, "speed_mps": [0.2] * 60 + [0.5] * 41 + [0.2]},
         (HELD, None, 2),
     ),
     "nobody near": ("SR2", {"person_sight_m": [3.5] * 80, "speed_mps": [0.5] * 80}, (VACUOUS, None, 0)),

@@ -138,9 +138,7 @@ def test_an_invalid_flight_has_no_baseline():
 
 
 @given(campaigns())
-def test_every_flight_of_a_mutant_has_one_status_and_what_is_revealed_names_a_requirement(
-    outcomes: list[Outcome],
-):
+def test_every_flight_of_a_mutant_has_one_status_and_what_is_revealed_names_a_requirement(outcomes: list[Outcome]):
     flights = status.flights_of(outcomes)
     assert len(flights) == sum(outcome.mutant != BASELINE for outcome in outcomes)
     for flight in flights:

@@ -551,10 +551,7 @@ def test_a_drafted_mapping_is_yaml_whatever_the_names_of_the_columns(tmp_path: P
     path = tmp_path / "own.csv"
     path.write_text('t;own "x;back\\slash y;z\n0;1;2;3\n')
     drafted = _drafted(tmp_path, recorded.fields_of(path)[0])
-    assert {name: entry.column for name, entry in drafted.signals.items()} == {
-        "y_m": "back\\slash y",
-        "z_m": "z",
-    }
+    assert {name: entry.column for name, entry in drafted.signals.items()} == {"y_m": "back\\slash y", "z_m": "z"}
 
 
 def test_a_drafted_mapping_has_every_field_that_has_the_name_of_a_signal():

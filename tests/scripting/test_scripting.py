@@ -10,14 +10,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from options import cases
 from paper_flyer import Paper
-from printed import STUDY
+from printed import STUDY, invoked
 
 import scaloft_fi
 from scaloft_fi.campaign.plan import parse_seeds
-from scaloft_fi.cli import main
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.hazop.load import named_study
 from scaloft_fi.scripting.flight import in_python, number, python_words
@@ -34,7 +32,7 @@ def campaign(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> scaloft_fi.Open
 
 
 def _verb(*words: str) -> bytes:
-    result = CliRunner().invoke(main, [*words, "--study", str(STUDY)], catch_exceptions=False)
+    result = invoked(*words, "--study", str(STUDY))
     assert result.exit_code == 0, result.output
     return result.stdout_bytes
 

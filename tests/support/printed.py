@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import Result
+from click.testing import CliRunner, Result
 from jsonschema import Draft202012Validator
 
 import scaloft_fi
@@ -37,6 +37,11 @@ def sentence(result: Result) -> str:
     assert line.startswith("error: ")
     assert "Traceback" not in line
     return line
+
+
+def invoked(*words: str | Path) -> Result:
+    """What comes of the command with these words, called in this process."""
+    return CliRunner().invoke(main, [*map(str, words)], catch_exceptions=False)
 
 
 def told_by(done: Result) -> str:

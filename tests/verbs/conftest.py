@@ -5,14 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from paper_flyer import Paper, Whole
 from papers import flight
-from printed import STUDY, Call
+from printed import STUDY, Call, invoked
 from studies import copied
 
 from scaloft_fi.campaign.flights.fly import Flight
-from scaloft_fi.cli import main
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
 
@@ -46,7 +45,7 @@ def call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, paper: Paper) -> Call:
 
     def calling(verb: str, *words: str, study: Path = STUDY, campaign: bool = True) -> Result:
         where = ["--campaign", f"{tmp_path}/campaign"] if campaign else []
-        return CliRunner().invoke(main, [verb, *words, "--study", str(study), *where], catch_exceptions=False)
+        return invoked(verb, *words, "--study", str(study), *where)
 
     return calling
 
@@ -73,7 +72,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--mutant", "REVERSE-velcmd", "--situation")
         where = ("--study", str(STUDY), "--campaign", str(folder))
         asked = ("run", *words, "T0O0W0D0H?", "--seeds", "3", "--choose", "all", "--quiet", "--jobs", "1", *where)
-        done = CliRunner().invoke(main, [*asked, "--format", "json"], catch_exceptions=False)
+        done = invoked(*asked, "--format", "json")
     assert done.exit_code == 0, done.output
     (folder / "run.json").write_text(done.stdout, encoding="utf-8")
     return folder
@@ -87,6 +86,6 @@ def told(folder: Path) -> Call:
         named = [str(folder) if word == "CAMPAIGN" else word for word in words]
         where = () if verb in NO_CAMPAIGN else ("--campaign", str(folder))
         asked = [verb, *named, "--study", str(STUDY), *where]
-        return CliRunner().invoke(main, asked, catch_exceptions=False)
+        return invoked(*asked)
 
     return telling

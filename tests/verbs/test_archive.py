@@ -7,12 +7,11 @@ import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
-from printed import STUDY, Call, sentence
+from click.testing import Result
+from printed import STUDY, Call, invoked, sentence
 
 import scaloft_fi
 from scaloft_fi.campaign.store.archive import MANIFEST
-from scaloft_fi.cli import main
 
 READS = (("score", "--all"), ("worksheet", "--format", "csv"), ("export",), ("export", "--format", "sace"))
 
@@ -23,7 +22,7 @@ def home(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     home = tmp_path_factory.mktemp("archives")
     for name in ("archive", "campaign.zip"):
         words = ["export", "--format", "archive", "--output", f"{home}/{name}", "--campaign", str(folder)]
-        result = CliRunner().invoke(main, words, catch_exceptions=False)
+        result = invoked(*words)
         assert (result.exit_code, result.stdout) == (0, ""), result.output
     return home
 
@@ -34,7 +33,7 @@ def here(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def read(*words: str, campaign: str = "campaign.zip") -> Result:
-    return CliRunner().invoke(main, [*words, "--campaign", campaign], catch_exceptions=False)
+    return invoked(*words, "--campaign", campaign)
 
 
 def squeezed(text: str) -> str:
@@ -55,7 +54,7 @@ def test_every_verb_that_reads_says_of_an_archive_what_it_says_of_the_campaign(
     page, again_ = tmp_path / "page.html", tmp_path / "again.html"
     assert told("report", "--output", str(page)).exit_code == read("report", "--output", str(again_)).exit_code == 0
     assert len(again_.read_bytes()) == pytest.approx(len(page.read_bytes()), rel=0.01)
-    both = CliRunner().invoke(main, ["diff", "./archive", "campaign.zip", "--format", "json"], catch_exceptions=False)
+    both = invoked("diff", "./archive", "campaign.zip", "--format", "json")
     values = json.loads(both.stdout)
     assert values["same"] > 10
     assert values["differences"] == []
@@ -93,7 +92,7 @@ def test_nothing_is_flown_merged_or_written_into_an_archive(
     before = sorted([*home.rglob("*"), *folder.rglob("*")])
     named = [str(folder) if word == "CAMPAIGN" else word for word in words]
     study = () if said == "give --output FILE" and "report" in words else ("--study", str(Path(__file__).parents[2]))
-    assert said in sentence(CliRunner().invoke(main, [*named, *study], catch_exceptions=False))
+    assert said in sentence(invoked(*named, *study))
     assert sorted([*home.rglob("*"), *folder.rglob("*")]) == before
 
 

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import pytest
 from builders import GRID, ROSTER, campaigns, outcome
-from click.testing import CliRunner, Result
+from click.testing import Result
 from crafted import ONE, Crafted, campaign, crafted, sql
 from hypothesis import given
 from paper_flyer import Paper, made
-from printed import STUDY, Call, commands, of_form, sentence, told_by
+from printed import STUDY, Call, commands, invoked, of_form, sentence, told_by
 from studies import copied
 
 from scaloft_fi.campaign.flights.fly import Flight
@@ -25,7 +25,6 @@ from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.platforms import claim
 from scaloft_fi.campaign.store.record import MOST_FLIGHTS
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.cli import main
 from scaloft_fi.hazop.load import named_study
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.status import Facts
@@ -276,7 +275,7 @@ def read(good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Call:
     def calling(*words: str) -> Result:
         told = [names.get(word, word) for word in words]
         where = () if words[0] == "compare" else ("--campaign", f"{tmp_path}/crafted")
-        return CliRunner().invoke(main, [*told, "--study", str(STUDY), *where])
+        return invoked(*told, "--study", str(STUDY), *where)
 
     return calling
 

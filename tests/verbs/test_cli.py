@@ -15,8 +15,7 @@ from typing import Annotated
 
 import click
 import pytest
-from click.testing import CliRunner
-from printed import STUDY, run
+from printed import STUDY, invoked, run
 from processes import saved
 from studies import FOLDERS, copied
 
@@ -32,7 +31,7 @@ from scaloft_fi.verbs.options import REST, HelpPage, Option, Page, Verb, typed, 
 
 
 def _call(*words: str) -> tuple[int, str, str]:
-    result = CliRunner().invoke(main, list(words), catch_exceptions=False)
+    result = invoked(*words)
     return result.exit_code, result.stdout, result.stderr
 
 
@@ -224,9 +223,9 @@ def test_a_command_that_is_printed_names_the_study_where_its_verb_takes_one(tmp_
     assert set(VERBS) - takes == set(WITHOUT_STUDY)
     folder = copied(tmp_path / "study of mine")
     named = ["--study", str(folder)]
-    listed = CliRunner().invoke(main, ["signals", *named]).stdout
+    listed = invoked("signals", *named).stdout
     assert f"`scaloft-fi signals NAME --study '{folder}'`" in listed.replace(" \\\n", " ")
-    assert f"`scaloft-fi run --study '{folder}'`" in CliRunner().invoke(main, ["status", *named]).stderr
+    assert f"`scaloft-fi run --study '{folder}'`" in invoked("status", *named).stderr
     assert STUDY_OPTION.get() == ""
 
 
@@ -237,7 +236,7 @@ def test_the_path_of_a_campaign_finds_its_study(tmp_path: Path, monkeypatch: pyt
     assert study_around(str(tmp_path / "results" / "campaigns" / "night")) is None
     assert study_around("night") is None
     monkeypatch.chdir(tmp_path)
-    said = CliRunner().invoke(main, ["score", "--campaign", "mine/results/campaigns/night"]).stderr
+    said = invoked("score", "--campaign", "mine/results/campaigns/night").stderr
     assert "the reference study of this installation" not in said
     assert "`scaloft-fi run --study mine`" in said
 
@@ -265,9 +264,7 @@ def test_help_fits_the_terminal_and_breaks_no_option(name: str, monkeypatch: pyt
             assert names in text
 
 
-def test_headings_and_commands_of_help_are_marked_only_where_colours_are_wanted(
-    monkeypatch: pytest.MonkeyPatch,
-):
+def test_headings_and_commands_of_help_are_marked_only_where_colours_are_wanted(monkeypatch: pytest.MonkeyPatch):
     @verb("fly")
     def fly() -> None:
         """Fly.

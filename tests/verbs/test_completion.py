@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 from options import as_recorded
-from printed import STUDY
+from printed import STUDY, invoked
 from processes import install
 
 from scaloft_fi.cli import main
@@ -223,4 +223,4 @@ def test_a_shell_that_is_not_known_is_refused():
 
 
 def _call(shell: str) -> Result:
-    return CliRunner().invoke(main, ["completion", shell])
+    return invoked("completion", shell)

@@ -10,14 +10,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from jsonschema import Draft202012Validator, ValidationError
 from options import usually
-from printed import READERS, STUDY, Call, no_terms, of_form, one_table, sentence, told_by
+from printed import READERS, STUDY, Call, invoked, no_terms, of_form, one_table, sentence, told_by
 
 import scaloft_fi
 from scaloft_fi.analysis.score import By
-from scaloft_fi.cli import main
 from scaloft_fi.verbs.schema import answer_form
 
 
@@ -48,7 +46,7 @@ def test_an_export_has_the_columns_of_its_form(told: Call):
 
 def test_what_is_merged_and_written_is_told(told: Call, folder: Path, tmp_path: Path):
     words = ["merge", str(folder), "--study", str(STUDY), "--campaign", str(tmp_path / "whole"), "--format", "json"]
-    merged = of_form("merge", CliRunner().invoke(main, words, catch_exceptions=False).stdout)
+    merged = of_form("merge", invoked(*words).stdout)
     assert merged["added"] == of_form("status", told("status", "--format", "json").stdout)["counted"]
     page = tmp_path / "page.html"
     report = of_form("report", told("report", "--output", str(page), "--format", "json").stdout)
@@ -213,7 +211,7 @@ def said_of(line: str, places: dict[str, str]) -> str:
     study = [] if verb in ALONE or "--study" in words else ["--study", str(STUDY)]
     campaign = ["--campaign", "./none"] if verb in HELD and "--campaign" not in words else []
     campaign += ["--into", "./none"] if verb == "seek" else []
-    said = sentence(CliRunner().invoke(main, [verb, *study, *campaign, *words], catch_exceptions=False))
+    said = sentence(invoked(verb, *study, *campaign, *words))
     for name, place in places.items():
         said = said.replace(place, name)
     return said

@@ -9,16 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from openpyxl import load_workbook
 from options import cases, usually
-from printed import of_form, sentence
+from printed import invoked, of_form, sentence
 from processes import ROOT
 from studies import copied
 
-from scaloft_fi.cli import main
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import CellStatus, Matrix, Team
 from scaloft_fi.hazop.sheet import read_sheet
@@ -47,7 +45,7 @@ def folder(tmp_path: Path) -> Path:
 
 def told(folder: Path, action: str, file: Path, *words: str) -> dict[str, Any]:
     call = ["hazop", action, str(file), "--study", str(folder), "--format", "json", *words]
-    return of_form("hazop", CliRunner().invoke(main, call, catch_exceptions=False).stdout)
+    return of_form("hazop", invoked(*call).stdout)
 
 
 def content(folder: Path) -> Mapping[str, bytes]:
@@ -95,13 +93,13 @@ def test_drafts_load_are_counted_and_never_fly(folder: Path):
     }
     assert after["hazop/parameters.yaml"].startswith(before["hazop/parameters.yaml"].rstrip(b"\n"))
     call = ["run", "--mutant", "LATE-depth_camera", "--study", str(folder)]
-    assert "the cell is to do" in sentence(CliRunner().invoke(main, call))
-    assert "24 to do" in CliRunner().invoke(main, ["matrix", "--study", str(folder)]).stdout
-    assert "cells to do" in CliRunner().invoke(main, ["check", "--study", str(folder)]).output
+    assert "the cell is to do" in sentence(invoked(*call))
+    assert "24 to do" in invoked("matrix", "--study", str(folder)).stdout
+    assert "cells to do" in invoked("check", "--study", str(folder)).output
 
 
 def test_guidewords_that_a_small_study_lacks_come_with_the_sheet(tmp_path: Path):
-    CliRunner().invoke(main, ["new", str(tmp_path / "small")], catch_exceptions=False)
+    invoked("new", str(tmp_path / "small"))
     (tmp_path / "sheet.csv").write_text(SHEET)
     told(tmp_path / "small", "import", tmp_path / "sheet.csv", "--write")
     matrix = Study.open(tmp_path / "small").matrix
@@ -221,7 +219,7 @@ def test_an_edit_that_no_study_can_have_leaves_every_file_alone(
 ):
     edit(worksheet, "LATE-human", Consequence="other", **{head: text})
     before = content(folder)
-    refused = CliRunner().invoke(main, ["hazop", "diff", str(worksheet), "--study", str(folder), "--write"])
+    refused = invoked("hazop", "diff", str(worksheet), "--study", str(folder), "--write")
     assert said in sentence(refused)
     assert str(folder / "hazop" / "matrix" / "human.yaml") in refused.stderr
     assert content(folder) == before
@@ -242,11 +240,11 @@ def test_a_row_of_a_cell_that_the_study_lacks_is_told(folder: Path, worksheet: P
 
 
 def test_a_sheet_of_others_has_nothing_to_compare(folder: Path):
-    refused = CliRunner().invoke(main, ["hazop", "diff", str(folder.parent / "sheet.csv"), "--study", str(folder)])
+    refused = invoked("hazop", "diff", str(folder.parent / "sheet.csv"), "--study", str(folder))
     assert "hazop import" in sentence(refused)
 
 
 @cases("words", "said")
 def test_options_that_do_not_fit_are_refused(folder: Path, words: tuple[str, ...], said: str):
     call = ["hazop", "import", str(folder.parent / "sheet.csv"), "--study", str(folder), *words]
-    assert said in sentence(CliRunner().invoke(main, call))
+    assert said in sentence(invoked(*call))

@@ -8,16 +8,15 @@ from pathlib import Path
 
 import pytest
 from builders import GRID, ROSTER, outcome, pool, seeded, thrice
-from click.testing import CliRunner, Result
+from click.testing import Result
 from hypothesis import given, settings
 from paper_flyer import Paper
-from printed import STUDY, Call, one_table, sentence
+from printed import STUDY, Call, invoked, one_table, sentence
 from processes import ROOT
 
 from scaloft_fi.analysis import kill_matrix
 from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import backgrounds
-from scaloft_fi.cli import main
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.output import PIPED
 from scaloft_fi.study import Study
@@ -122,7 +121,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> Call:
     where = ("--study", str(STUDY), "--campaign", f"{tmp_path_factory.mktemp('kills')}/campaign")
 
     def telling(*words: str) -> Result:
-        return CliRunner().invoke(main, [*words, *where], catch_exceptions=False)
+        return invoked(*words, *where)
 
     words = ("--mutant", "LATE-human", "--mutant", "EARLY-human", "--situation", "T0O?W0D0H?", "--seeds", "3")
     with pytest.MonkeyPatch.context() as patch:

@@ -11,10 +11,10 @@ import jsonschema
 import numpy as np
 import pytest
 import records
-from click.testing import CliRunner, Result
+from click.testing import Result
 from mcap.reader import make_reader
 from options import cases
-from printed import STUDY, Call, no_terms, of_form, told_by
+from printed import STUDY, Call, invoked, no_terms, of_form, told_by
 from studies import copied
 
 from scaloft_fi.campaign.flights.command import judged_record, known_of, mapping_of
@@ -22,7 +22,6 @@ from scaloft_fi.campaign.flights.fly import Flight, fly_log, judged
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.store import Store
-from scaloft_fi.cli import main
 from scaloft_fi.errors import GateError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind, Reading
@@ -177,7 +176,7 @@ COLUMNS = (
 
 
 def judge(*words: str | Path, study: Path = STUDY) -> Result:
-    return CliRunner().invoke(main, ["judge", *map(str, words), "--study", str(study)], catch_exceptions=False)
+    return invoked("judge", *words, "--study", str(study))
 
 
 def a_record(folder: Path, **last: float) -> Path:
@@ -340,7 +339,7 @@ def test_a_situation_gives_route_and_time_limit_to_a_record_without_them(tmp_pat
 
 def test_the_study_names_the_mapping_of_its_records(tmp_path: Path, copy: Path, call: Call):
     (copy / "sim" / "record.yaml").write_text("signals: {x_mm: {column: x}}")
-    done = CliRunner().invoke(main, ["judge", str(a_record(tmp_path)), "--study", str(copy)], catch_exceptions=False)
+    done = invoked("judge", str(a_record(tmp_path)), "--study", str(copy))
     assert done.exit_code == 2
     assert "record.yaml maps no signal 'x_m'; did you mean 'x_mm'" in done.stderr
 

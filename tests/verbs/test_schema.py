@@ -78,11 +78,7 @@ def test_a_terminal_shows_every_key_of_every_document(schemas: dict[str, Schema]
 
 def test_a_row_has_type_range_default_and_example(schemas: dict[str, Schema]):
     rows = keys_table("world", schemas["world"]).rows
-    assert (
-        "light",
-        "number from 0 to 1",
-        "brightness of visible light: 0 dark, 1 full  Such as 0.9, 0.003.",
-    ) in rows
+    assert ("light", "number from 0 to 1", "brightness of visible light: 0 dark, 1 full  Such as 0.9, 0.003.") in rows
     assert (
         "mine.mesh_limits?.corners?",
         "whole number from 1 to 1e+06; left out: 1000",

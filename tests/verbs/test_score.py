@@ -10,13 +10,12 @@ from pathlib import Path
 
 import pytest
 from builders import CLASSED, GRID, ROSTER, campaigns, outcome, pool, seeded
-from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from options import cases
 from paper_flyer import Paper
 from papers import flight
-from printed import STUDY, Call, sentence
+from printed import STUDY, Call, invoked, sentence
 from studies import edit_in
 
 from scaloft_fi.analysis.coverage import coverage
@@ -25,7 +24,6 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import By, groups, score, score_of
 from scaloft_fi.analysis.survivor import Disposition, Judged, Standing
 from scaloft_fi.campaign.flights.fly import Flight
-from scaloft_fi.cli import main
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.output import PIPED
@@ -196,9 +194,7 @@ def test_below_the_asked_score_the_exit_code_is_3(call: Call):
     assert "below --fail-under 0.1" in below.stderr
 
 
-def test_a_mutant_with_too_few_seeds_counts_for_the_bar_of_detected_mutants_and_not_for_that_of_firm_ones(
-    call: Call,
-):
+def test_a_mutant_with_too_few_seeds_counts_for_the_bar_of_detected_mutants_and_not_for_that_of_firm_ones(call: Call):
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--seeds", "3", "--quiet")
     assert call("score", "--fail-under", "1").exit_code == 0
     below = call("score", "--fail-under", "1", "--fail-under-firm", "0.1")
@@ -269,7 +265,7 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     words = ("--mutant", "LATE-human", "--mutant", "MORE-goal", "--mutant", "NO-goal", "--campaign", str(folder))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("scaloft_fi.campaign.flights.physics.Physics", Mild)
-        assert CliRunner().invoke(main, ["run", *words, *FLOWN, "--study", str(STUDY)]).exit_code == 0
+        assert invoked("run", *words, *FLOWN, "--study", str(STUDY)).exit_code == 0
     return folder
 
 

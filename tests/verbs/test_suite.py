@@ -203,10 +203,7 @@ def test_a_command_that_hangs_crashes_or_ends_oddly_is_no_verdict(
 
 @pytest.mark.parametrize("verb", ["score", "kills", "coverage", "worksheet", "status", "export", "dispositions"])
 def test_a_verb_that_reads_a_campaign_reads_one_of_tests(
-    told: dict[str, Any],
-    planted: Planted,
-    verb: str,
-    capsys: pytest.CaptureFixture[str],
+    told: dict[str, Any], planted: Planted, verb: str, capsys: pytest.CaptureFixture[str]
 ):
     folder, _ = planted
     assert run(verb, "--study", ROOT, "--campaign", folder / "flown") == 0
@@ -283,10 +280,7 @@ def test_tables_call_tests_as_the_suite_does_and_the_next_step_names_the_campaig
 
 
 def test_an_archive_of_the_campaign_is_read_without_the_tests(
-    told: dict[str, Any],
-    planted: Planted,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    told: dict[str, Any], planted: Planted, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     folder, _ = planted
     archive = tmp_path / "a" / "archive"
@@ -301,10 +295,7 @@ def test_an_archive_of_the_campaign_is_read_without_the_tests(
 
 @pytest.mark.parametrize("verb", [("run",), ("replay", "baseline/alone/0"), ("margin", "NO-goal"), ("propose",)])
 def test_a_verb_that_flies_refuses_a_campaign_of_tests(
-    told: dict[str, Any],
-    planted: Planted,
-    verb: Sequence[str],
-    capsys: pytest.CaptureFixture[str],
+    told: dict[str, Any], planted: Planted, verb: Sequence[str], capsys: pytest.CaptureFixture[str]
 ):
     folder, _ = planted
     assert run(*verb, "--study", ROOT, "--campaign", folder / "flown") == 2

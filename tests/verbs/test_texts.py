@@ -14,15 +14,14 @@ from xml.etree import ElementTree
 
 import pytest
 import yaml
-from click.testing import CliRunner, Result
+from click.testing import Result
 from options import usually
 from paper_flyer import Whole
 from papers import flight
-from printed import Call, commands, obeyed
+from printed import Call, commands, invoked, obeyed
 from studies import copied
 
 from scaloft_fi.campaign.flights.fly import Flight
-from scaloft_fi.cli import main
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.output import printable
 from scaloft_fi.study import Study
@@ -86,7 +85,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> Call:
         plain = ("mutants", "diff", "signals", "seams", "operators", "axes")
         named = campaign if verb not in plain else campaign[:2]
         twice = [campaign[3]] * 2 if verb == "diff" else []
-        return CliRunner().invoke(main, [verb, *twice, *words, *named], catch_exceptions=False)
+        return invoked(verb, *twice, *words, *named)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("scaloft_fi.campaign.flights.physics.Physics", Evil)

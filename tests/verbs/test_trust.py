@@ -13,7 +13,8 @@ from pathlib import Path
 
 import crafted
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
+from printed import invoked
 from processes import ROOT, marked, soon
 from studies import copied, edit_in, example
 
@@ -81,7 +82,7 @@ def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 def call(study: Path, verb: str, *words: str) -> Result:
     takes_study = any(parameter.name in ("study", "study_folder") for parameter in main.get_command(None, verb).params)
-    return CliRunner().invoke(main, [verb, *words, *(["--study", str(study)] if takes_study else [])])
+    return invoked(verb, *words, *(["--study", str(study)] if takes_study else []))
 
 
 @pytest.mark.parametrize("verb", FLIES)

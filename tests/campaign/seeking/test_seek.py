@@ -511,12 +511,7 @@ def own_flyer(tmp_path: Path) -> Ruled:
 def again(own_study: Study, own_flyer: Ruled, *finds: Find, progress: Progress | None = None) -> finding.SeekReport:
     ask = {find.name: list(find.shows) for find in finds}
     return finding.replicate(
-        own_study,
-        finds,
-        ask,
-        own_study.folder / "c",
-        progress=progress or quiet(),
-        flyer=own_flyer,
+        own_study, finds, ask, own_study.folder / "c", progress=progress or quiet(), flyer=own_flyer
     )
 
 
@@ -538,31 +533,18 @@ def test_each_pair_flies_on_ten_seeds_beside_thirty_baselines_that_nothing_used(
 
 def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_another(own_study: Study, own_flyer: Ruled):
     find = found(REPLICATE_LATE, SITUATION)
-    first, second = (
-        again(own_study, own_flyer, find),
-        again(own_study, own_flyer, find),
-    )
+    first, second = (again(own_study, own_flyer, find), again(own_study, own_flyer, find))
     assert (first.first, second.first) == (finding.FRESH, finding.FRESH + finding.BLOCK)
     (kept,) = finding.holding([find], first.replicas)
     elsewhere = finding.replicate(
-        own_study,
-        [kept],
-        {kept.name: [REPLICATE_LATE]},
-        own_study.folder / "d",
-        progress=quiet(),
-        flyer=own_flyer,
+        own_study, [kept], {kept.name: [REPLICATE_LATE]}, own_study.folder / "d", progress=quiet(), flyer=own_flyer
     )
     assert elsewhere.first == finding.FRESH + finding.BLOCK
 
 
 def test_an_interrupted_replication_goes_on_with_its_seeds(own_study: Study, own_flyer: Ruled):
     with pytest.raises(Interrupted):
-        again(
-            own_study,
-            own_flyer,
-            found(REPLICATE_LATE, SITUATION),
-            progress=dying(7, Interrupted("stopped")),
-        )
+        again(own_study, own_flyer, found(REPLICATE_LATE, SITUATION), progress=dying(7, Interrupted("stopped")))
     report = again(own_study, own_flyer, found(REPLICATE_LATE, SITUATION))
     assert report.first == finding.FRESH
     assert report.flown < report.used

@@ -45,11 +45,7 @@ def test_both_matrices_are_drawn_whole(visit: Opened, text: str):
             killed = f"{rate['part']}/{rate['whole']}" if rate["whole"] else "tested"
             bare = mutant["verdict"] == "detected" and not rate["part"]
             assert said.endswith("no\u00a0kill" if bare else killed)
-    for cell, text in (
-        ("LATE-human", "\u25cf\u25cf\u25cf 8/16"),
-        ("MORE-goal", "\u2013 op"),
-        ("LESS-goal", "? 0/30"),
-    ):
+    for cell, text in (("LATE-human", "\u25cf\u25cf\u25cf 8/16"), ("MORE-goal", "\u2013 op"), ("LESS-goal", "? 0/30")):
         assert page.locator(f'#hazop td[data-cell="{cell}"]').inner_text().split("\n")[0] == text
     assert page.locator('#hazop td[data-cell="REVERSE-velcmd"]').inner_text() == "SR1"
 
