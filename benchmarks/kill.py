@@ -324,14 +324,11 @@ def main() -> None:
         words = [word for mutant in mutants for word in ("--mutant", mutant)]
         words += [word for key in options.situation or SITUATIONS for word in ("--situation", key)]
         words += ["--baseline-seeds", str(options.baseline_seeds)]
-    folder = Path(tempfile.mkdtemp(prefix="kill"))
-    try:
+    with tempfile.TemporaryDirectory(prefix="kill") as made:
         words += [] if options.cluster else ["--jobs", str(options.jobs)]
-        cluster = Cluster(folder / "cluster", options.jobs) if options.cluster else None
+        cluster = Cluster(Path(made) / "cluster", options.jobs) if options.cluster else None
         kind = search if options.seek else outside if options.outside else Campaign
-        figures = measure(words, options.kills, options.seed, folder, cluster, kind)
-    finally:
-        shutil.rmtree(folder)
+        figures = measure(words, options.kills, options.seed, Path(made), cluster, kind)
     json.dump(figures, sys.stdout, indent=2)
     print()
     whole = figures["right"] == figures["campaigns"] and figures["sound"] == figures["kills"]

@@ -20,7 +20,6 @@ import hashlib
 import itertools
 import os
 import random
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -188,19 +187,16 @@ def main() -> None:
     parser.add_argument("--flights", type=int, default=250_000, help="how many (default: 250,000)")
     parser.add_argument("--campaign", type=Path, help="folder to make it in, and to keep it (with a / in it)")
     options = parser.parse_args()
-    folder = options.campaign or Path(tempfile.mkdtemp(prefix="store"))
-    path = folder / STORE_NAME
     figures: dict[str, Any] = {"flights": options.flights}
-    try:
+    with tempfile.TemporaryDirectory(prefix="store") as made:
+        folder = options.campaign or Path(made)
+        path = folder / STORE_NAME
         if not path.exists():
             begin_s = time.perf_counter()
             fill(Study.open(checkout.ROOT), path, options.flights)
             figures["put_s"] = round(time.perf_counter() - begin_s, 1)
         figures["store_mib"] = round(path.stat().st_size / 1024**2, 1)
         figures |= {name: measure(folder, words) for name, words in VERBS.items()}
-    finally:
-        if options.campaign is None:
-            shutil.rmtree(folder)
     checkout.tell(figures)
 
 

@@ -170,13 +170,11 @@ def write(path: Path, findings: Findings, order: Iterable[Variation]) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("row", "assumption", "change", "baseline", "revealed", "clearance_m", "impossible"))
-        listed = list(order)
-        for row in ROWS:
-            for v in listed:
-                found = findings.get((row.name, v.name, v.change))
-                if found:
-                    joined = (";".join(found.revealed), ";".join(found.clearance_m))
-                    writer.writerow((row.name, v.name, v.change, found.baseline, *joined, found.impossible))
+        for row, v in product(ROWS, order):
+            found = findings.get((row.name, v.name, v.change))
+            if found:
+                joined = (";".join(found.revealed), ";".join(found.clearance_m))
+                writer.writerow((row.name, v.name, v.change, found.baseline, *joined, found.impossible))
 
 
 def _section(row: Row, findings: Findings, order: Sequence[Variation]) -> str:

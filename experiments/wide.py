@@ -119,11 +119,6 @@ def by_one_seed(study: Study, rows: Sequence[Row]) -> tuple[int, ...]:
     return tuple(len(side(study, rows, [seed]).detected & set(judging)) for seed in SEEDS)
 
 
-def by_chance(study: Study, rows: Sequence[Row]) -> Redraw:
-    """What the verdict calls the unmutated drone, redrawn from its first twenty seeds."""
-    return redraw(outcomes(study, counted(rows, (), (), REDRAWN)), len(SEEDS), study.alpha)
-
-
 def results(
     paper: Side,
     wide: Side,
@@ -205,7 +200,8 @@ def page(_study: Study, _jobs: int, folder: Path) -> str:
     """The page behind its plan, from the published flights of the wide grid."""
     studies, rows = (Study.open(ROOT), Study.open(ROOT, "wide")), (published(), rows_of(folder / GRIDS["wide"].name))
     paper, wide = map(side, studies, rows)
-    alone, redrawn = list(map(by_one_seed, studies, rows)), list(map(by_chance, studies, rows))
+    alone, clean = list(map(by_one_seed, studies, rows)), [counted(own, (), (), REDRAWN) for own in rows]
+    redrawn = [redraw(outcomes(of, own), len(SEEDS), of.alpha) for of, own in zip(studies, clean, strict=True)]
     defaults = studies[0].roster.defaults
     told = results(paper, wide, defaults, alone, redrawn, whys_of(studies[1], wide))
     paper_grid, wide_grid = map(grid_of, studies, rows)

@@ -205,12 +205,9 @@ def test_no_order_without_a_kill():
 
 
 def test_what_is_not_known_makes_the_order_a_range():
-    human, nobody = "T0O0W0D0H1", "T0O0W0D0H0"
-    late = "LATE-human@3s"
-    flights = [*pool(human, nobody), *thrice(late, human, violated={"SR2": 9.0}), *thrice(late, nobody)]
-    scored = score(flights, ROSTER, GRID)
-    assert kill_matrix.interactions(kill_matrix.kill_matrix(scored, ROSTER, GRID)) == (
-        kill_matrix.Interaction(late, True, "human", order=1, order_at_most=5, killing=1, unknown=30),
+    found = matrix_of([*pool(HUMAN, NOBODY), *thrice(LATE, HUMAN, violated={"SR2": 9.0}), *thrice(LATE, NOBODY)])
+    assert kill_matrix.interactions(found) == (
+        kill_matrix.Interaction(LATE, True, "human", order=1, order_at_most=5, killing=1, unknown=30),
     )
 
 

@@ -254,12 +254,15 @@ def test_without_distributed_it_is_said_how_to_install_it(
         _flown(dask, "127.0.0.1:9", reference, flyer(), _flights(reference))
 
 
+def _made_in(folder: Path) -> Path:
+    subprocess.run(working.MAKE, shell=True, check=True, cwd=folder, capture_output=True)
+    return folder / "cluster"
+
+
 @pytest.fixture(scope="module")
 def strange(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A certificate that nobody in the cluster knows."""
-    folder = tmp_path_factory.mktemp("strange")
-    subprocess.run(working.MAKE, shell=True, check=True, cwd=folder, capture_output=True)
-    return folder / "cluster"
+    return _made_in(tmp_path_factory.mktemp("strange"))
 
 
 @pytest.mark.parametrize("scheme", ["tcp", "tls"])
@@ -331,9 +334,7 @@ def _wait_for_workers(dask: Any, address: str, count: int) -> None:
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A certificate, made by the command that the refusal names."""
-    folder = tmp_path_factory.mktemp("made")
-    subprocess.run(working.MAKE, shell=True, check=True, cwd=folder, capture_output=True)
-    return folder / "cluster"
+    return _made_in(tmp_path_factory.mktemp("made"))
 
 
 @pytest.fixture
