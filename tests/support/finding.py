@@ -6,15 +6,20 @@ import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from paper_flyer import Whole
+from running import quiet
 from studies import GRIDS, copied
 
 from scaloft_fi.analysis.seeking import Breach, Signature
 from scaloft_fi.campaign.flights.fly import Flight
+from scaloft_fi.campaign.runs.gates import RunOptions
+from scaloft_fi.campaign.seeking.finds import Allowance, SeekReport
+from scaloft_fi.campaign.seeking.seek import seek
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
-from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.sim.grid import Break, Evidence, Find
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
@@ -42,6 +47,39 @@ def never(situation: Situation) -> float:
 def everywhere(situation: Situation) -> float:
     """Violated in the benign situation too."""
     return -0.2
+
+
+def landed(
+    study: Study,
+    flight: Flight,
+    readings: Sequence[Reading],
+    violations: Sequence[Violation],
+    digest: str,
+    *,
+    mutated: bool,
+) -> Outcome:
+    """A flight that lands after 40 s; a mutant alters samples from the first second on."""
+    return Outcome(
+        flight.subject,
+        flight.situation.key,
+        flight.seed,
+        ending="landed",
+        readings=tuple(readings),
+        violations=tuple(violations),
+        carried=10 * mutated,
+        altered=3 * mutated,
+        infected_at_s=1.0 if mutated else None,
+        duration_s=40.0,
+        digest=digest,
+        perceived_digest="p",
+        realised=() if mutated else tuple((axis.id, True) for axis in study.grid.axes),
+    )
+
+
+def sought(study: Study, mutants: Sequence[Mutant], folder: Path, *, jobs: int = 1, **more: Any) -> SeekReport:
+    """A search with seed 0 that nobody watches and whose finds nobody saves, where nothing else is said."""
+    told = {"seed": 0, "allowance": Allowance(), "progress": quiet(), "save": lambda _finds: None, **more}
+    return seek(study, mutants, folder, RunOptions(jobs=jobs), **told)
 
 
 @dataclass
@@ -73,21 +111,8 @@ class Ruled(Whole):
             Reading("OP1", Kind.OPERABILITY, able, None if able > 0 else 30.0, 1, open=False),
         )
         violations = (Violation("SR2", Kind.SAFETY, 7.0, 0.0, 1.0, 1.6, "person"),) if rho < 0 else ()
-        return Outcome(
-            flight.subject,
-            flight.situation.key,
-            flight.seed,
-            ending="landed",
-            readings=readings,
-            violations=violations,
-            carried=10 if mutated else 0,
-            altered=3 if mutated else 0,
-            infected_at_s=1.0 if mutated else None,
-            duration_s=40.0,
-            digest=f"{flight.subject.id if mutated else ''}{flight.situation.key}{flight.seed}",
-            perceived_digest="p",
-            realised=() if mutated else tuple((axis.id, True) for axis in study.grid.axes),
-        )
+        digest = f"{flight.subject.id if mutated else ''}{flight.situation.key}{flight.seed}"
+        return landed(study, flight, readings, violations, digest, mutated=mutated)
 
     @property
     def flown(self) -> list[str]:

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 
 import pytest
+from finding import sought
 from processes import ROOT
 
 from scaloft_fi.campaign.flights.fly import Flight, fly_log, judged
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.progress import Progress
-from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.seeking.breaks import ListeningWire, recalled
 from scaloft_fi.campaign.seeking.finds import Allowance
-from scaloft_fi.campaign.seeking.seek import seek
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim.flight import fly
@@ -38,16 +35,7 @@ def test_a_short_search_flies_what_its_budget_allows_and_resumes(tmp_path: Path)
     mutants = [realise(study.matrix, "LATE-depth")]
 
     def search(budget: str) -> tuple[int, int]:
-        report = seek(
-            study,
-            mutants,
-            tmp_path / "c",
-            RunOptions(jobs=1),
-            seed=0,
-            allowance=Allowance.parse(budget),
-            progress=Progress(stream=io.StringIO()),
-            save=lambda _finds: None,
-        )
+        report = sought(study, mutants, tmp_path / "c", allowance=Allowance.parse(budget))
         return report.used, report.flown
 
     used, flown = search("20flights")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from finding import BAR, Ruled, everywhere, fast, found, never, small_study
+from finding import BAR, Ruled, everywhere, fast, found, landed, never, small_study, sought
 from options import usually
 from paper_flyer import Whole
 from running import PowerError, dying, quiet
@@ -20,7 +19,6 @@ from running import PowerError, dying, quiet
 from scaloft_fi.analysis.seeking import POOL, SEEDS
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.progress import Progress
-from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.runs.run import Budget
 from scaloft_fi.campaign.seeking import finds, seek
 from scaloft_fi.campaign.seeking import finds as finding
@@ -61,29 +59,15 @@ class Listed:
 
 
 def search(
-    folder: Path, flyer: Any, *mutants: Any, seed: int = 0, **more: Any
+    folder: Path, flyer: Any, *mutants: Any, budget: str | None = None, **more: Any
 ) -> tuple[finding.SeekReport, list[Find]]:
     saved: list[Find] = []
 
     def save(finds: Sequence[Find]) -> None:
         saved[:] = finds
 
-    report = seek.seek(
-        STUDY,
-        mutants or (LATE,),
-        folder / "c",
-        RunOptions(jobs=more.get("jobs", 1)),
-        seed=seed,
-        allowance=finding.Allowance.parse(more.get("budget")),
-        progress=more.get("progress", quiet()),
-        save=save,
-        unnamed=more.get("unnamed"),
-        flyer=flyer,
-        proposer=more.get("proposer", seek.Proposals),
-        first=more.get("first", seek.opening),
-        shrinks=more.get("shrinks", True),
-        anyhow=more.get("anyhow", False),
-    )
+    allowance = finding.Allowance.parse(budget)
+    report = sought(STUDY, mutants or (LATE,), folder / "c", allowance=allowance, save=save, flyer=flyer, **more)
     return report, saved
 
 
@@ -443,22 +427,7 @@ class Planted(Whole):
             readings.append(Reading(name, Kind.SAFETY, rho, 7.0 if violated else None, 1, open=False))
             violations += [Violation(name, Kind.SAFETY, 7.0, 0.0, 1.0, 1.6, "")] * violated
         readings.append(Reading("OP1", Kind.OPERABILITY, 0.5, None, 1, open=False))
-        mutated = flight.mutant is not None
-        return Outcome(
-            flight.subject,
-            flight.situation.key,
-            flight.seed,
-            ending="landed",
-            readings=tuple(readings),
-            violations=tuple(violations),
-            carried=10 * mutated,
-            altered=3 * mutated,
-            infected_at_s=1.0 if mutated else None,
-            duration_s=40.0,
-            digest=flight.name,
-            perceived_digest="p",
-            realised=() if mutated else tuple((axis.id, True) for axis in study.grid.axes),
-        )
+        return landed(study, flight, readings, violations, flight.name, mutated=flight.mutant is not None)
 
     def _chance(self, *words: object) -> float:
         return key_words("planted", self.search, *words)[0] / 2**64
@@ -470,17 +439,8 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 
 def searched(study: Study, folder: Path, number: int) -> finding.SeekReport:
-    return seek.seek(
-        study,
-        [realise(study.matrix, PLANTED_LATE)],
-        folder,
-        RunOptions(jobs=1),
-        seed=number,
-        allowance=finding.Allowance(flights=FLIGHTS),
-        progress=Progress(stream=io.StringIO()),
-        save=lambda _finds: None,
-        flyer=Planted(number),
-    )
+    allowance, late = finding.Allowance(flights=FLIGHTS), realise(study.matrix, PLANTED_LATE)
+    return sought(study, [late], folder, seed=number, allowance=allowance, flyer=Planted(number))
 
 
 def test_at_most_one_search_in_a_hundred_finds_something_for_a_fault_that_does_nothing(study: Study, tmp_path: Path):
