@@ -259,27 +259,14 @@ ATOMS = st.sampled_from(
         "x_m - light - x_m > 0",
     ]
 )
+BEFORE = ("historically", "once", "historically[0:0.1]", "once[0.05:0.1]", "mean[0:0.1]", "always", "eventually")
+"""What stands before a formula."""
 FORMULAS = st.recursive(
     ATOMS.map("({})".format),
     lambda inner: st.one_of(
         st.builds("(not {})".format, inner),
         st.builds("({} {} {})".format, inner, st.sampled_from(["and", "or", "implies", "iff", "since"]), inner),
-        st.builds(
-            "({}{})".format,
-            st.sampled_from(
-                [
-                    "historically",
-                    "once",
-                    "historically[0:0.1]",
-                    "once[0.05:0.1]",
-                    "mean[0:0.1]",
-                    "always",
-                    "eventually",
-                    *CHANGES,
-                ]
-            ),
-            inner,
-        ),
+        st.builds("({}{})".format, st.sampled_from((*BEFORE, *CHANGES)), inner),
     ),
     max_leaves=4,
 )
