@@ -10,7 +10,7 @@ from math import comb
 
 import pytest
 from builders import outcome, pool
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.stats import fisher_exact
 
@@ -29,6 +29,8 @@ from scaloft_fi.analysis.detection import (
     firmness,
     noise_of,
     p_value,
+    reaches,
+    shown,
 )
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.requirement import Kind
@@ -258,6 +260,12 @@ def test_one_seed_needs_three_situations_and_three_seeds_need_one():
     assert 2 * p_value([Stratum(1, 1, 0, 10)] * 2) == pytest.approx(0.0165, abs=5e-5)
     assert 2 * p_value([Stratum(1, 1, 0, 10)] * 3) < 0.01
     assert 2 * p_value([Stratum(3, 3, 0, 10)]) == pytest.approx(0.0070, abs=5e-5)
+
+
+@given(st.lists(strata(), max_size=6), st.integers(1, 6), st.floats(1e-6, 0.5))
+@example([Stratum(9, 10, 0, 20)] * 6, 3, 0.01)
+def test_what_is_shown_is_what_p_says_whether_or_not_the_bound_decides(listed: list[Stratum], tests: int, share: float):
+    assert shown(listed, tests, share) == reaches(min(1.0, tests * p_value(listed)), share)
 
 
 @pytest.mark.parametrize("wrong", [Stratum(2, 1, 0, 10), Stratum(-1, 1, 0, 10), Stratum(0, 1, 11, 10)])
