@@ -326,7 +326,7 @@ _NAMES = "key", "origin"
 _COLUMNS = (*record.COLUMNS, *_NAMES)
 _FLIGHTS = f"SELECT {', '.join(FlownFlight._fields)} FROM outcomes ORDER BY mutant, situation, seed, key"
 _UNFLOWN = (
-    "WHERE NOT EXISTS (SELECT 1 FROM outcomes WHERE outcomes.key = plan.key)"
+    "NOT EXISTS (SELECT 1 FROM outcomes WHERE outcomes.key = plan.key)"
     " OR key IN (SELECT key FROM outcomes WHERE invalid != '')"
 )
 _ONE_EACH = (
@@ -653,13 +653,14 @@ class Store:
 
     def planned(self, *, unflown: bool = False) -> list[record.Planned]:
         """All recorded plans, or those without a valid outcome, ordered by key."""
-        known, where = self.origins(), _UNFLOWN if unflown else ""
-        query = f"SELECT key, mutant, situation, seed, canary, origin FROM plan {where} ORDER BY key"
+        known, wanted = self.origins(), _UNFLOWN if unflown else "1"
+        query = f"SELECT key, mutant, situation, seed, canary, origin, {wanted} FROM plan ORDER BY key"
         with self._sentences():
             return [
                 record.Planned(key, intern(mutant), intern(situation), seed, bool(canary), known.get(origin))
                 for rows in self._chunks("plan", query, record.FLIGHT)
-                for key, mutant, situation, seed, canary, origin in rows
+                for key, mutant, situation, seed, canary, origin, asked in rows
+                if asked
             ]
 
     def set_meta(self, entries: Mapping[str, str]) -> None:
