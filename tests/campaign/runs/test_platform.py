@@ -62,6 +62,14 @@ def _run(fly: Runs, planned: Plan | None = None, **options: Any) -> tuple[Report
     return fly(planned, stream=stream, **options), stream.getvalue()
 
 
+def _moved(log: Any, fly: Runs, move: Move, change: Any = same) -> tuple[Report, int]:
+    """Fly a campaign, then change the platform and what is flown; the report, and the flights until then."""
+    first, _ = _run(fly)
+    move("2")
+    log.change = change
+    return first, len(log.flown)
+
+
 def _otherwise(_flight: Flight, outcome: Outcome) -> Outcome:
     """Other bits, the same facts."""
     return replace(outcome, digest=f"{outcome.digest}, last bit other")
@@ -80,9 +88,7 @@ def _statuses(outcomes: Sequence[Outcome]) -> Counter[str]:
 def test_after_a_change_of_platform_a_sample_is_flown_again_and_where_it_agrees_all_flights_count(
     log: Any, fly: Runs, move: Move
 ):
-    first, _ = _run(fly)
-    before = len(log.flown)
-    move("2")
+    first, before = _moved(log, fly, move)
     assert "numpy 2 here, 1 there" in _warning(fly)
     second, said = _run(fly)
     again = log.flown[before:]
@@ -96,8 +102,7 @@ def test_after_a_change_of_platform_a_sample_is_flown_again_and_where_it_agrees_
 
 
 def test_a_platform_that_agreed_is_not_asked_again(log: Any, fly: Runs, move: Move):
-    _run(fly)
-    move("2")
+    _moved(log, fly, move)
     _run(fly)
     before = len(log.flown)
     for numpy in ("1", "2"):
@@ -107,10 +112,7 @@ def test_a_platform_that_agreed_is_not_asked_again(log: Any, fly: Runs, move: Mo
 
 
 def test_where_only_bits_differ_the_stored_flights_count_and_nothing_else_is_flown(log: Any, fly: Runs, move: Move):
-    first, _ = _run(fly)
-    before = len(log.flown)
-    move("2")
-    log.change = _otherwise
+    first, before = _moved(log, fly, move, _otherwise)
     second, said = _run(fly)
     assert (second.flown, second.outcomes, second.mixture) == (0, first.outcomes, "")
     assert len(log.flown) == before + gates.BASELINES + gates.MUTANTS
@@ -123,10 +125,7 @@ def test_where_only_bits_differ_the_stored_flights_count_and_nothing_else_is_flo
 def test_a_flight_that_is_missing_beside_flights_of_another_platform_has_its_pair_flown_again(
     study: Any, log: Any, fly: Runs, move: Move
 ):
-    first, _ = _run(fly)
-    before = len(log.flown)
-    move("2")
-    log.change = _otherwise
+    first, before = _moved(log, fly, move, _otherwise)
     late, more = (realise(study.matrix, name) for name in (LATE, MORE))
     report, said = _run(fly, plan(study.grid[:1], (0, 1), [late, more], None))
     again = log.flown[before + gates.BASELINES + gates.MUTANTS :]
@@ -175,10 +174,7 @@ def test_a_mutant_is_never_judged_beside_a_baseline_of_another_platform(study: A
 def test_flights_with_other_facts_or_bits_by_the_strict_rule_are_outgrown_with_the_reason_and_flown_again(
     log: Any, fly: Runs, move: Move, change: Any, options: dict[str, bool]
 ):
-    _run(fly)
-    before = len(log.flown)
-    move("2")
-    log.change = change
+    _, before = _moved(log, fly, move, change)
     report, said = _run(fly, **options)
     assert report.flown == FLIGHTS
     assert len(log.flown) == before + gates.BASELINES + gates.MUTANTS + FLIGHTS + 1  # one flight of a run is repeated
@@ -193,9 +189,7 @@ def test_flights_with_other_facts_or_bits_by_the_strict_rule_are_outgrown_with_t
 
 
 def test_the_strict_rule_ends_a_campaign_of_two_platforms(log: Any, fly: Runs, move: Move):
-    _run(fly)
-    move("2")
-    log.change = _otherwise
+    _moved(log, fly, move, _otherwise)
     _run(fly)
     report, said = _run(fly, same_platform=True)
     assert report.flown == FLIGHTS
@@ -203,9 +197,7 @@ def test_the_strict_rule_ends_a_campaign_of_two_platforms(log: Any, fly: Runs, m
 
 
 def test_what_is_outgrown_and_not_asked_for_is_not_flown_again(study: Any, log: Any, fly: Runs, move: Move):
-    _run(fly)
-    move("2")
-    log.change = _otherwise
+    _moved(log, fly, move, _otherwise)
     planned = plan(study.grid[:1], (0,), [realise(study.matrix, CONTROL)], None)
     report, _ = _run(fly, planned, same_platform=True)
     assert report.flown == 3
@@ -227,9 +219,7 @@ def test_there_and_back_again_loses_no_flight_and_doubles_none(log: Any, fly: Ru
 
 
 def test_flights_that_do_not_count_anyway_are_set_apart_without_a_sample(study: Any, log: Any, fly: Runs, move: Move):
-    _run(fly)
-    before = len(log.flown)
-    move("2")
+    _, before = _moved(log, fly, move)
     changed = replace(study, inputs={**study.inputs, "sim": "other"})
     report = fly(of=changed)
     assert report.flown == FLIGHTS
@@ -238,9 +228,7 @@ def test_flights_that_do_not_count_anyway_are_set_apart_without_a_sample(study: 
 
 
 def test_a_sample_that_the_harness_cannot_fly_decides_nothing(log: Any, fly: Runs, move: Move):
-    _run(fly)
-    move("2")
-    log.change = lambda _flight, outcome: replace(outcome, invalid="no memory")
+    _moved(log, fly, move, lambda _flight, outcome: replace(outcome, invalid="no memory"))
     with pytest.raises(GateError, match=r"no stored flight could be flown again: .*: no memory"):
         _run(fly)
     log.change = same
@@ -248,9 +236,7 @@ def test_a_sample_that_the_harness_cannot_fly_decides_nothing(log: Any, fly: Run
 
 
 def test_a_sample_that_is_interrupted_decides_nothing(log: Any, fly: Runs, move: Move):
-    _run(fly)
-    move("2")
-    log.change = interrupting(lambda _flight: True, digest="other")
+    _moved(log, fly, move, interrupting(lambda _flight: True, digest="other"))
     with pytest.raises(Interrupted):
         _run(fly)
     log.change = same
