@@ -40,7 +40,9 @@ def _progress(stream: io.StringIO, make: Callable[..., live.Progress] = live.Pro
     return progress, clock
 
 
-def _advance(progress: live.Progress, flown_s: float) -> None:
+def _advance(progress: live.Progress, flown_s: float, clock: Clock, took_s: float = 0.0) -> None:
+    """A flight of this expected time ends, which took so long."""
+    clock.now_s += took_s
     progress.done_s += flown_s
     progress.advance()
 
@@ -50,8 +52,7 @@ def test_time_left_and_what_more_would_take_follow_from_the_pace_of_expected_fli
     assert (progress.time_left_s, progress.wall_s(50.0)) == (None, None)
     clock.now_s += 60.0
     progress.start()  # with the first flight
-    clock.now_s += 6.0
-    _advance(progress, 100.0)
+    _advance(progress, 100.0, clock, 6.0)
     progress.start()
     assert (progress.time_left_s, progress.wall_s(50.0)) == (pytest.approx(18.0), pytest.approx(3.0))
     progress.most_s = lambda: 5.0  # a budget
@@ -64,7 +65,7 @@ def test_without_a_terminal_there_is_one_line_every_ten_seconds():
     for number in range(8):
         clock.now_s += live.LINE_EVERY_S / 4
         progress.violations = "8 (baseline 3, mutants 5)" if number > 4 else ""
-        _advance(progress, 40.0)
+        _advance(progress, 40.0, clock)
     assert stream.getvalue().splitlines() == [
         "4/10 flights  0.4/s  15 s left",
         "8/10 flights  0.4/s  5 s left  violations: 8 (baseline 3, mutants 5)",
@@ -75,8 +76,7 @@ def test_on_a_terminal_the_line_is_live_and_a_warning_stands_above_it(monkeypatc
     monkeypatch.setenv("NO_COLOR", "1")
     stream = Terminal()
     progress, clock = _progress(stream)
-    clock.now_s += 1.0
-    _advance(progress, 200.0)
+    _advance(progress, 200.0, clock, 1.0)
     progress.line("warning: SR1 violated")
     before, after = stream.getvalue().split("warning: SR1 violated\n")
     assert before.count("\r\x1b[J") == 2  # once to draw, once to make room for the warning
@@ -86,8 +86,7 @@ def test_on_a_terminal_the_line_is_live_and_a_warning_stands_above_it(monkeypatc
 def _lines(progress: live.Progress, clock: Clock, columns: int, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The live screen after a second and a flight."""
     monkeypatch.setenv("COLUMNS", str(columns))
-    clock.now_s += 1.0
-    _advance(progress, 200.0)
+    _advance(progress, 200.0, clock, 1.0)
     return str(progress._stream.getvalue()).rpartition("\x1b[J")[2].split("\n")  # type: ignore[attr-defined]
 
 
@@ -144,8 +143,7 @@ def test_the_tally_takes_no_more_than_its_share_of_the_time():
     progress.flights, progress.stored = 1000, lambda: ()
     start_s = clock.now_s
     for _ in range(1000):
-        clock.now_s += 1.0
-        _advance(progress, 1.0)
+        _advance(progress, 1.0, clock, 1.0)
     assert len(made) > 1
     assert len(made) - 1 <= live.TALLY_SHARE * (clock.now_s - start_s)
 
@@ -154,8 +152,7 @@ def test_without_a_terminal_nothing_is_tallied():
     clock = Clock()
     progress = live.Progress(stream=io.StringIO(), clock=clock, tally=lambda: 1 / 0)  # type: ignore[arg-type,return-value]
     progress.flights, progress.stored = 10, lambda: ()
-    clock.now_s += 60.0
-    _advance(progress, 1.0)
+    _advance(progress, 1.0, clock, 60.0)
 
 
 def test_the_end_leaves_a_summary_unless_nothing_was_flown():
@@ -163,8 +160,7 @@ def test_the_end_leaves_a_summary_unless_nothing_was_flown():
     progress, clock = _progress(stream)
     progress.close()
     assert stream.getvalue() == ""
-    clock.now_s += 4.0
-    _advance(progress, 40.0)
+    _advance(progress, 40.0, clock, 4.0)
     progress.close()
     assert stream.getvalue() == "1 of 10 flights flown in 4 s, 0.2 a second\n"
 
@@ -173,8 +169,7 @@ def test_what_is_counted_has_its_own_words():
     stream, clock = io.StringIO(), Clock()
     progress = live.Progress(stream=stream, clock=clock, counts=("runs", "done"))
     progress.flights = 10
-    clock.now_s += 4.0
-    _advance(progress, 40.0)
+    _advance(progress, 40.0, clock, 4.0)
     progress.close()
     assert stream.getvalue() == "1 of 10 runs done in 4 s, 0.2 a second\n"
 
@@ -182,8 +177,7 @@ def test_what_is_counted_has_its_own_words():
 def test_quiet_shows_nothing_at_all():
     stream = Terminal()
     progress, clock = _progress(stream, live.Silence)
-    clock.now_s += 60.0
-    _advance(progress, 40.0)
+    _advance(progress, 40.0, clock, 60.0)
     progress.line("warning: SR1 violated")
     progress.close()
     assert stream.getvalue() == ""
