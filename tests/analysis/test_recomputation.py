@@ -48,7 +48,7 @@ def compare(outcomes: list[Outcome]) -> dict[str, Any]:
     found = SCORE.record(ScoredFlights(SimpleNamespace(space=GRID), "default", rulings_of(outcomes), scored))
     rows = export_rows(outcomes, ROSTER, GRID, list(KINDS))
     expected = recomputation.score(
-        to_csv(rows, columns(rows, list(KINDS))),
+        to_csv((row.values() for row in rows), columns(rows, list(KINDS))),
         kinds={name: kind.value for name, kind in KINDS.items()},
         axes={key: dict(zip(AXES, point, strict=True)) for key, point in GRID.points},
         defaults=set(ROSTER.defaults.values()),

@@ -352,7 +352,7 @@ def test_robustness_is_told_of_what_was_put_to_the_test_or_violated(
 def test_a_row_of_the_export_has_nothing_there_in_every_format():
     rows = export_rows([untested(outcome())], ROSTER, GRID)
     (as_json,) = json.loads(to_json(rows))
-    (as_csv,) = csv.DictReader(io.StringIO(to_csv(rows, columns(rows))))
+    (as_csv,) = csv.DictReader(io.StringIO(to_csv((row.values() for row in rows), columns(rows))))
     assert (as_json["rho_SR1"], as_json["rho_SR2"]) == (0.3, None)
     assert (as_csv["rho_SR1"], as_csv["rho_SR2"]) == ("0.3", "")
     assert as_json["held"] == list(KINDS)
