@@ -130,7 +130,7 @@ HEADER = """\
 # Accepted survivors; `scaloft-fi score --ratchet` fails on any other survivor.
 # Each entry names the person responsible (owner), the reason, and the last day of its validity (expires);
 # optional `situations` limit the entry: a survival in another situation is not accepted.
-# An entry with `status: to_do` is not decided: its survivor stays open.
+# An entry with `status: to_do` accepts nothing: its survivor stays open.
 """
 
 
@@ -148,20 +148,20 @@ def load_dispositions(path: Path, matrix: Matrix, situations: Collection[str]) -
     """
     if not is_there(path):
         return ()
-    dispositions: dict[str, Disposition] = {}
+    places: dict[str, str] = {}
+    accepted = []
     for name, item in load(path).mapping().items():
-        disposition = read_disposition(name, item, matrix, situations)
-        if disposition is None:
-            continue
-        if disposition.mutant in dispositions:
-            first = dispositions[disposition.mutant].place
-            raise InputError(f"{item.place}: mutant {name!r} is {disposition.mutant!r}, which is already at {first}")
-        dispositions[disposition.mutant] = disposition
-    return tuple(dispositions.values())
+        mutant, disposition = read_disposition(name, item, matrix, situations)
+        if mutant in places:
+            raise InputError(f"{item.place}: mutant {name!r} is {mutant!r}, which is already at {places[mutant]}")
+        places[mutant] = item.place
+        if disposition is not None:
+            accepted.append(disposition)
+    return tuple(accepted)
 
 
 @dataclass(frozen=True)
-class Accepted:
+class AcceptedEntry:
     """An accepted survivor.
 
     Attributes:
@@ -180,8 +180,8 @@ class Accepted:
 
 
 @dataclass(frozen=True)
-class Undecided:
-    """A survivor that nobody has decided on: it stays open.
+class OpenEntry:
+    """A survivor that nobody has accepted.
 
     Attributes:
         status: somebody has to accept it, with the keys of an accepted one, or to add a test that shows it.
@@ -190,7 +190,7 @@ class Undecided:
     status: Literal["to_do"]
 
 
-DispositionModel = Annotated[Accepted | Undecided, Either(by="status")]
+DispositionModel = Annotated[AcceptedEntry | OpenEntry, Either(by="status")]
 _DAY = {"type": "string", "pattern": r"^\d{4}-\d{2}-\d{2}$", "format": "date"}
 
 
@@ -205,8 +205,10 @@ class ScoreModel:
     alpha: Annotated[float, Bounds(above=0.0, most=MOST_ALPHA), Examples(0.01)]
 
 
-def read_disposition(name: str, item: Item, matrix: Matrix, situations: Collection[str]) -> Disposition | None:
-    """Read one disposition; None for a survivor that nobody has decided on.
+def read_disposition(
+    name: str, item: Item, matrix: Matrix, situations: Collection[str]
+) -> tuple[str, Disposition | None]:
+    """Read one entry: the canonical id of its mutant, and its disposition; None for one that accepts nothing.
 
     Args:
         name: the mutant, in any form.
@@ -229,9 +231,9 @@ def read_disposition(name: str, item: Item, matrix: Matrix, situations: Collecti
             hint = did_you_mean(str(entry.value), situations)
             faults.add(InputError(f"{entry.place}: no situation {entry.value!r}{hint}"))
     faults.end()
-    if not isinstance(model, Accepted):
-        return None
-    return Disposition(mutant.id, model.owner, model.reason, model.expires, model.situations, item.place)
+    if not isinstance(model, AcceptedEntry):
+        return mutant.id, None
+    return mutant.id, Disposition(mutant.id, model.owner, model.reason, model.expires, model.situations, item.place)
 
 
 def _date(item: Item) -> date:
@@ -259,7 +261,7 @@ def append_drafts(path: Path, matrix: Matrix, mutants: Iterable[str]) -> list[st
 
 
 def draft(mutants: Iterable[str]) -> str:
-    """Draft the YAML entries of survivors that nobody has decided on; each stays open until a person accepts it.
+    """Draft the YAML entries of survivors that nobody has accepted; each stays open until a person accepts it.
 
     Args:
         mutants: canonical ids.

@@ -627,7 +627,7 @@ def firmness(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spend
 
     def detected(tries: Iterable[tuple[Sequence[Sample], str, float]], seed: int | None, own_seed: int | None) -> bool:
         return any(  # the least of Holm's
-            shown(_strata(left, pool, name, seed, own_seed), len(names), share) for left, name, share in tries
+            significant(_strata(left, pool, name, seed, own_seed), len(names), share) for left, name, share in tries
         )
 
     lost = [
@@ -749,7 +749,7 @@ def p_value(strata: Iterable[Stratum]) -> float:
     return min(1.0, float(_tails(tuple(sorted(margins)))[observed])) if observed else 1.0
 
 
-def shown(strata: Iterable[Stratum], tests: int, share: float) -> bool:
+def significant(strata: Iterable[Stratum], tests: int, share: float) -> bool:
     """Whether `tests` times the p of these strata is at most a share of alpha, but for rounding."""
     observed, margins = _margins(strata)
     # Chernoff's bound, P(S >= s) <= E[e^S] / e^s, is far cheaper than p and most often enough

@@ -52,7 +52,7 @@ class Progress:
             gets one line every ten seconds.
         clock: monotonic wall clock [s].
         tally: makes the lines of what is detected so far from the words of `stored`; None for no such lines.
-        counts: what is counted, and the participle for what has ended.
+        counts: what is counted, and the word for what has ended.
 
     Attributes:
         flights: number of expected flights.

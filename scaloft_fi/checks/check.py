@@ -408,7 +408,8 @@ def check_dispositions(study: Study, matrix: Matrix, situations: Collection[str]
 
     def read(entry: tuple[str, Item]) -> None:
         nonlocal accepted
-        accepted += read_disposition(*entry, matrix, situations) is not None
+        _, disposition = read_disposition(*entry, matrix, situations)
+        accepted += disposition is not None
 
     with findings.collecting():
         findings.each(read, tuple(load(path).mapping().items()))

@@ -30,7 +30,7 @@ from scaloft_fi.analysis.detection import (
     noise_of,
     p_value,
     reaches,
-    shown,
+    significant,
 )
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.requirement import Kind
@@ -264,8 +264,10 @@ def test_one_seed_needs_three_situations_and_three_seeds_need_one():
 
 @given(st.lists(strata(), max_size=6), st.integers(1, 6), st.floats(1e-6, 0.5))
 @example([Stratum(9, 10, 0, 20)] * 6, 3, 0.01)
-def test_what_is_shown_is_what_p_says_whether_or_not_the_bound_decides(listed: list[Stratum], tests: int, share: float):
-    assert shown(listed, tests, share) == reaches(min(1.0, tests * p_value(listed)), share)
+def test_what_is_significant_is_what_p_says_whether_or_not_the_bound_decides(
+    listed: list[Stratum], tests: int, share: float
+):
+    assert significant(listed, tests, share) == reaches(min(1.0, tests * p_value(listed)), share)
 
 
 @pytest.mark.parametrize("wrong", [Stratum(2, 1, 0, 10), Stratum(-1, 1, 0, 10), Stratum(0, 1, 11, 10)])

@@ -42,6 +42,7 @@ from scaloft_fi.verbs.export.dossier import (
     Dossier,
     FlightRow,
     columns,
+    csv_rows,
     export_format,
     export_rows,
     parquet,
@@ -188,6 +189,11 @@ def test_the_pool_of_a_campaign_follows_from_its_rows(outcomes: list[Outcome]):
 def test_an_export_of_nothing_is_an_empty_list_and_a_header():
     assert json.loads(to_json([])) == []
     assert to_csv([], columns([], list(KINDS))) == ",".join(COLUMNS) + "\n"
+
+
+@given(dossiers())
+def test_csv_has_the_values_of_the_rows(told: Dossier):
+    assert csv_rows(told) == to_csv((row.values() for row in told.rows), told.columns)
 
 
 @given(campaigns(), st.randoms())

@@ -436,6 +436,7 @@ def test_a_control_that_turns_no_test_red_fails_the_gate(
     told = capsys.readouterr().err
     assert "control" in told
     assert "\nmany " in told, "what reaches which test is a table"
+    assert re.search(r"\n\d+ of \d+ runs done in ", told)
 
 
 @cases("text", "said")

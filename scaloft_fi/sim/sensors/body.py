@@ -62,12 +62,12 @@ class Positioning:
 
     def measure(self, moment: Moment) -> Fix:
         """The fix of this tick."""
-        *noise, turned = self._noise.row(moment.tick).tolist()
+        *noise, yaw_noise = self._noise.row(moment.tick).tolist()
         *place, x, y, z, w = moment.state[:7].tolist()
         yaw_rad = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         drift_m, sigma_m = moment.around.drift_m.tolist(), self._config.sigma_m
         position = [p + d + sigma_m * n for p, d, n in zip(place, drift_m, noise, strict=True)]
-        return Fix(moment.stamps.fix_s, np.array(position), yaw_rad + self._yaw_sigma_rad * turned)
+        return Fix(moment.stamps.fix_s, np.array(position), yaw_rad + self._yaw_sigma_rad * yaw_noise)
 
 
 SENSORS.declare("positioning", SensorKind(Positioning, Fix, PositioningConfig, latency_s=OWN_LATENCY, required=True))

@@ -200,7 +200,7 @@ def corrected(p: Array, noise: Array, inverse: Array, z: Array) -> tuple[Array, 
 
 @jit
 def update(p: Array, noise: Array, z: Array, spread: Array, gain: Array, error: Array) -> None:
-    """Correct by the innovation `z` (4,), in place: arrays that a kernel returns cost more than the correction.
+    """Correct by the innovation `z` (4,), in place, because each array that a kernel returns is made anew.
 
     Args:
         p: (15, 15) covariance of the error.

@@ -166,7 +166,7 @@ def relative(points, origin, reach):  # type: ignore[no-untyped-def]
 @jit
 def span(begins, along, far, reach):  # type: ignore[no-untyped-def]
     """First point and end of the slabs that hold every point within `far` of the coordinate `along`."""
-    far += _F(0.01)  # against rounding
+    far += _F(0.01) + _F(1e-6) * reach  # against rounding
     return begins[slab(along - far, reach)], begins[slab(along + far, reach) + 1]
 
 

@@ -243,7 +243,9 @@ def to_csv(rows: Iterable[Iterable[Any]], columns: Sequence[str]) -> str:
 
     A text that would be a formula in a spreadsheet has a `'` before it: see `spreadsheet_text`.
     """
-    return csv_text(columns, ([cell(one) if isinstance(one, tuple | list) else one for one in row] for row in rows))
+    return csv_text(
+        columns, ([cell(one) if isinstance(one, tuple | list | bool) else one for one in row] for row in rows)
+    )
 
 
 Content = str | bytes | Mapping[str, Any] | Sequence[Any]
