@@ -46,14 +46,14 @@ class ProximityMonitor:
         for array in (self._sector_of_column, self._bearings, self._watched):
             array.setflags(write=False)
 
-    def sectors(self, frame: DepthFrame, pose: PoseEstimate) -> Proximity:
-        """Least range in each sector of `frame`, taken from `pose`, without a touch."""
+    def sectors(self, frame: DepthFrame, pose: PoseEstimate, *, touched: bool = False) -> Proximity:
+        """Least range in each sector of `frame`, taken from `pose`, beside what the touch sensor says."""
         c, camera = self.config, self.camera
         least = _least(
             np.ascontiguousarray(frame.depth), self._left, self._up, camera.ahead_m, pose.attitude,
             self._sector_of_column, c.sectors, c.band_m, c.min_pixels,
         )  # fmt: skip
-        return Proximity(frame.stamp_s, least, self._watched, self._bearings, c.trigger_m, touched=False)
+        return Proximity(frame.stamp_s, least, self._watched, self._bearings, c.trigger_m, touched)
 
     def blind(self, stamp_s: float, *, touched: bool) -> Proximity:
         """Input of the monitor at a tick without a depth image."""

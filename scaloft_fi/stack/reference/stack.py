@@ -256,8 +256,7 @@ class Companion:
         """Input of the proximity monitor: the frame's sectors joined with the touch sensor."""
         touched = bumper is not None and bumper.hull
         if frame is not None and pose is not None:
-            seen = self.stages.proximity.sectors(frame, pose)
-            return seen._replace(touched=True) if touched else seen
+            return self.stages.proximity.sectors(frame, pose, touched=touched)
         return self.stages.proximity.blind(bumper.stamp_s, touched=True) if bumper is not None and touched else None
 
     def _look_for_people(self, now_s: float, frames: SensorFrames) -> None:

@@ -199,6 +199,14 @@ def test_what_was_planned_is_there_with_what_entered_its_key(tmp_path: Path):
         assert store._connection.execute("SELECT count(*) FROM origins").fetchone() == (1,)
 
 
+def test_a_planned_flight_is_unflown_until_an_outcome_counts(open_store: Store):
+    plan = [Planned(key, M, "T0O0W0D0H0", seed) for seed, key in enumerate("abc")]
+    open_store.plan(plan)
+    open_store.put("a", outcome(M))
+    open_store.put("b", outcome(M, seed=1, invalid="the worker died"))
+    assert open_store.planned(unflown=True) == plan[1:]
+
+
 def test_a_canary_that_is_asked_for_later_is_none_any_more(open_store: Store):
     for canary in (True, False, True):
         open_store.plan([Planned("k", M, "T0O0W0D0H0", 0, canary)])

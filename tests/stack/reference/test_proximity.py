@@ -7,9 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from scaloft_fi.sim.build import physics_server
+from scaloft_fi.sim.flight import FlightLoop
+from scaloft_fi.stack.declaration import PlainWire
+from scaloft_fi.stack.messages import Bumper, SensorFrames
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import CollisionFlag, Proximity
 from scaloft_fi.stack.reference.proximity import ProximityMonitor, Recoil
+from scaloft_fi.study import Study
 from tests.stack.conftest import pose_at, wall_at
 
 LEFT, RIGHT = slice(0, 8), slice(56, 64)
@@ -42,6 +47,28 @@ def test_sectors_share_the_view_from_left_to_right_with_level_ranges_from_the_ve
     assert proximity.sectors[3:5] == pytest.approx(2.1, abs=0.01)
     assert proximity.sectors[0] == pytest.approx(math.hypot(2.1, 2.0 * math.tan(proximity.bearings[0])), abs=0.15)
     assert np.all(np.isinf(monitor.sectors(wall_at(0.0), pose_at()).sectors))
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize("hull", [False, True])
+def test_a_touch_raises_the_flag_beside_a_picture_of_a_free_way(hull):
+    study = Study.open(None)
+    with physics_server() as client:
+        scenario = study.scenario(study.grid.situations[0])
+        flight = FlightLoop(client, study.sim, scenario, 0, PlainWire())
+        companion, flags = flight.stack.companion, []
+
+        def touched(now_s, frames):
+            bumper = Bumper(now_s, hull=hull, gear=False)
+            companion(now_s, SensorFrames({**frames.by_sensor, "bumper": bumper}))
+            flags.append(bool(flight.stack.beliefs(now_s)[flag]))
+
+        flag = REFERENCE.belief_names.index("collision_flag")
+        flight.stack.companion = touched
+        for _ in range(120):
+            flight.tick()
+            flight.advance()
+    assert any(flags) is hull
 
 
 @pytest.mark.parametrize(
