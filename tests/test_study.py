@@ -271,8 +271,9 @@ def test_what_it_does_not_understand_it_refuses_with_the_place(tmp_path: Path, o
 @pytest.mark.parametrize("again", ["LATE-human", "LATE-human@3s", "LATE-human@3.0s"])
 def test_a_mutant_that_stands_twice_is_refused_however_it_is_written(tmp_path: Path, again: str):
     for second in (GOOD.replace("LATE-human", again), f"{again}:\n  status: to_do\n"):
-        with pytest.raises(InputError, match=r"twice|already at"):
-            loaded(tmp_path, GOOD + second)
+        for text in (GOOD + second, second + GOOD):
+            with pytest.raises(InputError, match=r"twice|already at"):
+                loaded(tmp_path, text)
 
 
 def test_a_draft_accepts_nothing_until_it_is_decided(tmp_path: Path):
