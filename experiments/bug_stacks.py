@@ -476,9 +476,9 @@ class MountedAft(ProximityMonitor):
     degrees and adds 1.8.
     """
 
-    def sectors(self, frame: DepthFrame, pose: PoseEstimate) -> Proximity:
+    def sectors(self, frame: DepthFrame, pose: PoseEstimate, *, touched: bool = False) -> Proximity:
         """Least range in each sector; the bearings are wrong by the angle of the mounting."""
-        seen = super().sectors(frame, pose)
+        seen = super().sectors(frame, pose, touched=touched)
         return seen._replace(bearings=seen.bearings - MOUNTED_RAD + MOUNTED_RAD / RAW_PER_DEG)
 
 
