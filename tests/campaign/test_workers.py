@@ -35,6 +35,9 @@ from scaloft_fi.study import Study
 
 LATE, MORE = "LATE-human@3s", "MORE-goal@1m"
 
+pytestmark = pytest.mark.filterwarnings("ignore:unclosed <(ssl|socket):ResourceWarning")
+"""A handshake of Dask that its scheduler does not end leaves a socket to the garbage collector, at any later time."""
+
 
 @pytest.fixture(scope="module")
 def address(dask: Any, flyer: Any) -> str:
@@ -477,7 +480,7 @@ class Flyer:
 
 @pytest.fixture(scope="module", autouse=True)
 def _sockets() -> Iterator[None]:
-    """Sockets that Dask leaves to the garbage collector are collected here, not in a test of another file."""
+    """Sockets that Dask leaves are collected here, not in a test of another file."""
     yield
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ResourceWarning)
