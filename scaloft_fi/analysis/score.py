@@ -351,6 +351,7 @@ class MutantScore(OfSubject):
         firmness: whether it stays detected when any one seed is left out; null: it is not detected.
         severity: class of its cell; None where the cell has none.  It enters no ratio.
         revealed: requirements that a flight of it violates and the baseline beside that flight holds.
+        struck: names of the bodies that flights strike in such a violation of a safety requirement.
     """
 
     subject: Subject
@@ -365,6 +366,7 @@ class MutantScore(OfSubject):
     firmness: Firmness | None = None
     severity: SeverityClass | None = None
     revealed: tuple[str, ...] = ()
+    struck: tuple[str, ...] = ()
     KEYS = (
         *("id", "guideword", "parameter", "magnitude", "severity=severity_id", "status", "verdict", "firm=firmness"),
         *("p=safety.p", "kill_rate", "kill_rate_flown", "kills", "requirements", "first", "decided_at=safety"),
@@ -509,6 +511,8 @@ def mutant_score(
     for ruling, number in rulings.items():
         statuses[ruling.status] += number
     revealed = dict.fromkeys(name for ruling in rulings for name in (*ruling.revealed, *ruling.operability_revealed))
+    shown = ((v, one.ruling) for flights in flown.values() for one in flights for v in one.violations)
+    struck = dict.fromkeys(v.struck for v, ruling in shown if v.struck and v.requirement in ruling.revealed)
     return MutantScore(
         subject=subject,
         status=furthest(statuses),
@@ -521,6 +525,7 @@ def mutant_score(
         statuses=tuple((status, statuses[status]) for status in Status if statuses[status]),
         firmness=firmness(subject.id, samples, pool, spending, Kind.SAFETY) if firm and safety.detected else None,
         revealed=tuple(revealed),
+        struck=tuple(struck),
     )
 
 

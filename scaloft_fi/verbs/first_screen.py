@@ -629,7 +629,7 @@ def _facts(mutant: MutantScore, scored: Score, study: Study) -> dict[str, str]:
 
 
 def _control(mutant: MutantScore) -> tuple[str, ...]:
-    return mutant.subject.id, shows_itself_by(mutant) or "nothing", _broken(mutant) or _STOPPED[mutant.status]
+    return mutant.subject.id, shows_itself_by(mutant) or "nothing", _broken(mutant) or _stopped(mutant)
 
 
 def shows_itself_by(control: MutantScore) -> str:
@@ -649,7 +649,12 @@ def _effect(mutant: MutantScore) -> str:
     if mutant.infected and not mutant.tested:
         unknown = mutant.verdict is detection.Verdict.UNDECIDED
         return "no baseline pool where it acts" if unknown else "acts only where no pair is steady"
-    return _STOPPED[mutant.status]
+    return _stopped(mutant)
+
+
+def _stopped(mutant: MutantScore) -> str:
+    """What its flights alone show: the bodies that it strikes where the baseline does not, else its status."""
+    return _strikes(mutant.struck) or _STOPPED[mutant.status]
 
 
 def _broken(mutant: MutantScore) -> str:
@@ -658,7 +663,12 @@ def _broken(mutant: MutantScore) -> str:
     if not struck and mutant.first is not None and mutant.first.struck:
         struck = [mutant.first.struck]
     if struck:
-        return f"strikes {struck[0]}" + f" +{len(struck) - 1}" * (len(struck) > 1)
+        return _strikes(struck)
     if mutant.detected:
         return "no contact"
     return f"breaks {', '.join(mutant.operability.by)}" if mutant.operability.detected else ""
+
+
+def _strikes(bodies: Sequence[str]) -> str:
+    """The first of the bodies and the number of the others; empty without any."""
+    return f"strikes {bodies[0]}" + f" +{len(bodies) - 1}" * (len(bodies) > 1) if bodies else ""

@@ -94,6 +94,12 @@ def test_a_screen_is_as_recorded():
     assert "%" not in "".join(answer for _, answer in SCREENS["without a pool"].answers.rows).replace(NO, "")
 
 
+def test_without_a_pool_a_control_that_struck_the_wall_strikes_it():
+    flown = [outcome("REVERSE-human", NOBODY, violated={"SR1": 5.0}, struck="wall")]
+    ((_, _, effect),) = screen([outcome(situation=NOBODY), *flown]).tables[1].rows
+    assert effect == "strikes wall"
+
+
 def test_a_campaign_of_another_name_is_named_in_the_command():
     told = replace(screen(CAMPAIGN), campaign="mine").answers
     assert "scaloft-fi run --campaign mine " in told.rows[-1][1]
