@@ -273,17 +273,17 @@ class Item:
             raise InputError(f"{self.place}: {self.name}={self._written()} is not known{hint}")
         return str(self.value)
 
-    def plain(self) -> Any:
+    def plain(self, *, infinite: bool = False) -> Any:
         """The bare Python value: dicts, lists and scalars.
 
         Raises:
-            InputError: a number is not finite.
+            InputError: a number is not finite, unless `infinite` allows it.
         """
         if isinstance(self.value, dict):
-            return {key: item.plain() for key, item in self.value.items()}
+            return {key: item.plain(infinite=infinite) for key, item in self.value.items()}
         if isinstance(self.value, tuple):
-            return [item.plain() for item in self.value]
-        if isinstance(self.value, float) and not math.isfinite(self.value):
+            return [item.plain(infinite=infinite) for item in self.value]
+        if isinstance(self.value, float) and not math.isfinite(self.value) and not infinite:
             raise self.error("a finite number")
         return self.value
 
@@ -321,7 +321,8 @@ KEPT = 1 << 16
 
 _TOO_DEEP = f"the file must be nested at most {DEPTH} deep"
 _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_TEXT = "tag:yaml.org,2002:str"
+_TEXTS = ("tag:yaml.org,2002:str", "tag:yaml.org,2002:timestamp")
+"""A date stays a text, which is checked where a date is wanted."""
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _NOBODY_MEANS = re.compile(r"[-+]?0[0-9_]|.*:")
 """Numbers to the base of 8 or 60, which look like other numbers, or like times."""
@@ -466,13 +467,13 @@ class _Document:
     def _scalar(self, event: Any, name: str) -> Scalar:
         text: str = event.value
         tag = self._loader.resolve(yaml.ScalarNode, text, event.implicit)
-        if tag == _TEXT:
+        if tag in _TEXTS:
             return text
         if tag in _NUMBERS and len(text) > DIGITS:
             raise self._error(event, f"{name}={shown(text)} must have at most {DIGITS} digits")
         try:
             value = self._loader.construct_object(yaml.ScalarNode(tag, text, event.start_mark, event.end_mark))
-        except ValueError as error:  # a value that looks like a date but is none
+        except ValueError as error:  # a value that looks like a number but is none, as 0x_
             raise self._error(event, f"{name}={shown(text)} cannot be read: {error}") from error
         if tag in _NUMBERS and _NOBODY_MEANS.match(text):
             allowed = f"a number in decimal digits: YAML 1.1 takes it for {value}; write {value}, or the text in quotes"
@@ -527,12 +528,12 @@ def edited(text: str, steps: Steps, value: str | None, place: str) -> str:
     Raises:
         InputError: the change cannot be made without touching something else.
     """
-    wanted = _parsed(text, Path(place)).plain()
+    wanted = _parsed(text, Path(place)).plain(infinite=True)
     _set(wanted, steps, value)
     for form in (value, json.dumps(value, ensure_ascii=False)) if value is not None else (None,):
         with suppress(_FlawError, InputError, yaml.YAMLError, LookupError):
             changed = _changed(text, yaml.compose(text, Loader=yaml.SafeLoader), steps, form, 0)
-            if _parsed(changed, Path(place)).plain() == wanted:
+            if _parsed(changed, Path(place)).plain(infinite=True) == wanted:
                 return changed
     raise InputError(f"{place}: {'.'.join(map(str, steps))} cannot be changed in place; edit it by hand")
 

@@ -126,6 +126,10 @@ def test_an_edit_changes_one_value_and_nothing_else(
     assert edited(WRITTEN, steps, value, "a.yaml") == WRITTEN.replace(before, after)
 
 
+def test_a_document_with_an_infinite_number_is_edited_too():
+    assert edited("a: [1, .inf]\nb: one\n", ("b",), "two", "a.yaml") == "a: [1, .inf]\nb: two\n"
+
+
 def test_what_would_change_something_else_too_is_not_edited():
     with pytest.raises(InputError, match="edit it by hand"):
         edited("a: &x one\nb: *x\n", ("a",), "two", "a.yaml")

@@ -14,6 +14,7 @@ import warnings
 import zipfile
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import datetime, time
 from itertools import zip_longest
 from pathlib import Path
 
@@ -196,6 +197,9 @@ def _workbook(path: Path, content: bytes) -> list[tuple[str, Rows]]:
 
 
 def _text(cell: object) -> str:
+    """A value of a workbook, where a day is the moment at which it begins."""
+    if isinstance(cell, datetime) and cell.time() == time():
+        return cell.date().isoformat()
     return f"{cell:.15g}" if isinstance(cell, float) else str(cell)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -241,6 +242,22 @@ def test_a_sheet_ends_where_its_texts_end_not_where_its_colours_do(tmp_path: Pat
     made.save(tmp_path / "a.xlsx")
     with pytest.raises(InputError, match=f"has {row:,} rows"):
         sheets.read_sheet(tmp_path / "a.xlsx")
+
+
+@pytest.mark.parametrize(
+    ("typed", "read"),
+    [
+        (datetime.fromisoformat("2027-03-01"), "2027-03-01"),
+        (datetime.fromisoformat("2027-03-01T09:30"), "2027-03-01 09:30:00"),
+        ("01.03.2027", "01.03.2027"),
+    ],
+)
+def test_a_day_that_somebody_typed_into_a_workbook_is_read_as_a_day(tmp_path: Path, typed: object, read: str):
+    made = Workbook()
+    for texts in (("Node", "Guideword", "Deviation", "Due date"), ("radar", "No", "no echo", typed)):
+        made.active.append(texts)
+    made.save(tmp_path / "a.xlsx")
+    assert [line.texts["due"] for line in sheets.read_sheet(tmp_path / "a.xlsx")] == [read]
 
 
 @pytest.mark.parametrize("title", ["", "HAZOP, of the drone, in May, first part, second part\n"])
