@@ -21,7 +21,7 @@ from scaloft_fi.analysis.detection import State, Verdict
 from scaloft_fi.analysis.score import score_of
 from scaloft_fi.hazop.matrix import Matrix, class_of
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.campaigns import agreement_text, compared_by, matrices_page
+from scaloft_fi.verbs.campaigns import agreement_text, compared_by, matrices_page, too_few
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 
 NAME = "two_drones"
@@ -84,12 +84,10 @@ def _without(reference: Snapshot, second: Snapshot, seed: int) -> Row:
 
 
 def counted(told: ComparedCampaigns) -> str:
-    """How many faults are lost, gained and unsure, and the agreement, in a sentence each."""
+    """How many faults are lost, gained and unsure, what could have been, and the agreement, in a sentence each."""
     count = Counter(one.change for one in told.mutants)
-    return (
-        f"{count[Change.LOST]} lost, {count[Change.GAINED]} gained, {count[Change.UNSURE]} unsure, "
-        f"of {len(told.mutants)} faults.  {agreement_text(told)}"
-    )
+    parts = ", ".join(f"{count[change]} {change}" for change in (Change.LOST, Change.GAINED, Change.UNSURE))
+    return "  ".join((f"{parts}, of {len(told.mutants)} faults.", *too_few(told), agreement_text(told)))
 
 
 def differences(told: ComparedCampaigns, *names: str) -> Iterator[str]:

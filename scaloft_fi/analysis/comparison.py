@@ -5,7 +5,8 @@ its flights violate more often in the first.  That is one exact stratified test 
 without its gate): the situations are the strata, the mutant's flights of both campaigns are compared with each other,
 in the situations where the unmutated drone of both holds the requirement steadily.  Holm's adjustment is over the
 requirements of a fault and over all faults that both campaigns flew; so the chance that any fault is called lost,
-where the two drones do the same, is at most alpha.  Gained is the same with the campaigns exchanged.
+where the two drones do the same, is at most alpha.  Gained is the same with the campaigns exchanged.  Few flights can
+say nothing: `least_p` tells what p the greatest difference would have.
 
 The faults are all cells of a closed list and no sample, so agreement and kappa (Cohen, Educ. Psychol. Meas. 20, 1960)
 have no interval.  Other seeds of one campaign do not agree with each other in every fault either: the halves of the
@@ -58,6 +59,8 @@ class ComparedMutant(OfSubject):
         situations: in which both campaigns put it to the same test.
         lost_p: chance of as many violations more in the first campaign if both drones do the same, after Holm.
         gained_p: the same of the second campaign.
+        least_p: what either would be, after Holm, were every fault violated by all flights of one campaign there and by
+            none of the other; above alpha the flights are too few to call the fault lost or gained.
         requirement: the safety requirement in which the campaigns differ most there, of equals the one that is violated
             most; null: there is none.
         first_violated: flights of the first campaign that violate it there, of all.
@@ -67,8 +70,8 @@ class ComparedMutant(OfSubject):
 
     KEYS = (
         *("id", "guideword", "parameter", "magnitude", "severity=severity_id", "change", "first", "second"),
-        *("first_firm", "second_firm", "situations", "lost_p", "gained_p", "requirement"),
-        *("first_violated", "second_violated"),
+        *("first_firm", "second_firm", "situations", "lost_p", "gained_p", "least_p"),
+        *("requirement", "first_violated", "second_violated"),
     )
     subject: Subject
     change: Change
@@ -79,6 +82,7 @@ class ComparedMutant(OfSubject):
     situations: int
     lost_p: Annotated[float, About("p (0..1)")]
     gained_p: Annotated[float, About("p (0..1)")]
+    least_p: Annotated[float, About("p (0..1)")]
     requirement: str | None
     first_violated: Ratio
     second_violated: Ratio
@@ -159,8 +163,8 @@ class ComparedCampaigns:
     first_halves: Agreement | None
     second_halves: Agreement | None
     KEYS = (
-        *("first", "second", "alpha", "lost", "gained", "unsure", "agreement", "first_halves", "second_halves"),
-        *("mutants", "only_first", "only_second"),
+        *("first", "second", "alpha", "lost", "gained", "unsure", "could_be_lost", "could_be_gained", "agreement"),
+        *("first_halves", "second_halves", "mutants", "only_first", "only_second"),
     )
 
     def _with(self, change: Change) -> tuple[str, ...]:
@@ -181,6 +185,19 @@ class ComparedCampaigns:
         """Ids of the faults that one campaign detects, where the flights do not say that the campaigns differ."""
         return self._with(Change.UNSURE)
 
+    @property
+    def could_be_lost(self) -> Ratio:
+        """Faults with enough flights to be called lost, of those that are firm in the first campaign."""
+        return self._enough([mutant for mutant in self.mutants if mutant.first_firm])
+
+    @property
+    def could_be_gained(self) -> Ratio:
+        """Faults with enough flights to be called gained, of those that are firm in the second campaign."""
+        return self._enough([mutant for mutant in self.mutants if mutant.second_firm])
+
+    def _enough(self, firm: Sequence[ComparedMutant]) -> Ratio:
+        return Ratio(sum(reaches(mutant.least_p, self.alpha) for mutant in firm), len(firm))
+
 
 def compared(first: Flown, second: Flown, roster: Roster, space: Space) -> ComparedCampaigns:
     """Hold two campaigns of one matrix and one grid against each other."""
@@ -190,8 +207,11 @@ def compared(first: Flown, second: Flown, roster: Roster, space: Space) -> Compa
     pools = first.score.pool, second.score.pool
     strata = {id_: _strata(samples[0][id_], samples[1][id_], *pools) for id_ in both}
     lost_p, gained_p = _over_faults(strata), _over_faults({id_: _exchanged(own) for id_, own in strata.items()})
+    least_p = _over_faults({id_: _extreme(own) for id_, own in strata.items()})
     alpha = min(first.score.alpha, second.score.alpha)
-    mutants = [_compared(here[id_], there[id_], strata[id_], lost_p[id_], gained_p[id_], alpha) for id_ in both]
+    mutants = [
+        _compared(here[id_], there[id_], strata[id_], (lost_p[id_], gained_p[id_], least_p[id_]), alpha) for id_ in both
+    ]
     return ComparedCampaigns(
         first=first.name,
         second=second.name,
@@ -237,6 +257,14 @@ def _exchanged(strata: Strata) -> Strata:
     }
 
 
+def _extreme(strata: Strata) -> Strata:
+    """The greatest difference that these flights could have shown; exchanged it has the same p."""
+    return {
+        name: {key: Stratum(own.n, own.n, 0, own.m, own.m) for key, own in by_situation.items()}
+        for name, by_situation in strata.items()
+    }
+
+
 def _over_faults(strata: Mapping[str, Strata]) -> dict[str, float]:
     """The p of each fault that its flights violate more often in the first campaign, after Holm."""
     raw = {id_: _least({name: p_value(one.values()) for name, one in own.items()}) for id_, own in strata.items()}
@@ -248,8 +276,9 @@ def _least(by_requirement: Mapping[str, float]) -> float:
 
 
 def _compared(
-    here: MutantScore, there: MutantScore, strata: Strata, lost_p: float, gained_p: float, alpha: float
+    here: MutantScore, there: MutantScore, strata: Strata, p: tuple[float, float, float], alpha: float
 ) -> ComparedMutant:
+    lost_p, gained_p, least_p = p
     change = Change.SAME if here.detected == there.detected else Change.UNSURE
     if here.firm and there.tested and not there.detected and reaches(lost_p, alpha):
         change = Change.LOST
@@ -274,6 +303,7 @@ def _compared(
         situations=situations,
         lost_p=lost_p,
         gained_p=gained_p,
+        least_p=least_p,
         requirement=requirement,
         first_violated=Ratio(k, n),
         second_violated=Ratio(b, m),

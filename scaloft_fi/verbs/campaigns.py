@@ -268,6 +268,8 @@ class FlightDifferences:
         same: flights that are the same bit for bit.
         other_bits: flights with other bits and the same status, ending and violations.
         differences: the flights that differ or that one campaign alone has, ordered by mutant, situation and seed.
+        first_stale: flights of the first campaign that no score counts any more; they are held against as they are.
+        second_stale: the same of the second campaign.
     """
 
     first: str
@@ -275,6 +277,8 @@ class FlightDifferences:
     same: int
     other_bits: int
     differences: tuple[Difference, ...]
+    first_stale: int = 0
+    second_stale: int = 0
 
 
 DIFF = Output("diff", "1.0", FlightDifferences, rows="differences")
@@ -306,8 +310,14 @@ def differences_table(told: FlightDifferences) -> Table:
         f"{told.same} flights are the same bit for bit, {told.other_bits} more have the same status, "
         f"ending and violations; {len(rows) - alone} differ, and {alone} are in one campaign alone."
     )
+    stale = [
+        f"{flights} flights of {name}"
+        for name, flights in ((told.first, told.first_stale), (told.second, told.second_stale))
+        if flights
+    ]
+    old = (f"{' and '.join(stale)} are stale: no score counts them, and they stand here as they were flown.",)
     title, headers = f"{told.first} and {told.second}", ("mutant", "situation", "seed", told.first, told.second)
-    return Table(title, headers, rows, (note,))
+    return Table(title, headers, rows, (note, *(old if stale else ())))
 
 
 _LACKING: tuple[Facts | None, str] = None, ""
@@ -325,12 +335,14 @@ class CampaignComparison:
 
     Attributes:
         scores: the two scores held against each other.
+        redefined: names of the requirements that the two studies define otherwise.
         flights: the flights of which the campaigns do not say the same; null: nobody asked.
     """
 
     scores: ComparedCampaigns
+    redefined: tuple[str, ...] = ()
     flights: FlightDifferences | None = None
-    KEYS = ("scores.*", "flights")
+    KEYS = ("scores.*", "redefined", "flights")
 
 
 COMPARE = Output("compare", "1.0", CampaignComparison, "mutants", "what only one of two campaigns shows")
@@ -363,6 +375,7 @@ def score_tables(told: ComparedCampaigns) -> tuple[Table, ...]:
     parts = [f"{len(ids)} {change}" for change, ids in _by_change(told).items() if change is not Change.SAME]
     notes = (
         f"{', '.join(parts)} of {counted(len(told.mutants), 'fault')} that both flew.",
+        *too_few(told),
         agreement_text(told),
         MEANING,
     )
@@ -371,6 +384,18 @@ def score_tables(told: ComparedCampaigns) -> tuple[Table, ...]:
     ]
     main = Table(f"What only one of {told.first} and {told.second} shows", headers, rows, notes)
     return (main, *([Table("Flown in one campaign alone", ("mutant", "campaign"), tuple(alone))] if alone else []))
+
+
+def too_few(told: ComparedCampaigns) -> tuple[str, ...]:
+    """Of how many firm faults the flights cannot say that they are lost or gained; empty where they can of all."""
+    parts = [
+        f"{enough.whole - enough.part} of the {enough.whole} firm in {name} could not be called {change.value}"
+        for name, change, enough in zip(
+            _short(told), (Change.LOST, Change.GAINED), (told.could_be_lost, told.could_be_gained), strict=True
+        )
+        if enough.part < enough.whole
+    ]
+    return (f"Too few flights: {', '.join(parts)}, however much they differed.",) if parts else ()
 
 
 def _short(told: ComparedCampaigns) -> tuple[str, str]:
@@ -412,8 +437,12 @@ def compared_by(
             warnings.append(f"of other faults in the second study, and not compared: {', '.join(sorted(changed))}")
             first, second = _without(first, changed), _without(second, changed)
         told = compared(first, second, here.study.roster, here.study.space)
+        redefined = _other_requirements(here.study, there.study)
+        warnings += [
+            f"the two studies define {name} otherwise: {', '.join(words)}" for name, words in redefined.items()
+        ]
         differ = _flights((campaign, other), here, there) if flights else None
-        return CampaignComparison(told, differ), matrix, warnings
+        return CampaignComparison(told, tuple(redefined), differ), matrix, warnings
 
 
 def _flown(name: str, now: Snapshot, warnings: list[str]) -> Flown:
@@ -448,13 +477,26 @@ def _redefined(matrix: Matrix, other: Matrix, first: Flown, second: Flown) -> se
     return {id_ for id_ in ids if realise(matrix, id_).to_json() != realise(other, id_).to_json()}
 
 
+def _other_requirements(study: Study, other: Study) -> dict[str, list[str]]:
+    """What two studies define otherwise of requirements with one name, by the name; titles and sources do not count."""
+    here, there = ({one.name: one for one in each.requirements} for each in (study, other))
+    parts = {"kind": "kind", "text": "formula", "trigger": "trigger", "definitions": "definitions", "unit": "unit"}
+    both = {name: (here[name], there[name]) for name in here if name in there}
+    apart = {
+        name: [word for part, word in parts.items() if getattr(one, part) != getattr(two, part)]
+        for name, (one, two) in both.items()
+    }
+    return {name: words for name, words in apart.items() if words}
+
+
 def _without(flown: Flown, ids: set[str]) -> Flown:
     counted_ = tuple(one for one in flown.score.counted if one.id not in ids)
     return replace(flown, score=replace(flown.score, counted=counted_))
 
 
 def _flights(named: tuple[str, str], here: Snapshot, there: Snapshot) -> FlightDifferences:
-    return differences_of(named, here.latest, there.latest, here.study.roster, here.study.space)
+    told = differences_of(named, here.latest, there.latest, here.study.roster, here.study.space)
+    return replace(told, first_stale=here.stale.flights, second_stale=there.stale.flights)
 
 
 Compared = Annotated[
@@ -500,6 +542,8 @@ def compare_command(
 ) -> int:
     """Say what only the first or only the second campaign of a matrix shows: other stacks, versions or settings.
 
+    --fail-on-lost is refused where the flights are too few to call any of the firm faults lost.
+
     Examples:
         See what a new version no longer shows: `scaloft-fi compare default night`
         Hold a stack against another, each in a study of its own: `scaloft-fi compare default ../b/results/campaigns/b`
@@ -508,6 +552,9 @@ def compare_command(
     """
     options.check_writable(output, ".html")
     told, matrix, warnings = compared_by(Study.open(study_folder), campaign, other, flights=flights)
+    if failing and told.scores.could_be_lost.whole and not told.scores.could_be_lost.part:
+        enough = f"the flights are too few to call any of the {told.scores.could_be_lost.whole} firm faults lost"
+        raise InputError(f"--fail-on-lost could never fail here: {enough}; fly more seeds or situations in both")
     if output is not None:
         options.write(output, matrices_page(told.scores, matrix).encode())
     options.answer(_answer(told, warnings), style, tables_folder)

@@ -39,6 +39,14 @@ def campaign(rates: Mapping[str, float], chance: random.Random, seeds: int = 3) 
     return flights
 
 
+@given(seeded(), seeded())
+def test_no_p_is_below_the_least_and_what_is_lost_could_be_lost(first: list[Outcome], second: list[Outcome]):
+    told = held_against(first, second)
+    assert all(mutant.least_p <= min(mutant.lost_p, mutant.gained_p) * (1 + 1e-9) for mutant in told.mutants)
+    assert len(told.lost) <= told.could_be_lost.part <= told.could_be_lost.whole
+    assert len(told.gained) <= told.could_be_gained.part <= told.could_be_gained.whole
+
+
 @given(seeded())
 def test_a_campaign_loses_and_gains_nothing_against_itself(flights: list[Outcome]):
     told = held_against(flights, flights)
@@ -75,6 +83,8 @@ def test_a_difference_that_one_fault_alone_would_show_is_unsure_among_three():
     among = held_against([*shown, *others], [*harmless, *others])
     assert (among.lost, among.unsure) == ((), (LATE,))
     assert min(mutant.lost_p for mutant in among.mutants) == pytest.approx(3 * 2 / 20**2)
+    assert [mutant.least_p for mutant in among.mutants] == pytest.approx([3 * 2 / 20**2] * 3)
+    assert (among.could_be_lost, among.could_be_gained) == (Ratio(0, 1), Ratio(0, 0))
 
 
 def test_a_verdict_that_hangs_on_a_seed_is_not_lost_and_the_halves_of_its_seeds_disagree():

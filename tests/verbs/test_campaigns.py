@@ -135,11 +135,19 @@ def test_a_gained_fault_and_an_equal_campaign_fail_no_pipeline(call: Call, two: 
         assert call("compare", *names, "--fail-on-lost", campaign=False).exit_code == 0
 
 
-def test_an_unsure_fault_fails_no_pipeline(call: Call, two: tuple[str, str], tmp_path: Path):
+def test_a_gate_that_could_never_fail_is_refused_and_the_comparison_says_of_how_many_faults(
+    call: Call, two: tuple[str, str], tmp_path: Path
+):
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet", "--campaign", f"{tmp_path}/one")
     told_by(call("run", *words, campaign=False))  # one flight, by the drone that the fault does not harm
-    done = call("compare", two[0], f"{tmp_path}/one", "--fail-on-lost", "--format", "json", campaign=False)
-    assert (done.exit_code, json.loads(done.stdout)["unsure"]) == (0, [M])
+    names = two[0], f"{tmp_path}/one"
+    told = of_form("compare", told_by(call("compare", *names, "--format", "json", campaign=False)))
+    assert (told["unsure"], told["could_be_lost"]) == ([M], {"part": 0, "whole": 1})
+    assert "1 of the 1 firm in old could not be called lost" in told_by(call("compare", *names, campaign=False))
+    page = tmp_path / "both.html"
+    refused = sentence(call("compare", *names, "--fail-on-lost", "--output", str(page), campaign=False))
+    assert refused.startswith("error: --fail-on-lost could never fail here")
+    assert not page.exists()
 
 
 def test_the_page_has_both_matrices_with_a_sign_for_each_verdict_and_fetches_nothing(
@@ -166,7 +174,12 @@ def test_campaigns_of_two_studies_are_compared_each_with_its_own(call: Call, two
     told_by(call("run", *words, study=second, campaign=False))
     named = str(second / "results" / "campaigns" / "b")
     told = of_form("compare", told_by(call("compare", two[0], named, "--format", "json", campaign=False)))
-    assert told["lost"] == [M]
+    assert (told["lost"], told["redefined"]) == ([M], [])
+    requirements = second / "sim" / "requirements.yaml"
+    requirements.write_text(requirements.read_text().replace("speed_mps / 0.25", "speed_mps / 0.35"))
+    done = call("compare", two[0], named, "--format", "json", campaign=False)
+    assert of_form("compare", told_by(done))["redefined"] == ["SR2", "SR2-literal"]
+    assert "the two studies define SR2 otherwise: formula" in done.stderr
 
 
 def test_a_campaign_that_a_change_made_stale_is_compared_as_it_was_flown(
