@@ -348,8 +348,10 @@ def fly_shared(
     from scaloft_fi.sim.flight import fly
 
     mutants = {flight.name: flight for flight in batch.flights if flight.mutant is not None}
-    wires = {name: wire_of(study, flight) for name, flight in mutants.items()}
-    fork, carrier = Fork(report, invalid), batch.carrier
+    fork, carrier, watched = Fork(report, invalid), batch.carrier, dict[str, TappedWire]()
+
+    def failed(name: str, error: Exception) -> None:
+        report(invalid(mutants[name], reason_of(error)))
 
     def branch(name: str, t_s: float) -> bool:
         if t_s >= SOON_S:
@@ -358,11 +360,15 @@ def fly_shared(
             report(outcome)
         return False
 
-    wire = WatchingWire(
-        {name: tapped for name, tapped in wires.items() if isinstance(tapped, TappedWire)},
-        branch=branch,
-        failed=lambda name, error: report(invalid(mutants[name], reason_of(error))),
-    )
+    for name, flight in mutants.items():
+        try:
+            if isinstance(tapped := wire_of(study, flight), TappedWire):
+                watched[name] = tapped
+        except InputError:
+            raise
+        except Exception as error:  # noqa: BLE001 - an operator that cannot be built is a failure of its mutants alone
+            failed(name, error)
+    wire = WatchingWire(watched, branch, failed)
     try:
         log = fly(study.sim, carrier.situation, carrier.seed, wire)
         outcome = judged(study, fork.taken or carrier, log)

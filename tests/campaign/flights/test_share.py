@@ -6,6 +6,7 @@ import os
 import random
 from dataclasses import asdict, replace
 from functools import cache
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,8 @@ from scaloft_fi.campaign.plan import alone
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.registry import PLUGIN_GROUP
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
 
@@ -97,6 +100,28 @@ def test_a_whole_flight_that_takes_its_process_with_it_takes_no_other(monkeypatc
     assert found[deadly.name].invalid == "its worker process died every time it was flown"
     assert not any(found[flight.name].invalid for flight in (from_take_off, late, last))
     assert (found[from_take_off.name].ending, found[late.name].ending) == ("after 1", "landed")
+
+
+def _no_tap(_context: Any, **_arguments: Any) -> Any:
+    raise RuntimeError("no antenna")
+
+
+def test_an_operator_that_cannot_be_built_is_invalid_with_its_plugin_and_no_other_flight_is(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    plugin = EntryPoint("odd", __name__, PLUGIN_GROUP)
+    monkeypatch.setattr("scaloft_fi.registry.plugins", lambda: (plugin,))
+    monkeypatch.setitem(OPERATORS._entries, "negate", replace(OPERATORS["negate"], make=_no_tap))
+    situation: Situation = _study().grid.situation("T0O0W0D0H0")
+    mutants = (None, *(realise(_study().matrix, name) for name in ("REVERSE-velcmd", "LATE-human@3s")))
+    flights = tuple(Flight(mutant, situation, 0) for mutant in mutants)
+    for batch in (Batch(flights, shared=True), Batch(flights)):
+        found = _outcomes([batch])
+        assert {name.partition("/")[0]: outcome.invalid for name, outcome in found.items()} == {
+            "baseline": "",
+            "REVERSE-velcmd": f"plugin 'odd' of package {__name__!r}: RuntimeError: no antenna",
+            "LATE-human@3s": "",
+        }
 
 
 MUTANTS = ("LATE-human@3s", "MORE-goal@1m", "UNINTENDED-collision@20s", "REVERSE-velcmd")
