@@ -11,6 +11,7 @@ from traceback import walk_tb
 from typing import Generic, TypeVar
 
 from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.output import answers_apart
 
 T = TypeVar("T")
 
@@ -113,7 +114,8 @@ def load_plugin(plugin: EntryPoint) -> None:
         InputError: as `load_plugins`.
     """
     try:
-        plugin.load()
+        with answers_apart():
+            plugin.load()
     except (Exception, SystemExit) as error:
         raise InputError(f"{_named(plugin)} cannot be loaded: {in_one_line(error)}; mend or uninstall it") from error
 

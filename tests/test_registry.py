@@ -64,6 +64,15 @@ def test_a_plugin_that_cannot_be_loaded_is_named_with_its_package(site: Path, co
         load_plugins()
 
 
+def test_what_a_plugin_prints_when_it_is_imported_goes_to_the_standard_error(
+    site: Path, capfd: pytest.CaptureFixture[str]
+):
+    (site / "talking_plugin.py").write_text("print('hello')\n")
+    install(site, "talking-package", {"talking": "talking_plugin"})
+    load_plugins()
+    assert capfd.readouterr() == ("", "hello\n")
+
+
 def test_an_error_is_the_plugins_when_its_code_raised_it_or_its_cause(site: Path):
     (site / "raising_plugin.py").write_text("def go():\n    raise KeyError('lost')\n")
     install(site, "raising-package", {"raising": "raising_plugin"})

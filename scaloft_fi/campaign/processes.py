@@ -24,6 +24,8 @@ from multiprocessing import parent_process
 from multiprocessing.connection import Connection, wait
 from typing import Any, Generic, NamedTuple, TypeVar
 
+from scaloft_fi.output import answers_apart
+
 LINUX = sys.platform.startswith("linux")
 _PR_SET_PDEATHSIG = 1
 _prctl: Callable[..., int] | None = getattr(ctypes.CDLL(None), "prctl", None) if LINUX else None
@@ -154,7 +156,8 @@ def _run_worker(work: Work, connection: Connection, inherited: Sequence[Connecti
     die_with(parent)
     for other in inherited:
         other.close()
-    _serve(work, connection)
+    with answers_apart():
+        _serve(work, connection)
 
 
 def _serve(work: Work, connection: Connection) -> None:
@@ -334,5 +337,5 @@ class ProcessPool(Generic[TaskT, ResultT]):
 if __name__ == "__main__":  # a worker in a new interpreter, whose standard input closes when its parent ends
     die_with(int(sys.argv[2]), sys.stdin.fileno())
     parent = Connection(int(sys.argv[1]))
-    with suppress(EOFError):
+    with suppress(EOFError), answers_apart():
         _serve(parent.recv(), parent)

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from processes import alive, soon
 
-from scaloft_fi.campaign.processes import ATTEMPTS, ProcessPool, cores, started_clean
+from scaloft_fi.campaign.processes import ATTEMPTS, ProcessPool, Start, cores, forked, started_clean
 
 
 def _square(number: int, home: Callable[[Any], None]) -> None:
@@ -152,6 +152,9 @@ def work(task, home):
     kind, number = task
     if kind == "threads":
         home((number, os.environ["OMP_NUM_THREADS"]))
+    elif kind == "print":
+        print("printed", number, flush=True)
+        os.write(1, b"beside Python\\n")
     elif kind == "raise":
         raise TypeError(f"no {number}")
     elif number == 3:
@@ -173,6 +176,12 @@ def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
 def test_a_worker_started_clean_works_on_one_thread(work: Any):
     results = _map(work, [("threads", n) for n in range(3)], 2, start=started_clean)
     assert sorted(results) == [(n, "1") for n in range(3)]
+
+
+@pytest.mark.parametrize("start", [forked, started_clean])
+def test_what_a_worker_prints_goes_to_the_standard_error(work: Any, start: Start, capfd: pytest.CaptureFixture[str]):
+    _map(work, [("print", 1), ("print", 2)], start=start)
+    assert capfd.readouterr() == ("", "printed 1\nbeside Python\nprinted 2\nbeside Python\n")
 
 
 def test_a_worker_started_clean_that_dies_is_replaced(work: Any):

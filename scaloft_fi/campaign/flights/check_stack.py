@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from scaloft_fi.errors import InputError, ScaloftError
+from scaloft_fi.output import answers_apart
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.sim.stacks import claims_of
 from scaloft_fi.stack.declaration import TICK_HZ, Declaration, Instant, PlainWire, Seam, Stack, Wire
@@ -210,6 +211,7 @@ class _Inspection:
             self._check_raising(declared, method)
         return StackCheck(declared.name, self.situation.key, self.seed, tuple(self.failures), tuple(self.observations))
 
+    @answers_apart()
     def flown(self, wire: Wire, declared: Declaration, flight: str) -> FlightLog | None:
         """The log of one flight; None, with a failure, where it cannot be flown."""
         from scaloft_fi.sim.flight import fly

@@ -22,6 +22,7 @@ from scaloft_fi.judge.outcome import Outcome, Subject, outcome_of
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.mutants.operator import Facts
 from scaloft_fi.mutants.wire import SeamCount, TappedWire, WatchingWire, contexts, wire_for
+from scaloft_fi.output import answers_apart
 from scaloft_fi.registry import in_one_line, plugin_behind
 
 if TYPE_CHECKING:
@@ -92,6 +93,7 @@ COMMANDED = "scaloft_fi.campaign.flights.command"
 """The module that flies with the command of a study."""
 
 
+@answers_apart()
 def fly_log(study: Study, flight: Flight) -> FlightLog:
     """Fly one flight, by the command of the study where it has one; returns its log."""
     if study.command is not None:

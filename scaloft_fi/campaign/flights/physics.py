@@ -29,6 +29,7 @@ from scaloft_fi.campaign.flights.fly import (
 from scaloft_fi.campaign.processes import LINUX, PATIENCE_S, ProcessPool, cores, die_with
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.output import answers_apart
 from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.stack.declaration import TICK_HZ, TICK_S, Declaration, PlainWire, Task
 from scaloft_fi.study import Study
@@ -42,6 +43,7 @@ NOTICE_S = 1.0
 class Physics:
     """Flies in PyBullet."""
 
+    @answers_apart()
     def prepare(self, study: Study, say: Callable[[str], None]) -> None:
         """Build the stack, compile its kernels and parse the formulas: fly and judge a few seconds.
 
@@ -121,6 +123,7 @@ DISTANCE_M, TURN_DEG, TILT_DEG = 3.0, 15.0, -60.0
 from outside)."""
 
 
+@answers_apart()
 def fly_in_window(study: Study, flight: Flight) -> FlightLog:
     """Fly in a window; returns the log.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import signal
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,8 +14,10 @@ from typing import Any
 
 import pytest
 from processes import alive, soon
+from studies import copied
+from tiny_stack import Hop, hop
 
-from scaloft_fi.campaign.flights.fly import CAN_FORK, Flight, Fork, as_baseline, facts, invalid
+from scaloft_fi.campaign.flights.fly import CAN_FORK, Flight, Fork, as_baseline, facts, fly_log, invalid
 from scaloft_fi.campaign.processes import ATTEMPTS
 from scaloft_fi.judge.outcome import Outcome, Subject
 from scaloft_fi.mutants.mutant import Mutant
@@ -22,6 +25,8 @@ from scaloft_fi.mutants.operator import Facts
 from scaloft_fi.mutants.wire import SeamCount
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.mine import Mine
+from scaloft_fi.sim.stacks import STACKS
+from scaloft_fi.study import Study
 
 SIM = Path(__file__).parents[3] / "sim"
 
@@ -71,6 +76,27 @@ def test_without_a_wall_the_first_leg_gives_the_direction(monkeypatch: pytest.Mo
     assert found.wall_m is None
     assert found.inward == (0.0, 0.0)
     assert found.bearing_rad == pytest.approx(math.pi / 2)
+
+
+class Talking(Hop):
+    def autopilot(self, now_s: float, frames: Any) -> None:
+        super().autopilot(now_s, frames)
+        sys.stdout.write("talks\n")
+        sys.stdout.flush()
+        os.write(1, b"beside Python\n")
+
+
+@pytest.mark.flight
+def test_what_a_stack_prints_in_a_flight_of_this_process_goes_to_the_standard_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+):
+    folder = copied(tmp_path / "study")
+    (folder / "sim" / "stack.yaml").write_text("name: hop\nmass_kg: 1.5\n")
+    monkeypatch.setitem(STACKS._entries, "hop", hop(Talking))
+    study = Study.open(folder)
+    log = fly_log(study, Flight(None, study.grid.situations[0], 0))
+    polls = len(log.signals["elapsed_s"]) - 1
+    assert capfd.readouterr() == ("", "talks\nbeside Python\n" * polls)
 
 
 def test_what_never_differs_has_its_baselines_outcome_but_for_what_it_carried():
