@@ -15,7 +15,7 @@ from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import Score, score_of
 from scaloft_fi.campaign.store import held as holding
 from scaloft_fi.campaign.store.archive import Archive, campaign_folder, opened
-from scaloft_fi.campaign.store.held import with_tracks
+from scaloft_fi.campaign.store.held import NOT_REPEATED, with_tracks
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.hazop.matrix import cell_of
@@ -89,22 +89,29 @@ class Reason:
 
 @dataclass(frozen=True)
 class Stale:
-    """The stored flights that no longer count and were not flown again.
+    """The stored flights that no longer count and were not flown again, and those that did not repeat their bits.
 
     Attributes:
-        flights: how many.
+        flights: how many no longer count.
         reasons: why they no longer count, the commonest reason first.
         command: what flies them again; null: there are none that the study still has.
+        differed: flights that count although their repetition had other bits; no score with them is valid.
     """
 
     flights: int = 0
     reasons: tuple[Reason, ...] = ()
     command: str | None = None
+    differed: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, why: Mapping[str, int], command: str) -> Stale:
+    def of(cls, why: Mapping[str, int], command: str, differed: tuple[str, ...] = ()) -> Stale:
         """The flights by reason, with the command that flies them again; empty where the study has none any more."""
-        return cls(sum(why.values()), tuple(Reason(*each) for each in why.items()), command or None)
+        return cls(sum(why.values()), tuple(Reason(*each) for each in why.items()), command or None, differed)
+
+    @property
+    def invalid(self) -> tuple[str, ...]:
+        """Why no score of the campaign is valid, in a sentence; empty when it may be."""
+        return (f"no score is valid, because {NOT_REPEATED}: {', '.join(self.differed)}",) if self.differed else ()
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -115,14 +122,14 @@ class Stale:
 them again',)
         """
         if not self.reasons:
-            return ()
+            return self.invalid
         flights, counted = self.flights, len(self.reasons) > 1
         reasons = [f"{one.why} ({one.flights})" if counted else one.why for one in self.reasons]
         rest = [f"{len(reasons) - REASONS} more reasons (`scaloft-fi status`)"] if len(reasons) > REASONS else []
         told = f"{flights} stored flight{'s' * (flights != 1)} no longer count{'s' * (flights == 1)}"
         again = f"`{self.command}` flies {'them' if flights != 1 else 'it'} again"
         ends = again if self.command else "the study has no such flight any more"
-        return (f"{told}: {', '.join([*reasons[:REASONS], *rest])}; {ends}",)
+        return (*self.invalid, f"{told}: {', '.join([*reasons[:REASONS], *rest])}; {ends}")
 
 
 NONE = Stale()
@@ -193,9 +200,10 @@ class Snapshot:
     def stale(self) -> Stale:
         """The stored flights that no longer count and were not flown again, with the command that does it."""
         found, study = holding.stale_in(self.now), self.study
-        if not found.flown:
-            return Stale.of(found.why, "")
-        return Stale.of(found.why, study.again if study.tests_of else _again(study, self.now, self.name, found.flown))
+        again = ""
+        if found.flown:
+            again = study.again if study.tests_of else _again(study, self.now, self.name, found.flown)
+        return Stale.of(found.why, again, holding.differed_in(self.now))
 
     @cached_property
     def latest(self) -> tuple[Outcome, ...]:

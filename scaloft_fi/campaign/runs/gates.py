@@ -15,7 +15,7 @@ from scaloft_fi.campaign.flights.fly import CAN_FORK, Flyer
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import alone
 from scaloft_fi.campaign.store import platforms
-from scaloft_fi.campaign.store.held import counting_flights, flight_named
+from scaloft_fi.campaign.store.held import NOT_REPEATED, counting_flights, flight_named
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.campaign.workers import Executor, Workers
 from scaloft_fi.errors import GateError
@@ -74,7 +74,7 @@ def check_gates(
     canary: str | None,
     whole_grid: bool,
     part: bool = False,
-    repeats: Sequence[Outcome] = (),
+    differed: Collection[str] = (),
     max_invalid: float = MOST_INVALID,
     deterministic: bool = True,
     spending: Spending = ONCE,
@@ -88,7 +88,7 @@ def check_gates(
         canary: id of the control whose flight proves that faults reach the drone; None in a study without controls.
         whole_grid: whether every situation was flown, so that every control must show an effect.
         part: whether this is one part of a run; then a missing effect is no failure, because another part may have it.
-        repeats: outcomes of repeated flights.
+        differed: names of the flights whose repetition had other bits, in this run or in an earlier one.
         max_invalid: greatest share 0..1 of invalid flights.
         deterministic: whether flights repeat their bits; if not, PLACEBO must not be detected by the score's own test,
             instead of being the baseline bit for bit, and a repeated flight proves nothing.
@@ -100,7 +100,7 @@ def check_gates(
     listed = list(outcomes)
     failed = [
         *_too_many_invalid(listed, max_invalid),
-        *(_same_bits(listed, repeats) if deterministic else _placebo_detected(listed, spending)),
+        *(_same_bits(listed, differed) if deterministic else _placebo_detected(listed, spending)),
         *_raising(listed),
         *_grounded(listed),
     ]
@@ -117,20 +117,23 @@ def _too_many_invalid(outcomes: Sequence[Outcome], most: float) -> Iterator[str]
         yield f"{len(broken)} of {len(outcomes)} flights are invalid, more than {most:.0%}: {names}"
 
 
-def _same_bits(outcomes: Sequence[Outcome], repeats: Sequence[Outcome]) -> Iterator[str]:
-    baselines, first = status.baselines_of(outcomes), {outcome.name: outcome for outcome in outcomes}
-    placebos = (outcome for outcome in outcomes if outcome.mutant == PLACEBO_ID)
-    for what, pairs in (
-        ("PLACEBO differs from the baseline", [(one, baselines.get((one.situation, one.seed))) for one in placebos]),
-        ("a repeated flight differs from the first", [(one, first.get(one.name)) for one in repeats]),
-    ):
-        names = [
-            one.name
-            for one, other in pairs
-            if other and not (one.invalid or other.invalid) and status.digests(one) != status.digests(other)
-        ]
-        if names:
-            yield f"{what}: {_listed(names)}"
+def differing(outcomes: Iterable[Outcome], repeats: Iterable[Outcome]) -> list[Outcome]:
+    """The repeated flights with other bits than the first ones, which are among `outcomes`."""
+    first = {outcome.name: outcome for outcome in outcomes}
+    return [one for one in repeats if one.name in first and _differ(one, first[one.name])]
+
+
+def _differ(one: Outcome, other: Outcome) -> bool:
+    return not (one.invalid or other.invalid) and status.digests(one) != status.digests(other)
+
+
+def _same_bits(outcomes: Sequence[Outcome], differed: Collection[str]) -> Iterator[str]:
+    baselines = status.baselines_of(outcomes)
+    pairs = [(one, baselines.get((one.situation, one.seed))) for one in outcomes if one.mutant == PLACEBO_ID]
+    if placebos := [one.name for one, baseline in pairs if baseline and _differ(one, baseline)]:
+        yield f"PLACEBO differs from the baseline: {_listed(placebos)}"
+    if differed:
+        yield f"{NOT_REPEATED}: {_listed(sorted(differed))}"
 
 
 def _placebo_detected(outcomes: Sequence[Outcome], spending: Spending) -> Iterator[str]:

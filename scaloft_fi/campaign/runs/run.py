@@ -383,10 +383,12 @@ class Run:
         Raises:
             GateError: a gate failed.
         """
+        again = gates.differing(outcomes, self.repeats) if self.study.stack.deterministic else ()
+        for one in again:
+            held.remember_differed(self.store, self._keys.key(self._flight_of(one)), one)
 
         def tracked(baseline: Outcome) -> Outcome:
-            flight = Flight(None, self.study.grid.situation(baseline.situation), baseline.seed)
-            return self.store.get(self._keys.key(flight)) or baseline
+            return self.store.get(self._keys.key(self._flight_of(baseline))) or baseline
 
         gates.check_gates(
             [tracked(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
@@ -394,11 +396,14 @@ class Run:
             canary=asked.canary.id if asked.canary else None,
             whole_grid={flight.situation.key for flight in asked.baselines} == self.study.space.point.keys(),
             part=part or self.options.part,
-            repeats=self.repeats,
+            differed=held.differed_in(held.Now(self.study, self.store)),
             max_invalid=self.options.max_invalid,
             deterministic=self.study.stack.deterministic,
             spending=self.spending,
         )
+
+    def _flight_of(self, outcome: Outcome) -> Flight:
+        return flight_named(self.study, outcome.mutant, outcome.situation, outcome.seed)
 
     def raise_if_stopped(self, saved: str) -> None:
         """Raise if the user asked to stop.

@@ -310,8 +310,11 @@ def with_tracks(
     return tuple(tracked(outcome) for outcome in outcomes)
 
 
-ASKED, CHOICE = "asked", "choice"
-"""Prefixes of the names of the notes that runs leave: mutants with seeds, choices of situations."""
+ASKED, CHOICE, DIFFERED = "asked", "choice", "differed"
+"""Prefixes of the names of the notes that runs leave: mutants with seeds, choices of situations, repeated flights."""
+
+NOT_REPEATED = "a repeated flight differs from the first"
+"""What is said of a campaign with such a flight."""
 
 
 def remember_seeds(store: Store, mutants: Iterable[str], seeds: Iterable[int]) -> None:
@@ -329,6 +332,30 @@ def remember_seeds(store: Store, mutants: Iterable[str], seeds: Iterable[int]) -
 def grown_in(store: Store) -> frozenset[str]:
     """The mutants that runs asked to fly with more than one set of seeds."""
     return frozenset(mutant for mutant, seeds in _asked(store).items() if len(seeds) > 1)
+
+
+def remember_differed(store: Store, key: str, outcome: Outcome) -> None:
+    """Record that the repetition of the flight with this key had other bits.
+
+    Raises:
+        InputError: the store cannot be written.
+    """
+    content = {"key": key, "mutant": outcome.mutant, "situation": outcome.situation, "seed": outcome.seed}
+    store.remember(DIFFERED, content, key)
+
+
+def differed_in(now: Now) -> tuple[str, ...]:
+    """Names of the flights that count although their repetition had other bits: no score with them is valid.
+
+    Raises:
+        InputError: a record is none of a flight.
+    """
+
+    def read(one: Any) -> FlownFlight:
+        return FlownFlight(str(one["key"]), str(one["mutant"]), str(one["situation"]), int(one["seed"]), None)
+
+    flights = now.store.records(DIFFERED, read)
+    return tuple(f"{flight.mutant}/{flight.situation}/{flight.seed}" for flight in flights if now.stands(flight))
 
 
 def _asked(store: Store) -> dict[str, set[frozenset[int]]]:

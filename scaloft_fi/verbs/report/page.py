@@ -219,7 +219,15 @@ def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any
     whole, same = flown == evidence.study.space.point.keys(), evidence.study.stack.deterministic
     spending = Spending(scored.alpha)
     try:
-        check_gates(outcomes, roster, canary=None, whole_grid=whole, deterministic=same, spending=spending)
+        check_gates(
+            outcomes,
+            roster,
+            canary=None,
+            whole_grid=whole,
+            differed=evidence.stale.differed,
+            deterministic=same,
+            spending=spending,
+        )
         failed = ""
     except GateError as error:
         failed = str(error)

@@ -26,12 +26,14 @@ from scaloft_fi.campaign.runs.gates import RISE_M, check_gates
 from scaloft_fi.campaign.runs.merge import merge
 from scaloft_fi.campaign.runs.run import Report, mission_log, run
 from scaloft_fi.campaign.store.archive import LOG_NAME, STORE_NAME
+from scaloft_fi.campaign.store.held import Now, differed_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers import Interrupted
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
 from scaloft_fi.output import json_text
 from scaloft_fi.sim import observer
+from scaloft_fi.verbs.snapshot import Stale
 
 
 def test_everything_flies_everywhere_one_control_somewhere_one_flight_again_and_nothing_the_next_time(
@@ -314,6 +316,24 @@ def test_a_repeat_that_differs_fails_the_gate(log: Any, fly: Runs):
     log.change = lambda _flight, outcome: replace(outcome, digest=f"{outcome.digest}-{len(log.flown) > 13}")
     with pytest.raises(GateError, match="a repeated flight differs from the first: baseline/D0H0/0"):
         fly()
+
+
+def test_a_repeat_that_differed_fails_the_gate_of_each_later_run_that_the_flight_counts_for(
+    study: Any, log: Any, fly: Runs
+):
+    fly()
+    log.change = changed("baseline/D0H1/0", digest="other")
+    said = "a repeated flight differs from the first: baseline/D0H1/0"
+    with pytest.raises(GateError, match=said):
+        fly(asked(study, names=THREE))
+    log.change = same
+    for names in (THREE, (LATE,)):
+        with pytest.raises(GateError, match=said):
+            fly(asked(study, names=names))
+    with Store(study.folder / "c" / STORE_NAME, create=False) as store:
+        differed = differed_in(Now(study, store))
+    assert differed == ("baseline/D0H1/0",)
+    assert Stale.of({}, "", differed).sentences == (f"no score is valid, because {said}",)
 
 
 @pytest.mark.parametrize(
