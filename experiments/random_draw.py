@@ -29,7 +29,7 @@ from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operator import ALL, Argument, Operator
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.vehicle import Vehicle
-from scaloft_fi.stack.declaration import UNITS, Declaration, Seam
+from scaloft_fi.stack.declaration import Declaration, Seam, unit_of
 from scaloft_fi.stack.messages import field_type, number_fields, vector_fields
 from scaloft_fi.streams import generator
 from scaloft_fi.study import Study
@@ -208,7 +208,7 @@ def _unit(argument: Argument, seam: Seam, field: str) -> str:
     """The unit of a number: of the field where it has the field's unit, else the ending of its name."""
     if _in_unit_of_field(argument):
         return seam.unit(number_fields(seam.message)[0] if field == ALL else field)
-    return UNITS.get(argument.name.rpartition("_")[2], "")
+    return unit_of(argument.name)
 
 
 def _one_of(texts: tuple[str, ...], rng: np.random.Generator) -> str:

@@ -427,7 +427,6 @@ def check_requirements(path: Path, known: KnownSignals, findings: Findings) -> i
                 _tell_constants(formula, ranges, item.place, f"definition {name!r}", findings)
                 ranges[name] = bounds.bounds_of(formula, ranges)
             ranges.setdefault(name, bounds.ANY)  # its name is known, whatever it says
-            texts.setdefault(name, str(item.value))
         entries = document.need("requirements").mapping(most=bounds.MOST)
         for item in entries.values():
             with findings.collecting():

@@ -28,7 +28,7 @@ from scaloft_fi.marks import Called, Choices, Examples, Given, Key, Reads, Size
 from scaloft_fi.model import Schema, read, schema
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, truth_signals
 from scaloft_fi.sim.world import ROLES, World
-from scaloft_fi.stack.declaration import TICK_S
+from scaloft_fi.stack.declaration import TICK_S, unit_of
 
 if TYPE_CHECKING:
     from scaloft_fi.sim.log import FlightLog
@@ -286,7 +286,7 @@ def read_requirement(item: Item, definitions: Mapping[str, str], names: Collecti
         check: check of each formula.
 
     Raises:
-        InputError: a key is missing or unknown, the kind is unknown, a formula is wrong.
+        InputError: a key is missing or unknown, the kind is unknown, a formula is wrong, the unit is not its signals'.
     """
     faults, model = Faults(), None
     with faults.collecting():
@@ -304,7 +304,35 @@ def read_requirement(item: Item, definitions: Mapping[str, str], names: Collecti
     faults.end()
     assert model is not None
     assert body is not None
-    return replace(model, definitions=_needed(definitions, [body, model.trigger]))
+    made = replace(model, definitions=_needed(definitions, [body, model.trigger]))
+    if made.unit:
+        _check_unit(made, body, item)
+    return made
+
+
+def _check_unit(requirement: Requirement, body: str, item: Item) -> None:
+    """Refuse another unit than that of the robustness, where this is one that the names of its signals end in."""
+    known: dict[str, Mapping[str, str]] = {}
+    for name, text in (*requirement.definitions, (TRIGGER, requirement.trigger), ("", body)):
+        known[name] = _units(parse(tokenize(text)), known) if text else {}
+    units = known[""]
+    (unit, signal) = next(iter(units.items()), ("", ""))
+    if len(units) == 1 and unit not in ("", requirement.unit):
+        raise item.need("unit").error(f"{unit}, the unit of {signal}")
+
+
+def _units(node: stl.Node, known: Mapping[str, Mapping[str, str]]) -> Mapping[str, str]:
+    """The units that the robustness of a part may have, each with a signal in it; "" is one that nothing is known of.
+
+    Args:
+        node: the part.
+        known: the same of each definition.
+    """
+    if isinstance(node, stl.Signal):
+        return known.get(node.name, {unit_of(node.name): node.name})
+    units = {unit: signal for part in reversed(stl.parts(node)) for unit, signal in _units(part, known).items()}
+    scaled = isinstance(node, stl.Infix) and node.operator in ("*", "/")
+    return {"": ""} if units and (scaled or (isinstance(node, stl.Prefix) and node.word == "sqrt")) else units
 
 
 def _inside(item: Item) -> str:

@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from types import MappingProxyType
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -58,9 +57,19 @@ class PlainWire:
         return sample
 
 
-_UNITS = {"mps": "m/s", "mps2": "m/s2", "radps": "rad/s", "hz": "Hz", "n": "N", "v": "V", "ev": "EV", "hpa": "hPa"}
-UNITS: Mapping[str, str] = MappingProxyType({"s": "s", "m": "m", "rad": "rad", "deg": "deg", **_UNITS})
-"""Units by the ending of a field's name, as in `range_m`."""
+_WRITTEN = {"mps": "m/s", "mps2": "m/s2", "radps": "rad/s", "hz": "Hz", "n": "N", "v": "V", "ev": "EV", "hpa": "hPa"}
+_UNITS = {**{unit: unit for unit in ("s", "m", "rad", "deg")}, **_WRITTEN}
+
+
+def unit_of(name: str) -> str:
+    """The unit that the name of a signal, a field or an argument ends in; "" for none.
+
+    >>> unit_of("person_x_m"), unit_of("haze_per_m"), unit_of("landed")
+    ('m', '1/m', '')
+    """
+    if name.endswith("_per_m"):
+        return "1/m"
+    return _UNITS.get(name.rpartition("_")[2], "") if "_" in name else ""
 
 
 def _whole(sample: Any) -> Any:
@@ -99,7 +108,7 @@ class Seam:
 
     def unit(self, field: str) -> str:
         """The unit of a field: declared, else the ending of its name, else "" for a plain number."""
-        return self.units.get(field, UNITS.get(field.rpartition("_")[2], "") if "_" in field else "")
+        return self.units.get(field, unit_of(field))
 
     @property
     def number_units(self) -> Mapping[str, str]:

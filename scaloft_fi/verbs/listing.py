@@ -23,7 +23,7 @@ from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import say, tell, tell_line, width
 from scaloft_fi.registry import plugins
 from scaloft_fi.stack import messages
-from scaloft_fi.stack.declaration import UNITS, Seam
+from scaloft_fi.stack.declaration import Seam, unit_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names
 from scaloft_fi.verbs.names import operators, seams
@@ -209,7 +209,7 @@ def _kind_said(hint: Any) -> str:
 
 def _whole(message: type) -> str:
     def one(name: str) -> str:
-        unit = UNITS.get(name.rpartition("_")[2], "") if "_" in name else ""
+        unit = unit_of(name)
         return f"{name} {kind_of(message, name)}" + (f" [{unit}]" if unit else "")
 
     return ", ".join(map(one, messages.field_names(message)))
@@ -650,9 +650,7 @@ def argument_facts(argument: Argument) -> ListedArgument:
 def _unit(argument: Argument) -> str:
     if argument.of_field or argument.name in _OF_FIELD:
         return "of the field"
-    if argument.kind not in (float, int):
-        return ""
-    return UNITS.get(argument.name.rpartition("_")[2], "") if "_" in argument.name else ""
+    return unit_of(argument.name) if argument.kind in (float, int) else ""
 
 
 def _said(value: Any) -> str:

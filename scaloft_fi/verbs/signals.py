@@ -15,7 +15,7 @@ from scaloft_fi.model import read
 from scaloft_fi.outside.records import DERIVED, MappedSignal, load_record_map
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, Signal, belief_signals, clearance_name, truth_signals
-from scaloft_fi.stack.declaration import UNITS, Belief
+from scaloft_fi.stack.declaration import Belief, unit_of
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.listing import OWN, Entry, Listing, number_range, package_of
 from scaloft_fi.verbs.names import signals
@@ -287,17 +287,6 @@ def _passing(study: Study, known: set[str]) -> Iterator[Found]:
             example = f"eventually({clearance_name(body)} < 0.8)"
             fact = SignalFact(example, lacking.format("body"), most=CLEARANCE_CAP_M)
             yield Found(name, "m", f"hull to {body}, at most 1", f"ground truth, optional body {body}", REALISED, fact)
-
-
-def unit_of(name: str) -> str:
-    """The unit that a signal's name ends in; "" for none.
-
-    >>> unit_of("person_x_m"), unit_of("haze_per_m"), unit_of("landed")
-    ('m', '1/m', '')
-    """
-    if name.endswith("_per_m"):
-        return "1/m"
-    return UNITS.get(name.rpartition("_")[2], "") if "_" in name else ""
 
 
 def _recorded(study: Study) -> Mapping[str, str] | None:

@@ -187,10 +187,36 @@ GOOD = "requirements:\n  R:\n    kind: safety\n    formula: always(clearance_m >
         (GOOD.replace("safety", "reported"), ":1: requirements must have at least one of kind safety"),
         (GOOD.replace("    formula: always(clearance_m > 0)\n", ""), "lacks the key 'formula'"),
         ("requirements: [\n", "not valid YAML"),
+        (GOOD + "    unit: cm\n", ":5: unit='cm' must be m, the unit of clearance_m"),
     ],
 )
 def test_a_bad_file_is_one_sentence_with_its_line(tmp_path: Path, text: str, said: str):
     assert said in refusal(requirements.load_requirements, written(tmp_path, text), READABLE)
+
+
+FAST_NEAR = GOOD + "    trigger: once(close)\n    unit: mps\ndefinitions:\n  close: abs(x_m - 3) <= 1\n"
+
+
+def test_the_unit_of_a_requirement_is_that_of_its_signals_through_trigger_and_definitions(tmp_path: Path):
+    written(tmp_path, FAST_NEAR.replace("clearance_m > 0", "trigger implies mean[0:1](y_m) < 2"))
+    said = refusal(requirements.load_requirements, tmp_path / "requirements.yaml", READABLE)
+    assert said.endswith("requirements.yaml:6: unit='mps' must be m, the unit of x_m")
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [
+        "speed_mps < 1 and clearance_m > 0",
+        "trigger implies speed_mps < 1",
+        "x_m * 100 < 5",
+        "sqrt(x_m) < 2",
+        "landed < 1",
+    ],
+)
+def test_a_robustness_of_several_units_or_of_none_that_is_known_may_have_any(tmp_path: Path, formula: str):
+    path = written(tmp_path, FAST_NEAR.replace("clearance_m > 0", formula))
+    (requirement,) = requirements.load_requirements(path, {*READABLE, "landed"})
+    assert requirement.unit == "mps"
 
 
 def test_definitions_may_build_on_those_above_them(tmp_path: Path):
