@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from copy import deepcopy
 from dataclasses import dataclass, replace
+from itertools import cycle
 from typing import Any
 
 import numpy as np
 
-from scaloft_fi.mutants.operator import Occurrences
+from scaloft_fi.mutants.operator import Occurrences, Operator
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.registry import load_plugins
+from scaloft_fi.registry import in_one_line, load_plugins
 
 DIGITS = 1e-9
 """How much two equal numbers may differ."""
+TRIED_S = 30.0
+"""How long the samples of an example are sent again, so that a fault that begins late acts [s]."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,8 @@ def operators_of(package: str) -> tuple[str, ...]:
 def check_operator(name: str) -> OperatorCheck:
     """Send the samples of an operator's example through a tap of it, and hold what arrives against the example.
 
+    Two more taps get the same samples for 30 s, and the same must arrive from both.
+
     Args:
         name: of the operator; plugins are loaded.
 
@@ -72,6 +79,7 @@ def check_operator(name: str) -> OperatorCheck:
             for place, (said, there) in enumerate(zip(example.after, arrived, strict=False))
             if not alike(said, there)
         ]
+    failures += _not_repeated(one)
     one.tap(replace(example.context(), event=(event := Occurrences())), example.arguments)
     if one.awaits_events and not event.awaited:
         failures.append("its argument phase_s must shift windows that it takes from its context")
@@ -80,12 +88,29 @@ def check_operator(name: str) -> OperatorCheck:
     return OperatorCheck(name, arrived, tuple(failures))
 
 
+def _not_repeated(one: Operator) -> Iterator[str]:
+    """A sentence where a tap of an operator raises, or two deliver other samples of the same ones."""
+    example, goes_on, found = one.example, "when the samples of its example go on", list[list[Any]]()
+    for _ in range(2):
+        tap = one.tap(example.context(), example.arguments)
+        found.append([])
+        for poll, sample in zip(range(round(TRIED_S * example.rate_hz)), cycle(deepcopy(example.before)), strict=False):
+            try:
+                found[-1].append(tap(poll / example.rate_hz, sample))
+            except Exception as error:  # noqa: BLE001 - whatever a tap raises is told
+                yield f"its tap raises at {poll / example.rate_hz:g} s, {goes_on}: {in_one_line(error)}"
+                return
+    differing = [poll / example.rate_hz for poll, pair in enumerate(zip(*found, strict=True)) if not alike(*pair)]
+    if differing:
+        remedy = "random numbers must come from context.rng, and the memory of a tap must be its own"
+        yield f"two flights differ at {differing[0]:g} s, {goes_on}: {remedy}"
+
+
 def alike(one: Any, other: Any) -> bool:
     """Whether two samples are equal but for the last digits of their numbers."""
     if isinstance(one, tuple):
         return type(one) is type(other) and len(one) == len(other) and all(map(alike, one, other))
-    if isinstance(one, np.ndarray):
-        return isinstance(other, np.ndarray) and one.shape == other.shape and np.allclose(one, other, 0.0, DIGITS)
-    if isinstance(one, float) and isinstance(other, float):
-        return one == other or abs(one - other) < DIGITS
+    if isinstance(one, np.ndarray | float):
+        of_numbers = isinstance(other, np.ndarray | float | int) and np.shape(one) == np.shape(other)
+        return of_numbers and np.allclose(one, other, 0.0, DIGITS, equal_nan=True)
     return bool(one == other)

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import copy
 import math
+import random
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -213,11 +214,24 @@ def _undocumented(*_: Any, **__: Any) -> Any:
     return lambda _t_s, sample: sample
 
 
+def _random(*_: Any, **__: Any) -> Any:
+    """Lose samples at random from 1 s on."""
+    return lambda t_s, sample: None if t_s >= 1.0 and random.random() < 0.5 else sample
+
+
+def _raising(*_: Any, **__: Any) -> Any:
+    """Raise from 1 s on."""
+    return lambda t_s, sample: sample if t_s < 1.0 else sample.nothing
+
+
 DELAY = OPERATORS["delay"].example
+HELD = replace(DELAY, after=DELAY.before)
 BROKEN: Mapping[str, tuple[dict[str, Any], str]] = {
     "another sample": ({"example": replace(DELAY, after=DELAY.before)}, "sample 0 of its example: "),
     "too few samples": ({"example": replace(DELAY, after=())}, "has 0 samples after, and "),
     "a predicate": ({"example": replace(DELAY, after=lambda _before, _after: False)}, "its example does not hold"),
+    "random numbers of its own": ({"make": _random, "example": HELD}, "two flights differ at 1"),
+    "an error that comes late": ({"make": _raising, "example": HELD}, "its tap raises at 1 s, when the samples of its"),
     "no docstring": ({"make": _undocumented}, "its docstring must begin with a sentence"),
 }
 

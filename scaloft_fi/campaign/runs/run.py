@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import InitVar, dataclass, field
@@ -36,8 +36,10 @@ from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.mutant import PLACEBO
+from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import json_text, write_own
 from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sources import PACKAGE
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 
@@ -361,6 +363,20 @@ class Run:
         if self.flown and done:
             self.repeats += self._outcomes(alone([min(done, key=self.weight_s)]))
 
+    def altered_by_plugins(self, flights: Iterable[Flight]) -> list[list[Flight]]:
+        """The stored `flights` that an operator of a plugin altered, by operator, most altered samples first."""
+        theirs = {
+            flight.name: (flight.mutant.operator, flight)
+            for flight in flights
+            if flight.mutant and not OPERATORS[flight.mutant.operator].make.__module__.startswith(f"{PACKAGE}.")
+        }
+        altered = filter(infects, self.outcomes(flight for _, flight in theirs.values()))
+        found = defaultdict[str, list[Flight]](list)
+        for outcome in sorted(altered, key=lambda outcome: outcome.altered, reverse=True):
+            operator, flight = theirs[outcome.name]
+            found[operator].append(flight)
+        return list(found.values())
+
     def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
         """The stored outcomes of `flights`."""
         return tuple(self.store.outcomes(map(self._keys.key, flights)))
@@ -568,12 +584,16 @@ def _fly(planned: Plan, campaign: Run, budget: Budget) -> Report:
 
 
 def finish(campaign: Run, planned: Plan, flights: Sequence[Flight], left: tuple[Flight, ...] = ()) -> Report:
-    """Fly the canary, unless flights are `left`, repeat a baseline and write the mission log; what a run ends with."""
+    """Fly the canary, unless flights are `left`, repeat flights and write the mission log; what a run ends with.
+
+    A baseline is repeated, and of each operator that a plugin declares a flight that it altered.
+    """
     canary = canary_flight(planned, campaign.outcomes(planned.baselines)) if not left else None
     if canary is not None:
         campaign.plan([canary], canary=True)
         campaign.fly([canary])
-    campaign.repeat(planned.baselines)
+    for alike in (planned.baselines, *campaign.altered_by_plugins(planned.mutants)):
+        campaign.repeat(alike)
     campaign.reporter.close()
     outcomes = campaign.outcomes((*flights, *([canary] if canary else [])))
     write_log(campaign.study, campaign.folder, current_in(campaign.study, campaign.store))

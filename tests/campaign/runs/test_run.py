@@ -31,6 +31,7 @@ from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers import Interrupted
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
+from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import json_text
 from scaloft_fi.sim import observer
 from scaloft_fi.verbs.snapshot import Stale
@@ -334,6 +335,33 @@ def test_a_repeat_that_differed_fails_the_gate_of_each_later_run_that_the_flight
         differed = differed_in(Now(study, store))
     assert differed == ("baseline/D0H1/0",)
     assert Stale.of({}, "", differed).sentences == (f"no score is valid, because {said}",)
+
+
+@pytest.fixture
+def theirs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The operator of LATE is that of a plugin."""
+
+    def make(context: Any, **arguments: Any) -> Any:
+        raise AssertionError
+
+    make.__module__ = "their_faults"
+    monkeypatch.setitem(OPERATORS._entries, "delay", replace(OPERATORS["delay"], make=make))
+
+
+@pytest.mark.usefixtures("theirs")
+def test_the_short_flight_that_an_operator_of_a_plugin_altered_most_is_repeated(study: Any, log: Any, fly: Runs):
+    log.change = changed(f"{LATE}/D0H1/1", altered=4)
+    fly(asked(study, (0, 1), (LATE, MORE)))
+    assert log.flown[-2:] == ["baseline/D0H0/0", f"{LATE}/D0H1/1"]
+
+
+@pytest.mark.usefixtures("theirs")
+def test_an_operator_of_a_plugin_that_draws_numbers_of_its_own_fails_the_gate(log: Any, fly: Runs):
+    log.change = lambda flight, outcome: (
+        replace(outcome, digest=str(len(log.flown))) if flight.name.startswith(LATE) else outcome
+    )
+    with pytest.raises(GateError, match=f"a repeated flight differs from the first: {LATE}/D0H1/0"):
+        fly()
 
 
 @pytest.mark.parametrize(
