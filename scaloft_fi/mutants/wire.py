@@ -49,6 +49,8 @@ class _Tally:
         try:
             delivered = self.tap(t_s, sample)
             differs = self.seam.differ(sample, delivered)
+            if differs and delivered is not None and not isinstance(delivered, self.seam.message):
+                raise TypeError(f"it delivers {type(delivered).__name__}, not {self.seam.message.__name__} or None")
         except Exception as error:
             raise TapError(f"tap on {self.seam.name} at {t_s:.3f} s: {type(error).__name__}: {error}") from error
         self.carried += sample is not None or delivered is not None

@@ -21,6 +21,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -180,7 +181,11 @@ class Surroundings:
             happening.effect.prepare(self)
 
     def update(self, now_s: float, x_m: float, y_m: float) -> None:
-        """Go on to `now_s` [s], with the vehicle at (x, y) [m, world]."""
+        """Go on to `now_s` [s], with the vehicle at (x, y) [m, world].
+
+        Raises:
+            ValueError: a happening makes light, haze, wind, drift or a place that is not finite.
+        """
         if not self._happenings:
             return
         self.light, self.haze_per_m = self._light, 0.0
@@ -191,6 +196,10 @@ class Surroundings:
                 self._began_s[number] = happening.start.at_s if happening.start.near is None else now_s
             if 0.0 <= now_s - self._began_s[number] <= happening.lasts_s:
                 happening.effect.apply(self, now_s - self._began_s[number])
+                made = (self.light, self.haze_per_m, *self.wind_mps, *self.drift_m, *chain(*self.shifts.values()))
+                if not math.isfinite(sum(made)):
+                    told = "light, haze, wind, drift or a place that is not finite"
+                    raise ValueError(f"happening {happening.name!r} at {now_s:.3f} s makes {told}")
 
     def move(self, now_s: float) -> None:
         """Move the bodies on to `now_s` [s], which lies within the tick."""

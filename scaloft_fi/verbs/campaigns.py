@@ -431,7 +431,8 @@ def compared_by(
     """The comparison, the matrix of the first campaign, and what a reader must know of the platforms.
 
     Raises:
-        InputError: there is no such campaign, it holds no flight that counts, or the two are of different grids.
+        InputError: there is no such campaign, it holds no flight that counts, the two are of different grids, or they
+            share no situation.
     """
     with snapshot(_own(study, campaign), campaign) as here, snapshot(_own(study, other), other) as there:
         _same_grid(campaign, here, other, there)
@@ -441,6 +442,8 @@ def compared_by(
         if changed := _redefined(matrix, there.study.matrix, first, second):
             warnings.append(f"of other faults in the second study, and not compared: {', '.join(sorted(changed))}")
             first, second = _without(first, changed), _without(second, changed)
+        if not flights and not first.rulings.situations & second.rulings.situations:
+            raise InputError(f"campaigns {shown(campaign)} and {shown(other)} share no situation that both flew")
         told = compared(first, second, here.study.roster, here.study.space)
         redefined = _other_requirements(here.study, there.study)
         warnings += [

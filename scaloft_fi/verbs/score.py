@@ -389,7 +389,18 @@ class ScoredFlights:
         _, unread = _dispositions(self.study)
         to_do = self.study.matrix.counts()[CellStatus.TO_DO]
         draft = f"{counted(to_do, 'cell')} of the matrix to do: without a mutant, and in no ratio" if to_do else ""
-        return (*filter(None, [self.warning, unread, draft]), *self.stale.sentences, *self.study.finds.warnings)
+        told = (self.warning, unread, draft, self._never_lands)
+        return (*filter(None, told), *self.stale.sentences, *self.study.finds.warnings)
+
+    @property
+    def _never_lands(self) -> str:
+        """That the drone without a fault does not end its mission; empty where a flight ends otherwise."""
+        endings = [outcome.ending for outcome in self.rulings.baselines if not outcome.invalid]
+        if self.study.command or self.score.of_tests or not endings or set(endings) != {"timed_out"}:
+            return ""
+        return (
+            f"the unmutated drone lands in none of its {counted(len(endings), 'flight')}, and flies to the time limit"
+        )
 
     @property
     def screen(self) -> Screen:

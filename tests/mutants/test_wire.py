@@ -18,7 +18,7 @@ from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.mutants.operator import Facts, Occurrences, Tap, TapContext, Windows
 from scaloft_fi.mutants.sample import within
 from scaloft_fi.mutants.wire import SeamCount, TapError, TappedWire, WatchingWire, contexts, wire_for
-from scaloft_fi.stack.declaration import PlainWire
+from scaloft_fi.stack.declaration import PlainWire, Seam
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import Target
 
@@ -60,6 +60,12 @@ def test_a_sample_made_from_nothing_was_carried_and_is_altered(matrix: Matrix):
     for k in range(20 * 6):
         wire.cross("person", k / 20, None)
     assert wire.counts["person"] == SeamCount(carried=20, altered=20, first_altered_s=5.0)
+
+
+def test_a_tap_that_delivers_another_type_than_the_seams_message_fails():
+    wire = tapped({"target": lambda _t_s, _sample: "wrong"})
+    with pytest.raises(TapError, match=r"tap on target at 0\.050 s: TypeError: it delivers str, not Target or None"):
+        wire.cross("target", 0.05, Target(0, (0.0, 0.0, 0.0)))
 
 
 def test_a_failing_tap_is_a_matter_of_the_harness():
@@ -109,7 +115,7 @@ def test_every_default_alters_what_its_seam_carries_unless_the_matrix_says_other
 
 
 def tapped(taps: Mapping[str, Tap]) -> TappedWire:
-    return TappedWire((REFERENCE.by_name[seam], tap) for seam, tap in taps.items())
+    return TappedWire((Seam(seam, Target, 20.0, "here -> there"), tap) for seam, tap in taps.items())
 
 
 Delivery = tuple[str, float, Any]

@@ -10,6 +10,7 @@ from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.stack.declaration import PlainWire
 from scaloft_fi.stack.reference.messages import MODES
+from scaloft_fi.stack.reference.planner import LocalPlan, Planner
 
 pytestmark = pytest.mark.flight
 
@@ -80,6 +81,12 @@ def test_a_companion_that_raises_leaves_the_autopilot_flying(flown):
     assert log.stack_error.startswith("companion at 10.000 s: ZeroDivisionError")
     assert log.ending is Ending.LANDED
     assert MODES.index("hold") in log.signals["mode"]
+
+
+@pytest.mark.parametrize("plan", [None, LocalPlan(np.array([0.0, np.nan, 0.0]), 1.0, blocked=False, expanded=0)])
+def test_a_planner_that_gives_no_finite_direction_is_an_error_of_the_companion(flown, monkeypatch, plan):
+    monkeypatch.setattr(Planner, "plan", lambda *_: plan)
+    assert flown(PlainWire()).stack_error.startswith("companion at 3.700 s: ValueError: the planner returns ")
 
 
 def test_an_autopilot_that_raises_stops_the_rotors(flown):

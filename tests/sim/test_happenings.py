@@ -171,6 +171,18 @@ def test_a_kind_of_another_author_is_one_declaration(world, monkeypatch):
     assert around.haze_per_m == 0.1
 
 
+@pytest.mark.parametrize("attribute", ["light", "haze_per_m"])
+def test_a_happening_that_gives_no_finite_number_is_named(world, monkeypatch, attribute):
+    class Broken(Effect):
+        def apply(self, around, since_s):
+            setattr(around, attribute, math.nan)
+
+    monkeypatch.setitem(HAPPENINGS._entries, "broken", HappeningKind(Broken))
+    around = world("kind: broken").surroundings()
+    with pytest.raises(ValueError, match=r"happening '.*' at 0\.500 s makes light, haze, wind, drift or a place"):
+        around.update(0.5, 0.0, 0.0)
+
+
 @pytest.fixture
 def flown(study):
     """Hover at home beside a person in a world with one happening."""

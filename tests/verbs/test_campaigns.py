@@ -193,6 +193,13 @@ def test_a_campaign_that_a_change_made_stale_is_compared_as_it_was_flown(
     assert done.stderr.count("no flight is of the study as it is now, so all are compared as they were flown") == 2
 
 
+def test_campaigns_without_a_common_situation_are_not_compared(call: Call, two: tuple[str, str], tmp_path: Path):
+    words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H0", "--quiet", "--campaign", f"{tmp_path}/apart")
+    told_by(call("run", *words, campaign=False))
+    assert "share no situation that both flew" in sentence(call("compare", two[0], f"{tmp_path}/apart", campaign=False))
+    told_by(call("compare", two[0], f"{tmp_path}/apart", "--flights", campaign=False))
+
+
 def test_only_campaigns_of_one_grid_are_compared(call: Call, two: tuple[str, str], tmp_path: Path):
     wide = ("--grid", "wide", "--choose", "first:1", "--mutant", "LATE-human", "--quiet", "--campaign", f"{tmp_path}/w")
     told_by(call("run", *wide, campaign=False))

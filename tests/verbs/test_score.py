@@ -184,6 +184,21 @@ def test_score_prints_what_the_run_printed_again(call: Call):
     assert call("score").stdout == flown.stdout
 
 
+class Hovers(Paper):
+    """The flyer whose drone never lands."""
+
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        return replace(super().__call__(study, flight), ending="timed_out")
+
+
+def test_that_the_unmutated_drone_lands_in_no_flight_is_said(call: Call, monkeypatch: pytest.MonkeyPatch):
+    words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
+    assert "lands in none" not in call("run", *words).stderr
+    monkeypatch.setattr("scaloft_fi.campaign.flights.physics.Physics", Hovers)
+    told = call("run", *words, "--campaign", "./other/c", campaign=False)
+    assert "the unmutated drone lands in none of its 10 flights" in told.stderr
+
+
 def test_below_the_asked_score_the_exit_code_is_3(call: Call):
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--quiet")
     assert call("run", *words, "--seeds", "3", "--fail-under", "1").exit_code == 0

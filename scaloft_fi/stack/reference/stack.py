@@ -276,7 +276,10 @@ class Companion:
             self._plan = None
         elif obstacles is not None:
             self.map_points = len(obstacles.points)
-            self._plan = self.stages.planner.plan(obstacles, self._target.point, pose)
+            plan = self.stages.planner.plan(obstacles, self._target.point, pose)
+            if not (isinstance(plan, LocalPlan) and math.isfinite(sum(plan.direction))):
+                raise ValueError(f"the planner returns {plan!r}, not a LocalPlan with a finite direction")
+            self._plan = plan
             if self.stages.speed_law is not None:
                 self.stages.speed_law.look(obstacles, self._plan, pose)
         elif self._plan is None:
