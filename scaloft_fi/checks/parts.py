@@ -568,6 +568,7 @@ def check_matrix(study: Study, stack: Declaration | None, kinds: Mapping[str, st
     cells = [cell for cell, _ in read]
     for cell in cells:
         _check_requirements(cell, kinds, findings)
+        _check_ladders(cell, findings)
         if stack is not None:
             _check_faults(cell, words, parameters, findings)
     whole = findings.errors == before
@@ -618,6 +619,13 @@ def _check_requirements(cell: matrices.Cell, kinds: Mapping[str, str], findings:
             f"the control {cell.name} names no requirement of kind safety or operability, so it can never show itself",
             "name the requirement that its fault must violate",
         )
+
+
+def _check_ladders(cell: matrices.Cell, findings: Findings) -> None:
+    for magnitude in (fault.magnitude for fault in cell.faults):
+        if magnitude is not None and matrices.falls_unsaid(magnitude):
+            what = f"the ladder of {cell.name} falls, so a smaller {magnitude.argument} counts as the stronger fault"
+            findings.note(magnitude.place, what, "say `worse: smaller` if it is so, else turn the ladder round")
 
 
 def _check_faults(

@@ -323,15 +323,18 @@ class Magnitude:
         return self.text(self.default)
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
-        """Refuse a ladder of unlike or equal rungs, a default that is not on it, and what only numbers have."""
+        """Refuse a ladder of unlike, equal or mixed rungs, a default that is not on it, and what only numbers have."""
         if len({type(rung) for rung in self.ladder}) > 1:
             yield item.need("ladder").error("all numbers or all names")
             return
+        named = isinstance(self.ladder[0], str)
         if len(set(self.ladder)) < len(self.ladder):
             yield item.need("ladder").error("different magnitudes")
+        elif len(self.ladder) > 1 and not named and worse(self) is Worse.UNORDERED and not self.worse:
+            order = f"ladder=[{', '.join(map(written, self.ladder))}] must rise or fall, from mild to strong"
+            yield InputError(f"{item.need('ladder').place}: {order}, unless `worse` says larger, smaller or unordered")
         if self.default not in self.ladder:
             yield item.need("default").error(f"on the ladder: {', '.join(map(written, self.ladder))}")
-        named = isinstance(self.ladder[0], str)
         if named and self.unit:
             yield item.need("unit").error("left out where the ladder holds names")
         if item.get("scale") is not None and (named or self.scale == 0):
@@ -613,6 +616,21 @@ def neutral(magnitude: Magnitude) -> float | None:
     if direction is Worse.LARGER:
         return 0.0
     return 100.0 if magnitude.unit == "%" else None
+
+
+def falls_unsaid(magnitude: Magnitude) -> bool:
+    """Whether nothing but the order of the ladder says that a smaller magnitude is worse.
+
+    Of a period it is so, and where the mildest magnitude is below the one that changes nothing.
+
+    >>> delay = falls_unsaid(Magnitude("delay_s", "s", (3.0, 1.0), 1.0))
+    >>> delay, falls_unsaid(Magnitude("period_s", "s", (60.0, 5.0), 5.0))
+    (True, False)
+    """
+    if magnitude.worse or worse(magnitude) is not Worse.SMALLER or magnitude.argument in PERIODS:
+        return False
+    unchanged = neutral(magnitude)
+    return unchanged is None or not mild_to_strong(magnitude)[0] < unchanged
 
 
 def mild_to_strong(magnitude: Magnitude) -> tuple[float, ...]:

@@ -74,6 +74,9 @@ BAD_CELLS = {
     "an empty ladder": with_magnitude("{argument: delay_s, unit: s, ladder: [], default: 3}"),
     "a default off the ladder": with_magnitude("{argument: delay_s, unit: s, ladder: [1, 2], default: 3}"),
     "a ladder that repeats": with_magnitude("{argument: delay_s, unit: s, ladder: [1, 1.0], default: 1}"),
+    "a ladder that rises and falls": with_magnitude(
+        "{argument: delay_s, unit: s, ladder: [0.2, 0.5, 0.1], default: 0.5}"
+    ),
     "a ladder of numbers and names": with_magnitude("{argument: delay_s, unit: s, ladder: [1, x], default: 1}"),
     "a truth value on the ladder": with_magnitude("{argument: delay_s, unit: s, ladder: [yes], default: 1}"),
     "a name with a slash": with_magnitude("{argument: axis, ladder: [x/y], default: x/y}"),

@@ -20,6 +20,7 @@ from scaloft_fi.hazop.matrix import (
     Parameter,
     SeverityClass,
     Worse,
+    falls_unsaid,
     mild_to_strong,
     neutral,
     worse,
@@ -192,6 +193,28 @@ def test_in_the_reference_study_the_neutral_magnitude_is_milder_than_the_ladder(
     if nothing is None or not ladder:
         return
     assert nothing < ladder[0] if worse(magnitude) is Worse.LARGER else nothing > ladder[0]
+
+
+@pytest.mark.parametrize("magnitude", LADDERS)
+def test_in_the_reference_study_each_ladder_that_falls_says_so_by_worse_neutral_unit_or_period(magnitude: Magnitude):
+    assert not falls_unsaid(magnitude)
+
+
+@pytest.mark.parametrize(
+    ("magnitude", "unsaid"),
+    [
+        (Magnitude("hold_s", "s", (3.0, 1.0), 1.0), True),
+        (Magnitude("hold_s", "s", (3.0, 1.0), 1.0, worse="smaller"), False),
+        (Magnitude("hold_s", "s", (3.0, 1.0), 1.0, neutral=5.0), False),
+        (Magnitude("factor", "x", (3.0, 1.5), 3.0), True),
+        (Magnitude("factor", "x", (0.9, 0.5), 0.5), False),
+        (Magnitude("share", "%", (100.0, 50.0), 50.0), True),
+    ],
+)
+def test_a_ladder_falls_unsaid_where_its_mildest_magnitude_is_not_below_what_changes_nothing(
+    magnitude: Magnitude, unsaid: bool
+):
+    assert falls_unsaid(magnitude) is unsaid
 
 
 @given(st.lists(st.tuples(st.integers(), st.none() | st.integers(0, 3))))
