@@ -23,7 +23,7 @@ import stat
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from datetime import date
@@ -31,6 +31,7 @@ from functools import lru_cache
 from importlib import import_module
 from io import BufferedReader
 from pathlib import Path
+from textwrap import indent
 from typing import Any, NoReturn, TypeVar
 
 import yaml
@@ -514,15 +515,15 @@ Steps = Sequence[str | int]
 """The way to a value of a document: keys, and numbers of list entries."""
 
 
-def edited(text: str, steps: Steps, value: str | None, place: str) -> str:
-    """A document with one text changed in place, added to its mapping or its list, or taken out (None).
+def edited(text: str, steps: Steps, value: str | Mapping[str, Any] | None, place: str) -> str:
+    """A document with one value changed in place, added to its mapping or its list, or taken out (None).
 
     Everything else stays as people wrote it, comments and folds included.
 
     Args:
         text: the document.
         steps: the way to the value; an entry after the last one is added.
-        value: the text.
+        value: a text, or a mapping that replaces another.
         place: names the document in errors.
 
     Raises:
@@ -530,7 +531,9 @@ def edited(text: str, steps: Steps, value: str | None, place: str) -> str:
     """
     wanted = _parsed(text, Path(place)).plain(infinite=True)
     _set(wanted, steps, value)
-    for form in (value, json.dumps(value, ensure_ascii=False)) if value is not None else (None,):
+    flow = json.dumps(value, ensure_ascii=False)
+    block = value if isinstance(value, str) else _block(value or {}, len(steps))
+    for form in (block, flow) if value is not None else (None,):
         with suppress(_FlawError, InputError, yaml.YAMLError, LookupError):
             changed = _changed(text, yaml.compose(text, Loader=yaml.SafeLoader), steps, form, 0)
             if _parsed(changed, Path(place)).plain(infinite=True) == wanted:
@@ -538,7 +541,18 @@ def edited(text: str, steps: Steps, value: str | None, place: str) -> str:
     raise InputError(f"{place}: {'.'.join(map(str, steps))} cannot be changed in place; edit it by hand")
 
 
-def _set(whole: Any, steps: Steps, value: str | None) -> None:
+def dumped(value: object) -> str:
+    """A value as YAML, a key a line."""
+    written: str = yaml.safe_dump(value, sort_keys=False, allow_unicode=True, width=120)
+    return written
+
+
+def _block(value: Mapping[str, Any], depth: int) -> str:
+    """A mapping below its key, which stands so deep."""
+    return "\n" + indent(dumped(value), "  " * depth).rstrip("\n")
+
+
+def _set(whole: Any, steps: Steps, value: object) -> None:
     *outer, last = steps
     for step in outer:
         whole = whole.setdefault(step, {}) if isinstance(whole, dict) else whole[step]
@@ -552,24 +566,33 @@ def _set(whole: Any, steps: Steps, value: str | None) -> None:
 
 def _changed(text: str, node: Any, steps: Steps, form: str | None, column: int) -> str:
     """The text with the value at `steps` below `node` changed; `column`: where the collection around `node` begins."""
+    begin = int(node.start_mark.index)
     if not steps:
-        begin, end = int(node.start_mark.index), _end(text, node, column)
-        return text[:begin] + str(form) + text[end:]
+        before = text[:begin].rstrip() if str(form).startswith("\n") else text[:begin]
+        return before + str(form) + text[_end(text, node, column) :]
     step, own = steps[0], int(node.start_mark.column)
     pairs = node.value if isinstance(node, yaml.MappingNode) else [(entry, entry) for entry in node.value]
     names = [key.value for key, _ in pairs] if isinstance(node, yaml.MappingNode) else list(range(len(pairs)))
     if step in names:
-        key, inner = pairs[names.index(step)]
-        if form is None and len(steps) == 1:
-            begin = text.rindex("\n", 0, int(key.start_mark.index)) + 1
-            return text[:begin] + text[_line_end(text, _end(text, inner, own)) :]
-        return _changed(text, inner, steps[1:], form, own)
+        at = names.index(step)
+        key, inner = pairs[at]
+        if form is not None or len(steps) > 1:
+            return _changed(text, inner, steps[1:], form, own)
+        end = _end(text, inner, own)
+        if len(pairs) == 1:
+            return f"{text[:begin].rstrip()} {{}}{text[int(node.end_mark.index) if node.flow_style else end :]}"
+        if node.flow_style:
+            first, last = (
+                (pairs[at - 1][1].end_mark, inner.end_mark) if at else (key.start_mark, pairs[1][0].start_mark)
+            )
+            return text[: first.index] + text[last.index :]
+        return text[: text.rfind("\n", 0, int(key.start_mark.index)) + 1] + text[_line_end(text, end) :]
     words = "".join(f"{name}: " + "{" * (k < len(steps) - 1) for k, name in enumerate(steps) if isinstance(name, str))
     added = words + str(form) + "}" * (len(steps) - 1)
-    last = _end(text, pairs[-1][1], own)
     if node.flow_style:
-        return f"{text[:last]}, {added}{text[last:]}"
-    at, mark = _line_end(text, last), "" if isinstance(step, str) else "- "
+        end = _end(text, pairs[-1][1], own) if pairs else begin + 1
+        return f"{text[:end]}{', ' * bool(pairs)}{added}{text[end:]}"
+    at, mark = _line_end(text, _end(text, pairs[-1][1], own)), "" if isinstance(step, str) else "- "
     return text[:at] + "\n" * (text[at - 1] != "\n") + " " * own + mark + added + "\n" + text[at:]
 
 

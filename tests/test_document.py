@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from options import cases
@@ -114,6 +115,14 @@ LATE:
     - "two"
   team: {safeguards: none}
 
+WORN:
+  team: {safeguards: none, likelihood: 2, due: soon}
+MILD:
+  team:
+    due: soon
+BARE: {status: to_do}  # ask Anna
+OPEN: {team: {}}
+
 NO:
   effect: x
 """
@@ -121,7 +130,7 @@ NO:
 
 @cases("steps", "value", "before", "after")
 def test_an_edit_changes_one_value_and_nothing_else(
-    steps: tuple[str | int, ...], value: str | None, before: str, after: str
+    steps: tuple[str | int, ...], value: str | dict[str, Any] | None, before: str, after: str
 ):
     assert edited(WRITTEN, steps, value, "a.yaml") == WRITTEN.replace(before, after)
 

@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
+from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Any
 
 import click
-import yaml
 
-from scaloft_fi.document import edited, is_there, read_text
-from scaloft_fi.errors import InputError, did_you_mean
-from scaloft_fi.hazop.load import SHEETS, load_guidewords, load_matrix, reference_study
-from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Guideword, Matrix, Team, parse
+from scaloft_fi.document import Steps, dumped, edited, is_there, parsed, read_text
+from scaloft_fi.errors import FaultsError, InputError, did_you_mean
+from scaloft_fi.hazop.load import SHEETS, Parameters, load_guidewords, load_matrix, read_cell, reference_study
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Guideword, Team, parse
 from scaloft_fi.hazop.render import ladder
-from scaloft_fi.hazop.sheet import HEADS, MOST_TEXT, Draft, Line, Sorted, read_sheet, sort
+from scaloft_fi.hazop.sheet import HEADS, MOST_TEXT, Draft, Line, Sorted, plain, read_sheet, sort
+from scaloft_fi.model import value_of
 from scaloft_fi.mutants.catalogue import suggested
 from scaloft_fi.output import printable, write_named
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.options import Option, check_own, several, verb
-from scaloft_fi.verbs.worksheet import CUT, SheetRow
+from scaloft_fi.verbs.worksheet import CUT, SheetRow, bare_rows
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table, counted
 
@@ -155,7 +157,7 @@ def drafted(study: Study, found: Sorted, file: Path) -> tuple[dict[Path, str], M
             draft = found.drafts.get(name)
             return cell_yaml(draft, proposed.get(name), file.name) if draft else {"status": TO_DO}
 
-        return _dumped({word: cell(f"{word}-{parameter}") for word in words})
+        return dumped({word: cell(f"{word}-{parameter}") for word in words})
 
     words = [*(word.id for word in matrix.guidewords), *found.words]
     for parameter in found.parameters:
@@ -169,7 +171,7 @@ def drafted(study: Study, found: Sorted, file: Path) -> tuple[dict[Path, str], M
     lacking = [one for one in further_words() if one.id in found.words]
     told = {one.id: {key: value for key, value in vars(one).items() if key != "id" and value} for one in lacking}
     added = {hazop / "parameters.yaml": entries, hazop / "guidewords.yaml": told}
-    texts = {path: _dumped(more) for path, more in added.items() if more}
+    texts = {path: dumped(more) for path, more in added.items() if more}
     texts |= {hazop / SHEETS / f"{one.id}.yaml": cells(one.id, found.words) for one in matrix.parameters if found.words}
     return files | {path: read_text(path).rstrip("\n") + "\n" + text for path, text in texts.items()}, proposed
 
@@ -177,10 +179,6 @@ def drafted(study: Study, found: Sorted, file: Path) -> tuple[dict[Path, str], M
 def further_words() -> tuple[Guideword, ...]:
     """The guidewords that a study may get from a sheet: those of the reference study."""
     return load_guidewords(reference_study() / "hazop" / "guidewords.yaml")
-
-
-def _dumped(value: object) -> str:
-    return yaml.safe_dump(value, sort_keys=False, allow_unicode=True, width=120)
 
 
 def checked(study: Study, files: Mapping[Path, str]) -> None:
@@ -225,44 +223,72 @@ def imported(study: Study, file: Path, found: Sorted, *, writing: bool) -> Broug
     return BroughtIn(file, tuple(rows), to_do, (), tuple(files) if writing else ())
 
 
-Change = tuple[Path, tuple[str | int, ...], str | None]
-"""A file, the way to a value in it, and its new text; no way: it is changed by hand."""
+Change = tuple[Steps, str | None]
+"""The way to a value of a document, and its new text."""
 
 
-def edits_of(matrix: Matrix, hazop: Path, lines: Iterable[Line]) -> Iterator[tuple[Edit, Change]]:
+@dataclass(frozen=True)
+class Step:
+    """Edits that are made together or not at all.
+
+    Attributes:
+        edits: what people edited.
+        path: the file of the study.
+        changes: what changes in it; nothing: the edits are made by hand.
+        asks: what is said where the study cannot have them; empty: the refusal.
+    """
+
+    edits: tuple[Edit, ...]
+    path: Path
+    changes: tuple[Change, ...] = ()
+    asks: str = ""
+
+    def by_hand(self, why: str) -> Step:
+        """The edits left to a person."""
+        return Step(tuple(replace(edit, why=why) for edit in self.edits), self.path)
+
+
+def edits_of(rows: Iterable[SheetRow], hazop: Path, lines: Iterable[Line]) -> Iterator[Step]:
     """What people edited in a worksheet that a study wrote, and how it is changed in the study.
 
     Args:
-        matrix: of the study.
+        rows: of the study, as `bare_rows` makes them.
         hazop: folder of its files.
         lines: rows of the worksheet.
 
     Raises:
         InputError: one text was edited in two ways.
     """
-    told = dict[tuple[str, str], str]()
-    parameters = {one.id: one for one in matrix.parameters}
+    told, by_name = dict[tuple[str, str], str](), {row.cell.name: row for row in rows}
     for line in lines:
-        name = line.texts.get("cell", "")
-        if name not in matrix:
-            why = f"the study has no such cell{did_you_mean(name, [cell.name for cell in matrix])}"
-            yield from [(Edit(name, "cell", "", name, line.place, False, why), (hazop, (), None))] if name else ()
+        name, edits = line.texts.get("cell", ""), dict[str, tuple[str, str]]()
+        if name not in by_name:
+            absent = Step((Edit(name, "cell", "", name, line.place, False, None),), hazop)
+            yield from [absent.by_hand(f"the study has no such cell{did_you_mean(name, by_name)}")] if name else ()
             continue
-        cell = matrix.cell(name)
-        values = SheetRow(cell, parameters[cell.parameter], matrix.severities.get(name)).values
-        for key in line.keys - {"cell", "guideword"}:
-            before, after = _shown(values[_COLUMN.get(key, key)]), _shown(line.texts.get(key))
-            about = cell.parameter if key in _OF_PARAMETER else name
-            if before in (after, f"'{after}"):  # CSV marks texts so
+        row = by_name[name]
+        for key in (key for key in HEADS if key in line.keys - {"cell"}):
+            before, after = _shown(row.values[_COLUMN.get(key, key)]), _shown(line.texts.get(key))
+            about = row.cell.parameter if key in _OF_PARAMETER else name
+            same = plain(before) == plain(after) if key == "status" else before in (after, f"'{after}")
+            if same:  # CSV marks texts with '
                 continue
             if told.setdefault((about, key), after) != after:
                 ways = f"{after!r} and {told[about, key]!r}"
                 raise InputError(f"{line.place}: {key} of {about} is edited in two ways: {ways}")
-            yield from _edit(hazop, cell, key, before, after)
+            edits[key] = before, after
+        yield from _steps(hazop, row.cell, edits)
 
 
 _COLUMN = {"intent": "design_intent"}
 _OF_PARAMETER = {"node": "node", "intent": "intent", "parameter": "title"}
+_KEPT = {
+    "guideword": "a cell keeps its guideword",
+    "operators": "faults are not taken back",
+    "mutant": "the default magnitude is not taken back",
+    "disposition": "not taken back: hazop/dispositions.yaml has it",
+}
+"""Columns of the study that are not taken back, and what is said of them."""
 
 
 def _shown(value: object) -> str:
@@ -270,63 +296,121 @@ def _shown(value: object) -> str:
     return text.removesuffix(CUT)[:MOST_TEXT]
 
 
-def _edit(hazop: Path, cell: Cell, key: str, before: str, after: str) -> Iterator[tuple[Edit, Change]]:
-    """The changes that one edited text makes."""
-    path, about, where = hazop / SHEETS / f"{cell.parameter}.yaml", cell.name, cell.place
-    steps: tuple[str | int, ...] = (cell.guideword, key)
-    if key in _OF_PARAMETER:
-        path, about, steps = hazop / "parameters.yaml", cell.parameter, (cell.parameter, _OF_PARAMETER[key])
-        where = f"{path}"
-    elif key in TEAM:
-        steps = (cell.guideword, "team", key)
-    elif key == "rationale":
-        steps = (cell.guideword, "reason" if cell.status is CellStatus.NOT_MEANINGFUL else "predicted")
-    if key in ("causes", "requirements"):
-        old = list(cell.causes if key == "causes" else cell.requirements)
-        new = [one.strip() for one in after.split(";" if key == "causes" else ",") if one.strip()]
-        if len(new) < len(old) or not new:
-            by_hand = "an entry was taken out: edit it by hand"
-            yield Edit(about, key, before, after, where, False, by_hand), (path, (), None)
-            return
-        for k, one in enumerate(new):
-            if k >= len(old) or one != _shown(old[k]):
-                then = _shown(old[k]) if k < len(old) else ""
-                yield Edit(about, f"{key}[{k}]", then, one, where, False, None), (path, (*steps, k), one)
-        return
-    yield Edit(about, ".".join(map(str, steps[1:])), before, after, where, False, None), (path, steps, after or None)
+def _steps(hazop: Path, cell: Cell, edits: Mapping[str, tuple[str, str]]) -> Iterator[Step]:
+    """How the edited texts of a cell, each before and after, are made."""
+    path = hazop / SHEETS / f"{cell.parameter}.yaml"
+    reason = "reason" if cell.status is CellStatus.NOT_MEANINGFUL else "predicted"
+    for key, (before, after) in edits.items():
+        way = f"team.{key}" if key in TEAM else reason if key == "rationale" else key
+        step = Step((Edit(cell.name, way, before, after, cell.place, False, None),), path)
+        if key in _KEPT:
+            yield step.by_hand(_KEPT[key])
+        elif key == "status":
+            yield from _of_status(step, cell, edits.get("rationale"))
+        elif key in ("causes", "requirements"):
+            yield _of_list(step, cell, key)
+        elif key in _OF_PARAMETER:
+            file, way = hazop / "parameters.yaml", _OF_PARAMETER[key]
+            told = Edit(cell.parameter, way, before, after, f"{file}", False, None)
+            yield Step((told,), file, (((cell.parameter, way), after or None),))
+        elif key != "rationale" or "status" not in edits:
+            yield replace(step, changes=(((cell.guideword, *way.split(".")), after or None),))
+
+
+_ASKS = {
+    CellStatus.CREDIBLE: "a credible cell has causes, an effect, requirements and faults",
+    CellStatus.CONTROL: "a control has causes, an effect, requirements and faults, and no severity",
+    CellStatus.NOT_MEANINGFUL: "a cell that is not meaningful has a reason, and no effect, causes or faults",
+    CellStatus.TO_DO: "a cell that is to do has no requirements and no prediction",
+}
+
+
+def _of_status(step: Step, cell: Cell, rationale: tuple[str, str] | None) -> Iterator[Step]:
+    """A changed status; the rationale beside it is the reason of a cell that is no longer meaningful, and no other."""
+    (told,), known = step.edits, [status.value for status in CellStatus]
+    word = plain(told.after).replace(" ", "_")
+    changes: tuple[Change, ...] = (((cell.guideword, "status"), word),)
+    if rationale and word == CellStatus.NOT_MEANINGFUL:
+        step = replace(step, edits=(told, replace(told, key="reason", before=rationale[0], after=rationale[1])))
+        changes = (*changes, ((cell.guideword, "reason"), rationale[1] or None))
+    elif rationale:
+        beside = replace(told, key="rationale", before=rationale[0], after=rationale[1])
+        yield replace(step, edits=(beside,)).by_hand("its status is edited too")
+    if word in known:
+        yield replace(step, changes=changes, asks=_ASKS[CellStatus(word)])
+    else:
+        yield step.by_hand(f"{told.after!r} is no status{did_you_mean(word, known)}")
+
+
+def _of_list(step: Step, cell: Cell, key: str) -> Step:
+    """The entries of an edited list that differ; a list from which one was taken out is left to a person."""
+    (told,) = step.edits
+    old = list(map(_shown, cell.causes if key == "causes" else cell.requirements))
+    new = [one.strip() for one in told.after.split(";" if key == "causes" else ",") if one.strip()]
+    if len(new) < len(old) or not new:
+        return step.by_hand("an entry was taken out")
+    changed = [(k, then, one) for k, (then, one) in enumerate(zip_longest(old, new, fillvalue="")) if one != then]
+    edits = tuple(replace(told, key=f"{key}[{k}]", before=then, after=one) for k, then, one in changed)
+    return replace(step, edits=edits, changes=tuple(((cell.guideword, key, k), one) for k, _, one in changed))
 
 
 def differing(study: Study, file: Path, lines: Sequence[Line], *, writing: bool) -> BroughtIn:
     """What people edited; with `writing`, single values are changed in place.
 
+    An edit that is not allowed, or cannot be made in place, is left to a person, and stops no other.
+
     Raises:
-        InputError: no row names a cell of the study; an edited text is not allowed, or cannot be changed in place.
+        InputError: no row names a cell of the study, one text was edited in two ways, or a file cannot be written.
     """
     if not any(line.texts.get("cell", "") in study.matrix for line in lines):
         others = "`scaloft-fi hazop import` reads other sheets"
         raise InputError(f"{file}: no row names a cell of the study (Deviation id); {others}")
-    found = list(edits_of(study.matrix, study.folder / "hazop", lines))
-    texts = dict[Path, str]()
-    for _, (path, steps, value) in found if writing else ():
-        if steps:
-            texts[path] = edited(texts.get(path) or read_text(path), steps, value, str(path))
+    texts, edits = dict[Path, str](), list[Edit]()
+    for step in edits_of(bare_rows(study.matrix, study.dispositions), study.folder / "hazop", lines):
+        try:
+            text = texts.get(step.path) or read_text(step.path) if step.changes else ""
+            for steps, value in step.changes:
+                text = edited(text, steps, value, str(step.path))
+            if step.changes:
+                _check_step(study, step, text)
+                texts[step.path] = text
+            edits += (replace(edit, written=writing and bool(step.changes)) for edit in step.edits)
+        except InputError as error:
+            first = error.faults[0] if isinstance(error, FaultsError) else error
+            edits += step.by_hand(step.asks or re.sub(rf"^{re.escape(str(step.path))}:(\d+:)? ", "", str(first))).edits
     checked(study, texts)
-    for path, text in texts.items():
+    for path, text in texts.items() if writing else ():
         write_named(path, text.encode(), "FILE")
-    edits = tuple(replace(edit, written=writing and edit.why is None) for edit, _ in found)
-    return BroughtIn(file, (), study.matrix.counts()[CellStatus.TO_DO], edits, tuple(texts))
+    return BroughtIn(file, (), study.matrix.counts()[CellStatus.TO_DO], tuple(edits), tuple(texts) if writing else ())
+
+
+def _check_step(study: Study, step: Step, text: str) -> None:
+    """Refuse a document of the study in which what a step changed is not allowed.
+
+    Raises:
+        InputError: it is not.
+    """
+    document, (name, *_) = parsed(text, step.path), step.changes[0][0]
+    if step.path.parent.name != SHEETS:
+        value_of(Parameters, document)
+        return
+    now = study.matrix.cells[str(name), step.path.stem]
+    cell, _ = read_cell(document, now.guideword, now.parameter, study.stack.by_name, study.matrix.classes)
+    study.check_requirements([cell] if cell.requirements != now.requirements else [])
 
 
 def tables_of(told: BroughtIn, *, differ: bool) -> tuple[Table, ...]:
     """What a person reads."""
     wrote = tuple(f"written: {path}" for path in told.files)
     if differ:
-        edits = tuple((one.cell, one.key, one.before, one.after, one.why or "") for one in told.edits)
-        by_hand = sum(one.why is not None for one in told.edits)
-        left = f", {by_hand} of them to be made by hand" if by_hand else ""
-        how = wrote or ("`--write` makes them in the study.",) * bool(edits)
+        by_hand = {one: f"{Path(one.where).name}: {one.why}" for one in told.edits if one.why}
+        edits = tuple((one.cell, one.key, one.before, one.after, by_hand.get(one, "")) for one in told.edits)
+        left = f", {len(by_hand)} of them to be made by hand" if by_hand else ""
+        makes = f"`--write` makes {'the others' if by_hand else 'them'} in the study."
+        how = wrote or (makes,) * (len(edits) > len(by_hand))
         heads = ("cell", "key", "in the study", "in the sheet", "by hand")
-        return (Table("What people edited", heads, edits, (f"{counted(len(edits), 'edit')}{left}.", *how)),)
+        notes = (f"{counted(len(edits), 'edit')}{left}.", "Findings are not compared.", *how)
+        return (Table("What people edited", heads, edits, notes),)
     rows = tuple(
         (one.place, one.state.replace("_", " "), one.cell or "", one.proposed or one.why or "") for one in told.rows
     )
@@ -383,7 +467,7 @@ def hazop(
     `import` drafts each cell that the study lacks, with the texts of the sheet and the fault that its names suggest.
     A draft has the status to_do: it is counted and never flown, until somebody completes it.  `diff` compares a sheet
     that `worksheet --output` wrote with the study.  Without --write nothing is written; with it drafts go into new
-    files, and an edited value changes in place.
+    files, and an edited value changes in place.  What cannot be changed so is told, and left to a person.
 
     Examples:
         See what a sheet would bring: `scaloft-fi hazop import risks.xlsx`

@@ -278,6 +278,19 @@ class SheetRow:
         }
 
 
+def bare_rows(matrix: Matrix, dispositions: Sequence[Disposition] = ()) -> tuple[SheetRow, ...]:
+    """The sheet without findings: what the study says, in the order of the matrix."""
+    accepted = {disposition.mutant: Accepted(disposition) for disposition in dispositions}
+    parameters = {parameter.id: parameter for parameter in matrix.parameters}
+
+    def of(cell: Cell) -> SheetRow:
+        mutant = default_of(cell).id if cell.flown else None
+        row = SheetRow(cell, parameters[cell.parameter], matrix.severities.get(cell.name), mutant)
+        return replace(row, disposition=accepted.get(mutant)) if mutant else row
+
+    return tuple(map(of, matrix))
+
+
 def sheet_rows(
     matrix: Matrix,
     scored: Score,
@@ -298,14 +311,9 @@ def sheet_rows(
     """
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
     margins = cell_margins(scored, matrix)
-    accepted = {disposition.mutant: Accepted(disposition) for disposition in dispositions}
-    parameters = {parameter.id: parameter for parameter in matrix.parameters}
 
-    def of(cell: Cell) -> SheetRow:
-        row = SheetRow(cell, parameters[cell.parameter], matrix.severities.get(cell.name), margins=margins[cell.name])
-        if not cell.flown:
-            return row
-        row = replace(row, mutant=(mutant := default_of(cell).id), disposition=accepted.get(mutant))
+    def found(row: SheetRow) -> SheetRow:
+        row, mutant = replace(row, margins=margins[row.cell.name]), row.mutant or ""
         if (score := flown.get(mutant)) is None:
             return row
         row = replace(row, results=Results(score, score.condition(space), would_decide(score, scored.lacking)))
@@ -314,7 +322,7 @@ def sheet_rows(
         said = f"{find.name}: {words(find)} ({effect(find.shows[mutant])})"
         return replace(row, find=said, flies_find=flies(find, mutant, finds, campaign, space.grid))
 
-    return tuple(map(of, matrix))
+    return tuple(map(found, bare_rows(matrix, dispositions)))
 
 
 def population(rows: Sequence[SheetRow]) -> str:

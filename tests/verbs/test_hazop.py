@@ -23,7 +23,7 @@ from scaloft_fi.hazop.sheet import read_sheet
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.hazop import edits_of
-from scaloft_fi.verbs.worksheet import SheetRow, to_csv, to_xlsx
+from scaloft_fi.verbs.worksheet import bare_rows, to_csv, to_xlsx
 
 MATRIX = load_matrix(ROOT / "hazop", REFERENCE.by_name)
 SHEET = """Node,Guideword,Deviation,Possible causes,Consequence,Safeguards,Severity,Action
@@ -137,39 +137,39 @@ def matrices(draw: st.DrawFn) -> Matrix:
 @settings(max_examples=usually(10, release=100))
 @given(matrix=matrices())
 def test_the_worksheet_that_a_study_writes_changes_nothing(matrix: Matrix, tmp_path_factory: pytest.TempPathFactory):
-    folder, by_id = tmp_path_factory.mktemp("sheets"), {one.id: one for one in matrix.parameters}
-    rows = tuple(SheetRow(cell, by_id[cell.parameter], matrix.severities.get(cell.name)) for cell in matrix)
+    folder, rows = tmp_path_factory.mktemp("sheets"), bare_rows(matrix)
     (folder / "a.xlsx").write_bytes(to_xlsx(rows))
     (folder / "a.csv").write_text(to_csv(rows), encoding="utf-8")
     for name in ("a.xlsx", "a.csv"):
         lines = read_sheet(folder / name)
         assert {line.texts["cell"] for line in lines} == {cell.name for cell in matrix}
-        assert [edit for edit, _ in edits_of(matrix, folder, lines)] == []
+        assert list(edits_of(rows, folder, lines)) == []
 
 
 @pytest.mark.parametrize("text", ["'=1", "''=1", "'-a", "''x", "=1+1", "_x0041_", "'", "a [cut]", "a; b", "x" * 40_000])
 def test_a_text_with_marks_of_a_spreadsheet_comes_back_as_it_was(tmp_path: Path, text: str):
     part = MATRIX.only(["LATE"], ["human"])
     (cell,) = (replace(one, deviation=text, causes=(text, "b"), effect=text) for one in part)
-    matrix = replace(part, cells={("LATE", "human"): cell})
-    rows = (SheetRow(cell, part.parameters[0], matrix.severities.get(cell.name)),)
+    rows = bare_rows(replace(part, cells={("LATE", "human"): cell}))
     (tmp_path / "a.xlsx").write_bytes(to_xlsx(rows))
     (tmp_path / "a.csv").write_text(to_csv(rows), encoding="utf-8")
     for name in ("a.xlsx", "a.csv"):
-        assert [edit for edit, _ in edits_of(matrix, tmp_path, read_sheet(tmp_path / name))] == []
+        assert list(edits_of(rows, tmp_path, read_sheet(tmp_path / name))) == []
 
 
 @pytest.fixture
 def worksheet(folder: Path) -> Path:
     """The worksheet of the study as a workbook."""
+    return worksheet_of(folder)
+
+
+def worksheet_of(folder: Path) -> Path:
     study, path = Study.open(folder), folder.parent / "worksheet.xlsx"
-    by_id = {one.id: one for one in study.matrix.parameters}
-    rows = [SheetRow(cell, by_id[cell.parameter], study.matrix.severities.get(cell.name)) for cell in study.matrix]
-    path.write_bytes(to_xlsx(rows))
+    path.write_bytes(to_xlsx(bare_rows(study.matrix, study.dispositions)))
     return path
 
 
-def edit(path: Path, cell: str, **texts: str) -> None:
+def edit(path: Path, cell: str, **texts: str | None) -> None:
     book = load_workbook(path)
     page = book.worksheets[0]
     heads = {head.value: head.column for head in page[1]}
@@ -206,30 +206,87 @@ def test_what_people_edited_is_shown_and_changes_single_values_in_place(folder: 
     assert told(folder, "diff", worksheet)["edits"] == []
 
 
-@pytest.mark.parametrize(
-    ("head", "text", "said"),
-    [
-        ("Severity", "dreadful", "severity='dreadful'"),
-        ("Requirements", "SR1, SR9", "'SR9' of LATE-human is no requirement; did you mean 'SR2'?"),
-        ("Due_date", "2027-13-45", "due='2027-13-45' must be a date, as 2027-01-31, or words"),
-    ],
-)
-def test_an_edit_that_no_study_can_have_leaves_every_file_alone(
-    folder: Path, worksheet: Path, head: str, text: str, said: str
-):
-    edit(worksheet, "LATE-human", Consequence="other", **{head: text})
+NOT_TAKEN_BACK = {
+    "NO-human": ("Severity", "dreadful", "severity='dreadful' is not known"),
+    "MORE-human": ("Requirements", "SR1, SR9", "'SR9' of MORE-human is no requirement; did you mean 'SR2'?"),
+    "LESS-human": ("Due_date", "2027-13-45", "due='2027-13-45' must be a date, as 2027-01-31, or words"),
+    "ASWELLAS-human": ("Consequence", None, "ASWELLAS lacks the key 'effect'"),
+    "PARTOF-human": ("Status", "kontrolle", "'kontrolle' is no status; did you mean 'control'?"),
+    "EARLY-human": ("Status", "not_meaningful", "a cell that is not meaningful has a reason, and no effect"),
+    "NO-velcmd": ("Status", "to do", "a cell that is to do has no requirements"),
+    "MORE-velcmd": ("Guideword", "EARLY", "a cell keeps its guideword"),
+    "LESS-velcmd": ("Faults", "delay 1 s", "faults are not taken back"),
+    "LATE-velcmd": ("Default_mutant", "LATE-velcmd@1s", "the default magnitude is not taken back"),
+    "REVERSE-velcmd": ("Disposition", "accepted by me", "hazop/dispositions.yaml has it"),
+}
+
+
+def test_an_edit_that_is_not_taken_back_is_told_and_stops_no_other(folder: Path, worksheet: Path):
+    edit(worksheet, "LATE-human", Recommendation="measure")
+    for cell, (head, text, _) in NOT_TAKEN_BACK.items():
+        edit(worksheet, cell, **{head: text})
     before = content(folder)
-    refused = invoked("hazop", "diff", str(worksheet), "--study", str(folder), "--write")
-    assert said in sentence(refused)
-    assert str(folder / "hazop" / "matrix" / "human.yaml") in refused.stderr
+    dry = told(folder, "diff", worksheet)["edits"]
+    for cell, (*_, said) in NOT_TAKEN_BACK.items():
+        assert all(said in one["why"] for one in dry if one["cell"] == cell)
+    assert {one["cell"] for one in dry if one["why"]} == {*NOT_TAKEN_BACK}
     assert content(folder) == before
+    made = told(folder, "diff", worksheet, "--write")["edits"]
+    assert made == [{**one, "written": one["why"] is None} for one in dry]
+    now = MATRIX.cell("LATE-human")
+    taken = replace(now, team=replace(now.team, recommendation="measure"))
+    assert [one for one in Study.open(folder).matrix if one not in MATRIX.cells.values()] == [taken]
+
+
+def test_edits_by_hand_are_counted_with_their_place(folder: Path, worksheet: Path):
+    edit(worksheet, "LATE-human", Faults="delay 1 s", Recommendation="measure")
+    screen = invoked("hazop", "diff", str(worksheet), "--study", str(folder)).stdout
+    assert "2 edits, 1 of them to be made by hand." in screen
+    assert "Findings are not compared." in screen
+    assert f"human.yaml:{MATRIX.cell('LATE-human').place.rpartition(':')[2]}: faults" in screen
+
+
+def test_a_rationale_beside_a_changed_status_is_no_prediction(folder: Path, worksheet: Path):
+    edit(worksheet, "LATE-human", Status="not_meaningful", Rationale="It cannot be.")
+    edit(worksheet, "NO-human", Status="Control", Rationale="crude")
+    before = content(folder)
+    edits = told(folder, "diff", worksheet, "--write")["edits"]
+    assert [(one["cell"], one["key"], one["written"]) for one in edits] == [
+        ("NO-human", "rationale", False),
+        ("NO-human", "status", False),
+        ("LATE-human", "status", False),
+        ("LATE-human", "reason", False),
+    ]
+    assert content(folder) == before
+
+
+def test_a_status_is_taken_back_where_the_cell_can_have_it(folder: Path):
+    told(folder, "import", folder.parent / "sheet.csv", "--write")
+    sheet = worksheet_of(folder)
+    edit(sheet, "REVERSE-collision", Status="credible")
+    edit(sheet, "NO-human", Status="control", Severity=None)
+    edit(sheet, "REVERSE-depth_camera", Status="not meaningful", Rationale="Nothing can be turned round.")
+    assert all(one["written"] for one in told(folder, "diff", sheet, "--write")["edits"])
+    study = Study.open(folder)
+    cells = [study.matrix.cell(name) for name in ("REVERSE-collision", "NO-human", "REVERSE-depth_camera")]
+    statuses = [CellStatus.CREDIBLE, CellStatus.CONTROL, CellStatus.NOT_MEANINGFUL]
+    assert [cell.status for cell in cells] == statuses
+    assert cells[2].reason == "Nothing can be turned round."
+
+
+def test_a_team_clears_what_it_filled_in(folder: Path, worksheet: Path):
+    edit(worksheet, "LATE-human", Likelihood="2", Due_date="soon")
+    told(folder, "diff", worksheet, "--write")
+    edit(worksheet, "LATE-human", Likelihood=None)
+    assert all(one["written"] for one in told(folder, "diff", worksheet, "--write")["edits"])
+    assert Study.open(folder).matrix.cell("LATE-human").team == Team(due="soon")
 
 
 def test_what_is_taken_out_of_a_list_is_left_to_a_person(folder: Path, worksheet: Path):
     edit(worksheet, "NO-human", Possible_causes="Only this.")
     (one,) = told(folder, "diff", worksheet, "--write")["edits"]
     assert (one["key"], one["written"]) == ("causes", False)
-    assert "by hand" in one["why"]
+    assert one["why"] == "an entry was taken out"
 
 
 def test_a_row_of_a_cell_that_the_study_lacks_is_told(folder: Path, worksheet: Path):
