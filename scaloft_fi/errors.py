@@ -5,7 +5,9 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Sequence
 from enum import IntEnum
+from importlib import import_module
 from itertools import islice
+from typing import Any
 
 
 class ExitCode(IntEnum):
@@ -120,6 +122,23 @@ class Faults:
         found = tuple(self._found.values())
         if found:
             raise FaultsError(found) if len(found) > 1 else found[0]
+
+
+def needed(module: str, needs: str, extra: str) -> Any:
+    """A module of an extra of this package.
+
+    Args:
+        module: its name.
+        needs: what needs which package, as the refusal begins.
+        extra: the extra that brings it.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise InputError(f"{needs}: pip install 'scaloft-fi[{extra}]'") from error
 
 
 _MOST_NAMES, _LONGEST_NAME = 2_000, 200

@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from itertools import combinations, product
 from math import prod
 from typing import Annotated, Any, NamedTuple
@@ -22,7 +21,7 @@ from numpy.typing import NDArray
 
 from scaloft_fi.analysis.detection import Pool, State
 from scaloft_fi.analysis.roster import Ratio
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, needed
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.judge.space import Point, Space
@@ -193,11 +192,7 @@ def _arrays(
     levels: Levels, terms: Sequence[Forbidden], strength: int, seed: int, tries: int
 ) -> Iterator[list[tuple[int, ...]]]:
     """What the library finds with one salt after the other, each row the places of its values."""
-    try:
-        make = import_module("covertable").make
-    except ImportError as error:
-        reason = "covering arrays need covertable: pip install 'scaloft-fi[covering]'"
-        raise InputError(reason) from error
+    make = needed("covertable", "covering arrays need covertable", "covering").make
     factors = {f"a{axis}": sorted(set(column)) for axis, column in enumerate(levels.T.tolist())}
     constraints = [_constraint(*term) for term in terms]
     for salt in range(tries):

@@ -36,7 +36,7 @@ from scaloft_fi.campaign.processes import ProcessPool, Work
 from scaloft_fi.campaign.store.archive import study_files
 from scaloft_fi.campaign.store.platforms import differences, fingerprint
 from scaloft_fi.document import read_bytes
-from scaloft_fi.errors import InputError, ScaloftError
+from scaloft_fi.errors import InputError, ScaloftError, needed
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.study import Study
@@ -665,15 +665,12 @@ class Cluster:
         Raises:
             InputError: `distributed` is not installed, or the scheduler cannot be reached.
         """
-        try:
-            from distributed import Client
-        except ImportError as error:
-            how = "pip install 'scaloft-fi[cluster]'"
-            raise InputError(f"--executor=dask://{self.address} needs the package distributed: {how}") from error
+        needs = f"--executor=dask://{self.address} needs the package distributed"
+        distributed = needed("distributed", needs, "cluster")
         for name in ("distributed", "distributed.client"):  # this package prints its own messages
             logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
-            client = Client(
+            client = distributed.Client(
                 f"tls://{self.address}",
                 timeout=CONNECT_S,
                 set_as_default=False,

@@ -19,7 +19,7 @@ from itertools import zip_longest
 from pathlib import Path
 
 from scaloft_fi.document import MIB, read_apart, read_bytes
-from scaloft_fi.errors import InputError, did_you_mean, shown
+from scaloft_fi.errors import InputError, did_you_mean, needed, shown
 from scaloft_fi.hazop.matrix import Matrix
 
 MOST_ROWS, MOST_COLUMNS, MOST_TEXT = 20_000, 500, 10_000
@@ -162,10 +162,7 @@ def _fewest(text: str, comma: str) -> int:
 
 
 def _workbook(path: Path, content: bytes) -> list[tuple[str, Rows]]:
-    try:
-        import openpyxl
-    except ImportError:
-        raise InputError(f"{path}: reading it needs openpyxl: pip install 'scaloft-fi[xlsx]'") from None
+    openpyxl = needed("openpyxl", f"{path}: reading it needs openpyxl", "xlsx")
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as packed:  # which unpacks no more of a part than it declares
             unpacked = sum(part.file_size for part in packed.infolist() if part.filename.endswith(".xml"))

@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
-from importlib import import_module
 from io import BufferedReader
 from itertools import chain, islice
 from pathlib import Path
@@ -23,7 +22,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from scaloft_fi.document import is_folder, lacks_room, opened, read_text
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import InputError, did_you_mean, needed
 from scaloft_fi.outside.records import (
     MOST_MESSAGES,
     TIME_COLUMN,
@@ -272,10 +271,7 @@ def _library(path: Path, name: str, needs: str) -> Any:
     Raises:
         InputError: it is not installed.
     """
-    try:
-        return import_module(name)
-    except ImportError as error:
-        raise InputError(f"{path}: {needs}: pip install 'scaloft-fi[records]'") from error
+    return needed(name, f"{path}: {needs}", "records")
 
 
 TABLE_BYTES = 256 << 20

@@ -20,7 +20,7 @@ from scaloft_fi.campaign.processes import one_thread_each
 from scaloft_fi.campaign.store.archive import STORE_NAME, campaign_folder, is_archive, opened, study_of
 from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.platforms import Platforms, differences, fingerprint
-from scaloft_fi.errors import GateError, InputError
+from scaloft_fi.errors import GateError, InputError, needed
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.judge.status import APART_M, JudgedFlight, agreement, digests, flight_of, in_step, parting_s
@@ -356,14 +356,11 @@ def mcap(log: FlightLog, name: str) -> bytes:
     Raises:
         InputError: the package mcap is not installed.
     """
-    try:
-        from mcap.writer import CompressionType, Writer
-    except ImportError as error:
-        raise InputError("an .mcap file needs mcap: pip install 'scaloft-fi[mcap]'") from error
+    made = needed("mcap.writer", "an .mcap file needs mcap", "mcap")
     if lost := next((name for name in _POSE_SIGNALS if name not in log.signals), None):
         raise InputError(f"an .mcap file needs the signal {lost!r}, which the record of the flight lacks; write .csv")
     file = io.BytesIO()
-    writer: Any = Writer(file, compression=CompressionType.NONE)
+    writer: Any = made.Writer(file, compression=made.CompressionType.NONE)
     writer.start(profile="", library="scaloft-fi")
     writer.add_metadata("flight", {"name": name, "digest": log.digest, "ending": log.ending.value})
     signals = _object(**dict.fromkeys(log.signals, _NUMBER))

@@ -24,7 +24,7 @@ from scaloft_fi.analysis.detection import Verdict
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, needed
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix, Parameter, SeverityClass, Team, worst_first
 from scaloft_fi.hazop.render import ladder
 from scaloft_fi.judge.space import Space
@@ -464,11 +464,8 @@ def to_xlsx(rows: Sequence[SheetRow]) -> bytes:
     Raises:
         InputError: openpyxl is not installed.
     """
-    try:
-        from openpyxl import Workbook, styles
-    except ImportError:
-        raise InputError("--format=xlsx needs openpyxl: pip install 'scaloft-fi[xlsx]'") from None
-    book = Workbook()
+    openpyxl = needed("openpyxl", "--format=xlsx needs openpyxl", "xlsx")
+    book, styles = openpyxl.Workbook(), openpyxl.styles
     for number, (title, shown, listed) in enumerate(sections(rows)):
         _fill(book.create_sheet() if number else book.active, styles, title, shown if number else COLUMNS, listed)
     _about(book.create_sheet(), styles, rows)

@@ -20,7 +20,7 @@ from pathlib import Path
 from types import MappingProxyType, NoneType, UnionType
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Union, get_args, get_origin
 
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import InputError, did_you_mean, needed
 from scaloft_fi.marks import About, Bounds, ByName, Choices, Listed
 from scaloft_fi.model import fields_of, is_model, summary_of
 from scaloft_fi.output import json_text
@@ -129,11 +129,7 @@ def needed_pyarrow() -> Any:
     Raises:
         InputError: it is not installed.
     """
-    try:
-        import pyarrow
-    except ImportError as error:
-        raise InputError("Arrow data needs pyarrow: pip install 'scaloft-fi[parquet]'") from error
-    return pyarrow
+    return needed("pyarrow", "Arrow data needs pyarrow", "parquet")
 
 
 _ARROW = {ColumnType.WHOLE: "int64", ColumnType.TRUTH: "bool", ColumnType.NUMBER: "float64", ColumnType.TEXT: "string"}

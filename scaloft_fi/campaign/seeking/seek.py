@@ -33,7 +33,7 @@ from scaloft_fi.campaign.runs.gates import ONE_PROCESS, RunOptions
 from scaloft_fi.campaign.runs.run import Run
 from scaloft_fi.campaign.seeking import finds
 from scaloft_fi.campaign.seeking.finds import SEEN_ON, SearchFlights, SeekReport, Sought, SpentError
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, needed
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.sim.grid import Evidence, Find
 from scaloft_fi.sim.situation import DEVIATES, Situation
@@ -67,10 +67,7 @@ def require_optuna() -> Any:
     Raises:
         InputError: it is not installed.
     """
-    try:
-        import optuna
-    except ImportError as error:
-        raise InputError("seek needs optuna: pip install 'scaloft-fi[seek]'") from error
+    optuna = needed("optuna", "seek needs optuna", "seek")
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     return optuna
 
