@@ -1,9 +1,10 @@
-"""A mapping of declared things by unique name: refuses duplicates, answers a miss with the nearest name."""
+"""Things by name: declared ones, each name once, where a miss is answered with the nearest name; and groups."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
@@ -14,6 +15,7 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.output import answers_apart
 
 T = TypeVar("T")
+Key = TypeVar("Key")
 
 PLUGIN_GROUP = "scaloft_fi.plugins"
 
@@ -85,6 +87,18 @@ class Registry(Mapping[str, T], Generic[T]):
     def _refuse_taken(self, name: str) -> None:
         if name in self:
             raise ValueError(f"{self.noun} {name!r} is declared twice")
+
+
+def grouped(items: Iterable[T], key: Callable[[T], Key]) -> defaultdict[Key, list[T]]:
+    """The items by what a function says of each, in the order in which they come; any other key has none.
+
+    >>> dict(grouped(["red", "green", "rose"], lambda colour: colour[0]))
+    {'r': ['red', 'rose'], 'g': ['green']}
+    """
+    groups = defaultdict[Key, list[T]](list)
+    for item in items:
+        groups[key(item)].append(item)
+    return groups
 
 
 def plugins() -> tuple[EntryPoint, ...]:

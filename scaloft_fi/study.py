@@ -26,7 +26,7 @@ from scaloft_fi.mutants.catalogue import check_catalogue, realise, with_events
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import write_own
-from scaloft_fi.registry import load_plugins
+from scaloft_fi.registry import grouped, load_plugins
 from scaloft_fi.setup import Setup
 from scaloft_fi.sim import grid as grids
 from scaloft_fi.sim.events import events_in
@@ -58,12 +58,9 @@ class KnownFinds:
     @property
     def warnings(self) -> tuple[str, ...]:
         """A sentence for each reason for which finds are left out."""
-        names: dict[str, list[str]] = {}
-        for name, why in self.misfits.items():
-            names.setdefault(why, []).append(name)
         return tuple(
             f"sim/{grids.FOUND_FILE}: left out, because the study has changed since: {', '.join(some)}: {why}"
-            for why, some in names.items()
+            for why, some in grouped(self.misfits, self.misfits.__getitem__).items()
         )
 
     def of(self, mutant: str) -> tuple[grids.Find, ...]:

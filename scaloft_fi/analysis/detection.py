@@ -56,6 +56,7 @@ from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import baselines_of
 from scaloft_fi.marks import About
+from scaloft_fi.registry import grouped
 
 LEAST = 10
 """Baseline flights that a situation needs before its pairs have a state."""
@@ -235,10 +236,8 @@ class SituationBaseline:
 
 def findings(outcomes: Iterable[Outcome], space: Space) -> tuple[SituationBaseline, ...]:
     """One finding per situation with a baseline that counts, in the grid's order."""
-    flown: dict[str, list[Outcome]] = {}
-    for outcome in outcomes:
-        if outcome.mutant == BASELINE and not outcome.invalid:
-            flown.setdefault(outcome.situation, []).append(outcome)
+    counting = (one for one in outcomes if one.mutant == BASELINE and not one.invalid)
+    flown = grouped(counting, lambda one: one.situation)
     return tuple(_finding(key, flown[key]) for key in sorted(flown, key=space.rank))
 
 
@@ -275,11 +274,8 @@ class Tally:
 
 def tallies(outcomes: Iterable[Outcome]) -> tuple[Tally, ...]:
     """One tally per requirement over the baseline flights that count, in the study's order."""
-    read: dict[str, list[Reading]] = {}
-    for outcome in outcomes:
-        if outcome.mutant == BASELINE and not outcome.invalid:
-            for reading in outcome.readings:
-                read.setdefault(reading.requirement, []).append(reading)
+    counting = (one for one in outcomes if one.mutant == BASELINE and not one.invalid)
+    read = grouped((each for one in counting for each in one.readings), lambda each: each.requirement)
     return tuple(_tally(name, readings) for name, readings in read.items())
 
 

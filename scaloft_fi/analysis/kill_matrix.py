@@ -38,6 +38,7 @@ from scaloft_fi.judge.outcome import Subject
 from scaloft_fi.judge.space import Point, Space
 from scaloft_fi.judge.status import Status
 from scaloft_fi.marks import ByName, Choices
+from scaloft_fi.registry import grouped
 
 
 def gray_order(space: Space) -> tuple[str, ...]:
@@ -417,10 +418,7 @@ def _classes(rows: Rows) -> list[list[int]]:
     for number, row in enumerate(rows):
         for column in row:
             hits[column] = hits.get(column, 0) | 1 << number
-    classes: dict[int, list[int]] = {}
-    for column, mask in sorted(hits.items()):
-        classes.setdefault(mask, []).append(column)
-    return list(classes.values())
+    return list(grouped(sorted(hits), hits.__getitem__).values())
 
 
 def _bound(rows: Rows) -> int:
@@ -606,10 +604,7 @@ def subsumption(kills: Mapping[str, Collection[str]]) -> Subsumption:
     """The subsumption graph of kill sets, by mutant; mutants that nothing kills are not in it."""
     import networkx as nx
 
-    classes: dict[frozenset[str], list[str]] = {}
-    for mutant, keys in kills.items():
-        if keys:
-            classes.setdefault(frozenset(keys), []).append(mutant)
+    classes = grouped((mutant for mutant, keys in kills.items() if keys), lambda mutant: frozenset(kills[mutant]))
     full = nx.DiGraph()
     full.add_nodes_from(range(len(classes)))
     full.add_edges_from(
@@ -646,10 +641,7 @@ def redundancies(graph: Subsumption) -> tuple[Redundancy, ...]:
     """The redundancy within each cell that has two or more killed mutants, in the order of the nodes."""
     cells: dict[str, list[list[str]]] = {}
     for node in graph.nodes:
-        groups: dict[str, list[str]] = {}
-        for mutant in node.mutants:
-            groups.setdefault(cell_of(mutant), []).append(mutant)
-        for cell, members in groups.items():
+        for cell, members in grouped(node.mutants, cell_of).items():
             cells.setdefault(cell, []).append(members)
     redundant = []
     for cell, groups_of_cell in cells.items():

@@ -21,6 +21,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import apart
 from scaloft_fi.marks import About, Bounds
+from scaloft_fi.registry import grouped
 
 RELATIVE = 0.1
 """An interval no wider than a tenth of its strong end counts as one number, and is what a search ends at."""
@@ -237,9 +238,7 @@ def whens(outcomes: Iterable[Outcome], scored: Score, kind: Kind = Kind.SAFETY) 
     for outcome in flown:
         if not outcome.invalid and outcome.infected_at_s is not None:
             acts[outcome.mutant].append(outcome.infected_at_s)
-    by_fault = defaultdict[str, list[MutantScore]](list)
-    for mutant in scored.mutants:
-        by_fault[mutant.subject.id.partition("#")[0]].append(mutant)
+    by_fault = grouped(scored.mutants, lambda mutant: mutant.subject.id.partition("#")[0])
     return tuple(
         When(
             fault, _median_of(lasts, listed), tuple(_strike(mutant, acts[mutant.subject.id], kind) for mutant in listed)

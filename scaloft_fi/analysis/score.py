@@ -45,6 +45,7 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Point, Space
 from scaloft_fi.judge.status import INVALID, Ruled, Rulings, Situations, Status, furthest, rulings_of
 from scaloft_fi.marks import About, ByName
+from scaloft_fi.registry import grouped
 
 Term = tuple[frozenset[str], ...]
 """Per axis the values a term admits."""
@@ -719,11 +720,8 @@ def score_of(
 
 def _behaviours(counted: Iterable[MutantScore], rulings: Rulings) -> tuple[tuple[str, ...], ...]:
     """The detected among the counted mutants, grouped by equal flights, in order."""
-    groups: dict[int, list[str]] = {}
-    for mutant in counted:
-        if mutant.detected:
-            groups.setdefault(rulings.behaviours[mutant.subject.id], []).append(mutant.subject.id)
-    return tuple(map(tuple, groups.values()))
+    detected = (mutant.subject.id for mutant in counted if mutant.detected)
+    return tuple(map(tuple, grouped(detected, rulings.behaviours.__getitem__).values()))
 
 
 class By(StrEnum):
@@ -791,10 +789,9 @@ def groups(scored: Score, by: By, space: Space) -> tuple[Group, ...]:
         By.PARAMETER: lambda mutant: mutant.subject.parameter,
         By.SEVERITY: lambda mutant: class_of(mutant.severity) or UNCLASSED,
     }
-    parts: dict[str, list[tuple[bool, bool]]] = {}
-    for mutant in worst_first(mutants, lambda mutant: mutant.severity) if by is By.SEVERITY else mutants:
-        parts.setdefault(name_of[by](mutant), []).append((mutant.detected, mutant.tested))
-    return tuple(group(name, facts) for name, facts in parts.items())
+    ordered = worst_first(mutants, lambda mutant: mutant.severity) if by is By.SEVERITY else mutants
+    parts = grouped(ordered, name_of[by]).items()
+    return tuple(group(name, [(one.detected, one.tested) for one in own]) for name, own in parts)
 
 
 FROM = 20

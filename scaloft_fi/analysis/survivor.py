@@ -29,6 +29,7 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import JudgedFlight, Status, apart, flights_of
 from scaloft_fi.marks import About, Bounds, ByName
 from scaloft_fi.mutants.catalogue import realise, source_of
+from scaloft_fi.registry import grouped
 
 if TYPE_CHECKING:
     from scaloft_fi.analysis.kill_matrix import KillMatrix, KillRow
@@ -248,10 +249,8 @@ def tried_in(
     """
     clean, flown = apart(outcomes)
     draws = {(baseline.situation, baseline.seed) for baseline in clean if not baseline.invalid}
-    counted = defaultdict[tuple[str, str], list[Outcome]](list)
-    for outcome in flown:
-        if not outcome.invalid and (outcome.situation, outcome.seed) in draws:
-            counted[outcome.mutant, outcome.situation].append(outcome)
+    counting = (one for one in flown if not one.invalid and (one.situation, one.seed) in draws)
+    counted = grouped(counting, lambda one: (one.mutant, one.situation))
     tried = defaultdict[tuple[PhasedFault, str], list[Tried]](list)
     for mutant in (*scored.mutants, *scored.controls):
         name = parse(mutant.subject.id)

@@ -18,6 +18,7 @@ from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import defaults, select
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
+from scaloft_fi.registry import grouped
 from scaloft_fi.study import Study
 
 if TYPE_CHECKING:
@@ -212,9 +213,7 @@ def alone(flights: Iterable[Flight]) -> list[Batch]:
 
 def in_runs(flights: Iterable[Flight], runner: Callable[[Situation], str]) -> list[Batch]:
     """One batch for the flights that one run flies, none of them shared."""
-    runs: dict[tuple[str, int, str], list[Flight]] = {}
-    for flight in flights:
-        runs.setdefault((flight.subject.id, flight.seed, runner(flight.situation)), []).append(flight)
+    runs = grouped(flights, lambda flight: (flight.subject.id, flight.seed, runner(flight.situation)))
     return [Batch(tuple(flown)) for flown in runs.values()]
 
 

@@ -14,6 +14,7 @@ from scaloft_fi.campaign.flights.command import JudgedRecord, JudgedRequirement,
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.requirement import Compliance, measured_rho
 from scaloft_fi.outside.records import READY, Gap, Loss, Lost, draft, fields_of
+from scaloft_fi.registry import grouped
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.names import situations
@@ -112,12 +113,10 @@ class FlightRecord:
         if self.waits_for:
             begins = f"{self.begins_s:.3f} s of the record"
             yield f"{self.file}: the flight begins at {begins}, when {self.waits_for} is known"
-        alike: dict[tuple[float, float, float], list[str]] = {}
-        for gap in self.gaps:
-            if gap.limit_s is not None and gap.longest_s > gap.limit_s:
-                alike.setdefault((gap.longest_s, gap.from_s, gap.limit_s), []).append(gap.signal)
-        for (longest_s, from_s, limit_s), names in alike.items():
-            silent = f"{', '.join(names)}: no message for {longest_s:.2f} s from {from_s:.2f} s on"
+        long = (gap for gap in self.gaps if gap.limit_s is not None and gap.longest_s > gap.limit_s)
+        alike = grouped(long, lambda gap: (gap.longest_s, gap.from_s, gap.limit_s))
+        for (longest_s, from_s, limit_s), gaps in alike.items():
+            silent = f"{', '.join(gap.signal for gap in gaps)}: no message for {longest_s:.2f} s from {from_s:.2f} s on"
             yield f"{self.file}: {silent}; the value is held for {limit_s:g} s (gap_s), then unknown"
 
 

@@ -21,6 +21,7 @@ from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.output import printable, tell_line
+from scaloft_fi.registry import grouped
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
 from scaloft_fi.verbs.options import Option, Several, answer, check_writable, several, verb, write
@@ -188,13 +189,11 @@ def survivor_table(listed: Sequence[Survivor]) -> Table:
 
 def survivor_summary(listed: Sequence[Survivor], then: str) -> Table:
     """How many survivors have which verdict and stopped where, by what to do next; `then`: the step of the campaign."""
-    groups = defaultdict[tuple[Stage, Verdict, Next], list[str]](list)
-    for entry in listed:
-        groups[entry.stage, entry.verdict, entry.next].append(entry.mutant)
+    groups = grouped(listed, lambda entry: (entry.stage, entry.verdict, entry.next))
     rows = tuple(
-        (verdict.words, stage.value, then.value, len(ids), ", ".join(ids))
+        (verdict.words, stage.value, then.value, len(own), ", ".join(entry.mutant for entry in own))
         for stage, verdict, then in product(Stage, Verdict, Next)
-        if (ids := groups.get((stage, verdict, then)))
+        if (own := groups.get((stage, verdict, then)))
     )
     notes = (_STOPPED, "`--show survivors` says of each why, and what to do.", f"What next: {then}")
     return Table("Survivors", ("verdict", "stopped at", "next", "mutants", "which"), rows, notes)

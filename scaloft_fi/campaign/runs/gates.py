@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -23,6 +22,7 @@ from scaloft_fi.hazop.matrix import cell_of
 from scaloft_fi.judge import status
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK_COLUMNS, Outcome, unpack_track
 from scaloft_fi.judge.requirement import Compliance, Kind
+from scaloft_fi.registry import grouped
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import PACKAGE, Study
 
@@ -138,10 +138,8 @@ def _same_bits(outcomes: Sequence[Outcome], differed: Collection[str]) -> Iterat
 
 def _placebo_detected(outcomes: Sequence[Outcome], spending: Spending) -> Iterator[str]:
     """Fails if the score's test takes PLACEBO, judged as if it altered samples, for a fault."""
-    flown = defaultdict[str, list[Outcome]](list)
-    for outcome in outcomes:
-        if outcome.mutant == PLACEBO_ID and not outcome.invalid:
-            flown[outcome.situation].append(outcome)
+    counting = (outcome for outcome in outcomes if outcome.mutant == PLACEBO_ID and not outcome.invalid)
+    flown = grouped(counting, lambda outcome: outcome.situation)
     samples = [replace(Sample.of(own), infected=True) for own in flown.values()]
     detection = detect(PLACEBO_ID, samples, Pool.of(outcomes), spending, Kind.SAFETY)
     if detection.detected:

@@ -38,6 +38,7 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.mutant import PLACEBO
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import json_text, write_own
+from scaloft_fi.registry import grouped
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.sources import PACKAGE
 from scaloft_fi.streams import key_words
@@ -150,12 +151,10 @@ def interleaved(
     def chance(*parts: str) -> float:
         return key_words(*seed, *parts)[0] / 2**64
 
-    strata: dict[Hashable, list[Item]] = {}
-    for item in sorted(items, key=lambda item: (chance("shuffle", name(item)), name(item))):
-        strata.setdefault(stratum(item), []).append(item)
+    shuffled = sorted(items, key=lambda item: (chance("shuffle", name(item)), name(item)))
     placed = [
         ((index + chance("offset", str(key))) / len(members), chance("tie", name(item)), item)
-        for key, members in strata.items()
+        for key, members in grouped(shuffled, stratum).items()
         for index, item in enumerate(members)
     ]
     return [item for _, _, item in sorted(placed, key=lambda entry: entry[:2])]

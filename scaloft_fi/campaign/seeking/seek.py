@@ -35,6 +35,7 @@ from scaloft_fi.campaign.seeking import finds
 from scaloft_fi.campaign.seeking.finds import SEEN_ON, SearchFlights, SeekReport, Sought, SpentError
 from scaloft_fi.errors import InputError, needed
 from scaloft_fi.mutants.mutant import Mutant
+from scaloft_fi.registry import grouped
 from scaloft_fi.sim.grid import Evidence, Find
 from scaloft_fi.sim.situation import DEVIATES, Situation
 from scaloft_fi.streams import key_words
@@ -307,10 +308,7 @@ class Family:
 
 def families(quests: Iterable[Quest]) -> list[Family]:
     """The families, in the order of their first mutants."""
-    by_parameter: dict[str, list[Quest]] = {}
-    for quest in quests:
-        by_parameter.setdefault(quest.mutant.parameter, []).append(quest)
-    return [Family(own) for own in by_parameter.values()]
+    return [Family(own) for own in grouped(quests, lambda quest: quest.mutant.parameter).values()]
 
 
 @dataclass

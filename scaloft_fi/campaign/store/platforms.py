@@ -23,6 +23,7 @@ from scaloft_fi.campaign.store.store import NOTE, FlownFlight, Store
 from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
+from scaloft_fi.registry import grouped
 
 NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet")
 """Packages whose versions can change the last bit of a flight or a reading."""
@@ -165,11 +166,10 @@ class Platforms:
 
     def by_platform(self, flights: Iterable[F]) -> list[tuple[Platform, list[F]]]:
         """The flights of each platform; the platform with most flights is first."""
-        listed, groups = list(flights), dict[str, list[F]]()
+        listed = list(flights)
         if not self._pairs:  # the store has one platform
             return [(self.own, listed)] if listed else []
-        for flight in listed:
-            groups.setdefault(self._pairs.get(pair_of(flight), self._own), []).append(flight)
+        groups = grouped(listed, lambda flight: self._pairs.get(pair_of(flight), self._own))
         most_first = sorted(groups.items(), key=lambda group: (-len(group[1]), group[0]))
         return [(self._platforms[hash_], group) for hash_, group in most_first]
 

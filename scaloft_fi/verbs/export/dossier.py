@@ -13,7 +13,6 @@ import json
 import shlex
 import zipfile
 from array import array
-from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -39,7 +38,7 @@ from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import JudgedFlight, Status, apart, baseline_status, each_flight, flights_of
 from scaloft_fi.marks import About, Choices
 from scaloft_fi.output import in_campaign, json_text, printable
-from scaloft_fi.registry import Registry
+from scaloft_fi.registry import Registry, grouped
 from scaloft_fi.sim.grid import FOLDER
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
@@ -435,10 +434,7 @@ class Dossier:
     @cached_property
     def _judged(self) -> Mapping[str, Sequence[JudgedFlight]]:
         """The flights of each mutant beside their baselines, by its id."""
-        judged = defaultdict[str, list[JudgedFlight]](list)
-        for flight in flights_of(self.outcomes):
-            judged[flight.outcome.mutant].append(flight)
-        return judged
+        return grouped(flights_of(self.outcomes), lambda flight: flight.outcome.mutant)
 
     def find_told(self, mutant: MutantScore) -> str:
         """`; next: ` and the command, where a search found a situation that shows a mutant; else empty."""

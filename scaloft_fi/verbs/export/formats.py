@@ -36,7 +36,7 @@ it is representative.  What only people can argue is left open, and says so.
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 from urllib.parse import quote
@@ -52,6 +52,7 @@ from scaloft_fi.hazop.matrix import class_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID
 from scaloft_fi.judge.requirement import Kind, rho_text
 from scaloft_fi.output import line
+from scaloft_fi.registry import grouped
 from scaloft_fi.verbs.export.dossier import Dossier, Step, export_format
 from scaloft_fi.verbs.first_screen import NOT_COMPARED, false_detections, seeds_flown, shows_itself_by
 from scaloft_fi.verbs.verdict import MOST_NAMED, NO_POOL
@@ -65,9 +66,7 @@ def junit(dossier: Dossier) -> str:
     """The XML document."""
     root = ET.Element("testsuites", name=line(f"scaloft-fi {dossier.campaign}"))
     controls = {CONTROLS: list(dossier.score.controls)} if dossier.score.controls else {}
-    suites = defaultdict[str, list[MutantScore]](list)
-    for mutant in dossier.score.mutants:
-        suites[mutant.subject.parameter].append(mutant)
+    suites = grouped(dossier.score.mutants, lambda mutant: mutant.subject.parameter)
     for name, mutants in (*suites.items(), *controls.items()):
         suite = ET.SubElement(root, "testsuite", name=line(name))
         kinds = [_kind(dossier, mutant, control=name in controls) for mutant in mutants]
@@ -109,9 +108,7 @@ SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 def sarif(dossier: Dossier) -> dict[str, Any]:
     """The log as plain JSON values: a rule is a cell whose mutant is not detected, a result is that mutant."""
     mutants = dossier.of(Verdict.UNDECIDED, Verdict.NOT_DETECTED, Verdict.NOT_TESTED)
-    by_cell = defaultdict[str, list[MutantScore]](list)
-    for mutant in mutants:
-        by_cell[dossier.cell(mutant).name].append(mutant)
+    by_cell = grouped(mutants, lambda mutant: dossier.cell(mutant).name)
     cells, rules = list(by_cell), [_rule(dossier, name, members) for name, members in by_cell.items()]
     driver = {"name": "scaloft-fi", "version": dossier.version, "rules": rules}
     run = {
@@ -458,9 +455,7 @@ def _cases(dossier: Dossier) -> Table:
 
 def _seeds(dossier: Dossier, flown: Mapping[str, Collection[int]]) -> str:
     """The seeds that most mutants flew in a situation, then who flew others: `0; LATE-human@3s: 0-4`."""
-    by_seeds = defaultdict[str, list[str]](list)
-    for mutant in sorted(flown, key=dossier.roster.rank):
-        by_seeds[ranges(flown[mutant])].append(mutant)
+    by_seeds = grouped(sorted(flown, key=dossier.roster.rank), lambda mutant: ranges(flown[mutant]))
     most, *others = sorted(by_seeds, key=lambda seeds: (-len(by_seeds[seeds]), seeds)) or [""]
     named = {seeds: ids if len(ids) <= MOST_NAMED else [f"{len(ids)} mutants"] for seeds, ids in by_seeds.items()}
     return "; ".join([most, *(f"{', '.join(named[seeds])}: {seeds}" for seeds in others)])

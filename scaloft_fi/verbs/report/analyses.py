@@ -30,6 +30,7 @@ from scaloft_fi.judge.space import Point, Space
 from scaloft_fi.judge.status import INVALID, Ruled, Rulings, Situations, Status
 from scaloft_fi.judge.stl import COMPARATORS, SAMPLE_MS, Infix, Interval, Node, Prefix, Signal, tokenize
 from scaloft_fi.judge.stl import parse as parse_formula
+from scaloft_fi.registry import grouped
 from scaloft_fi.sim.grid import Grid
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.margin import cell_margins, margin_text
@@ -504,9 +505,7 @@ def axes(grid: Grid) -> list[dict[str, Any]]:
 
 def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
     """Every entry of the deviation matrix with its mutants that were flown, the default first named."""
-    by_cell = defaultdict[str, list[str]](list)
-    for mutant in flown:
-        by_cell[cell_of(mutant)].append(mutant)
+    by_cell = grouped(flown, cell_of)
     return [
         {
             **by_field(cell, "name", "guideword", "parameter", "status", "deviation", "causes", "effect"),

@@ -28,6 +28,7 @@ from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK, TRACK_COLUMNS,
 from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.status import baseline_status, flight_of
 from scaloft_fi.output import all_printable
+from scaloft_fi.registry import grouped
 from scaloft_fi.sim.grid import Break, Find
 from scaloft_fi.sim.log import FAR_M, SAMPLE_HZ
 from scaloft_fi.sim.world import World
@@ -197,10 +198,8 @@ def packs(outcomes: Iterable[Outcome], requirements: Sequence[str], detail: Deta
         detail: how much of the tracks is kept.
         every: pack one situation in this many, to estimate the size of all.
     """
-    by_situation = defaultdict[str, list[Outcome]](list)
-    for outcome in outcomes:
-        if outcome.mutant != PLACEBO_ID:
-            by_situation[outcome.situation].append(outcome)
+    shown = (outcome for outcome in outcomes if outcome.mutant != PLACEBO_ID)
+    by_situation = grouped(shown, lambda outcome: outcome.situation)
     seeds = {outcome.seed for listed in by_situation.values() for outcome in listed if outcome.mutant != BASELINE}
     kept = set(sorted(seeds)[: detail.seeds])
     tracked, texts = defaultdict[tuple[bool, int], list[bool]](list), {}
