@@ -16,9 +16,10 @@ import experiments.published_kernels  # noqa: F401 - it must be imported before 
 # isort: split
 
 import math
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -175,23 +176,29 @@ def mean_excess(bugs: Sequence[Coupling], population: Collection[str]) -> float:
     return sum(bug.weight * bug.excess(population) for bug in bugs) / sum(bug.weight for bug in bugs)
 
 
-def relabelled_p(bugs: Sequence[Coupling], population: Collection[str]) -> float:
+def relabelled_p(bugs: Sequence[Coupling], *strata: Collection[str]) -> float:
     """Chance of at least the mean excess if the names of the situations tell nothing of kills.
 
     Each of `RELABELLINGS` keyed draws permutes the names in all sets of killing situations at once, so that the sets
     keep their sizes and what they have in common.
 
     Args:
-        bugs: the bugs; their killing situations lie in the population.
-        population: the situations.
+        bugs: the bugs; their killing situations lie in the strata.
+        strata: the situations; a name stays in its stratum.
     """
-    names = sorted(population)
+    names = [name for stratum in strata for name in sorted(stratum)]
+    begins = np.cumsum([0, *map(len, strata)])
     killing = np.array([[name in bug.killing for name in names] for bug in bugs], float)
     alone = np.array([[name in bug.alone for name in names] for bug in bugs], float)
     alone *= np.array([[bug.weight / len(bug.killing)] for bug in bugs])
     random = generator("bugs", "relabelling")
     seen = float((killing * alone).sum())
-    drawn = (float((killing[:, random.permutation(len(names))] * alone).sum()) for _ in range(RELABELLINGS))
+
+    def relabelled() -> float:
+        order = [low + random.permutation(high - low) for low, high in pairwise(begins)]
+        return float((killing[:, np.concatenate(order)] * alone).sum())
+
+    drawn = (relabelled() for _ in range(RELABELLINGS))
     return (1 + sum(value >= seen - 1e-9 for value in drawn)) / (1 + RELABELLINGS)
 
 
@@ -256,6 +263,15 @@ def _answer(counted: Sequence[Coupling], seen: Published) -> Iterator[str]:
         else:
             yield f"The easier comparison: mean excess {told}."
     yield from _without_the_greatest(counted, seen.tested)
+    alike = defaultdict[object, list[str]](list)
+    for key in seen.tested:
+        alike[tuple(seen.pool.steady(key, Kind.SAFETY))].append(key)
+    strata = sorted(map(sorted, alike.values()), key=len, reverse=True)
+    sizes = " and ".join(str(len(keys)) for keys in strata)
+    yield (
+        "Not registered: with names permuted only among situations that put the same safety requirements to the test "
+        f"({sizes}) p = {relabelled_p(counted, *strata):.2g}."
+    )
 
 
 def _without_the_greatest(counted: Sequence[Coupling], tested: frozenset[str]) -> Iterator[str]:
