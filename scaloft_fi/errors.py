@@ -59,6 +59,14 @@ class ScaloftError(Exception):
         return text if len(text) <= _LONGEST_SENTENCE else f"{text[: _LONGEST_SENTENCE // 2]} [...] {text[-200:]}"
 
 
+class DeclaredError(ScaloftError):
+    """What somebody declared does not do what it declares.  declared_in: the module that declares it."""
+
+    def __init__(self, sentence: str, declared_in: str = "") -> None:
+        super().__init__(sentence)
+        self.declared_in = declared_in
+
+
 class InputError(ScaloftError):
     """The user's input is invalid; the message gives place, name=value, allowed values, the nearest valid name."""
 

@@ -11,7 +11,7 @@ from importlib.metadata import EntryPoint, entry_points
 from traceback import walk_tb
 from typing import Generic, TypeVar
 
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import DeclaredError, InputError, did_you_mean
 from scaloft_fi.output import answers_apart
 
 T = TypeVar("T")
@@ -144,13 +144,16 @@ def in_one_line(error: BaseException) -> str:
 
 
 def plugin_behind(error: BaseException) -> str:
-    """The plugin, and its package, in whose modules an error, or what caused it, was raised; "" where in none."""
+    """The plugin, and its package, in whose modules an error, or what caused it, was raised; "" where in none.
+
+    Of a `DeclaredError` it is the one that declares what is at fault.
+    """
     named = {plugin.module: plugin for plugin in reversed(plugins())}
     packages = {module.partition(".")[0]: plugin for module, plugin in named.items()}
     cause: BaseException | None = error
     while cause is not None:
-        for frame, _ in walk_tb(cause.__traceback__):
-            module = str(frame.f_globals.get("__name__", ""))
+        raised_in = (str(frame.f_globals.get("__name__", "")) for frame, _ in walk_tb(cause.__traceback__))
+        for module in (cause.declared_in, *raised_in) if isinstance(cause, DeclaredError) else raised_in:
             plugin = named.get(module) or packages.get(module.partition(".")[0])
             if plugin is not None:
                 return _named(plugin)

@@ -8,7 +8,7 @@ import pytest
 from options import cases
 from processes import install
 
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import DeclaredError, InputError
 from scaloft_fi.registry import Registry, load_plugins, plugin_behind
 
 
@@ -85,6 +85,7 @@ def test_an_error_is_the_plugins_when_its_code_raised_it_or_its_cause(site: Path
     outer.__cause__ = direct.value
     assert plugin_behind(outer) == "plugin 'raising' of package 'raising-package'"
     assert plugin_behind(KeyError("ours")) == ""
+    assert plugin_behind(DeclaredError("ours", "raising_plugin")) == "plugin 'raising' of package 'raising-package'"
 
 
 def test_a_miss_without_a_near_name_says_where_such_names_come_from():

@@ -19,15 +19,17 @@ from scaloft_fi.checks import parts as pieces
 from scaloft_fi.document import Item, is_file, is_there, load
 from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.load import SHEETS
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.hazop.matrix import Cell, Matrix
 from scaloft_fi.judge.requirement import ANY, Ranges, cap_of, ranges_of, within_rock, without
 from scaloft_fi.judge.space import MOST_LISTED, Space
 from scaloft_fi.judge.stl import FormulaError
 from scaloft_fi.model import value_of
+from scaloft_fi.mutants.operator import TapError
+from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.outside.border import BORDERS
 from scaloft_fi.outside.exchange import OutsideConfig
 from scaloft_fi.outside.records import load_record_map
-from scaloft_fi.registry import PLUGIN_GROUP, load_plugin
+from scaloft_fi.registry import PLUGIN_GROUP, load_plugin, plugin_behind
 from scaloft_fi.sim import grid as grids_of
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.load import DOCUMENTS
@@ -195,6 +197,18 @@ def check_plugins(findings: Findings) -> int:
             what, _, remedy = str(error).rpartition("; ")
             findings.add(Finding(Severity.ERROR, "", None, what, remedy=remedy))
     return len(plugins)
+
+
+def check_operators(cells: Iterable[Cell], findings: Findings) -> None:
+    """The operators of plugins whose example cannot be flown: an error where a cell uses one, else a note."""
+    used = {fault.operator for cell in cells for fault in cell.faults}
+    for name, one in OPERATORS.items():
+        try:
+            one.arrived()
+        except TapError as error:
+            severity = Severity.ERROR if name in used else Severity.NOTE
+            what = f"{plugin_behind(error) or one.make.__module__}: {error}"
+            findings.add(Finding(severity, "", None, what, remedy="mend or uninstall it"))
 
 
 def check_stack_choice(study: Study, findings: Findings) -> Declaration | None:
@@ -502,6 +516,7 @@ def check_study(folder: Path, *, fly: bool = False, allow: Callable[[Study], Non
     requirements = pieces.check_requirements(sim / "requirements.yaml", known, findings) if known else None
     grids = (check_grid(study, grid_of(study, findings), known, findings), *_further(study, stack, world, findings))
     matrix = pieces.check_matrix(study, stack, pieces.kinds_in(sim / "requirements.yaml"), findings)
+    check_operators(matrix.cells, findings)
     found = accepted = 0
     if matrix.matrix is not None:
         found = check_found(study, findings)

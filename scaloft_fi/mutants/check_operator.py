@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from scaloft_fi.mutants.operator import Occurrences, Operator
+from scaloft_fi.mutants.operator import Occurrences, Operator, TapError
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.registry import in_one_line, load_plugins
 
@@ -65,8 +65,13 @@ def check_operator(name: str) -> OperatorCheck:
     load_plugins()
     one = OPERATORS[name]
     example = one.example
-    tap = one.tap(example.context(), one.check("example", example.message, example.arguments))
-    arrived = tuple(tap(place / example.rate_hz, sample) for place, sample in enumerate(example.before))
+    one.check("example", example.message, example.arguments)
+    event = Occurrences()
+    try:
+        arrived = one.arrived()
+        one.tap(replace(example.context(), event=event), example.arguments)
+    except TapError as error:
+        return OperatorCheck(name, (), (str(error),))
     failures = []
     if callable(example.after):
         if not example.after(example.before, arrived):
@@ -80,7 +85,6 @@ def check_operator(name: str) -> OperatorCheck:
             if not alike(said, there)
         ]
     failures += _not_repeated(one)
-    one.tap(replace(example.context(), event=(event := Occurrences())), example.arguments)
     if one.awaits_events and not event.awaited:
         failures.append("its argument phase_s must shift windows that it takes from its context")
     if not one.summary.endswith("."):

@@ -16,9 +16,9 @@ from typing import Annotated, Any, Literal, cast, get_args, get_origin, get_type
 
 import numpy as np
 
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import DeclaredError, InputError, did_you_mean
 from scaloft_fi.hazop.matrix import Value
-from scaloft_fi.registry import Registry
+from scaloft_fi.registry import Registry, in_one_line
 from scaloft_fi.stack.declaration import TICK_HZ
 from scaloft_fi.stack.messages import field_names, field_type, image_fields, number_fields, stamp_fields, vector_fields
 
@@ -413,6 +413,10 @@ class OperatorError(InputError):
         self.about = about
 
 
+class TapError(DeclaredError):
+    """An operator or a tap of it failed: a failure of the harness, not of the stack under test."""
+
+
 @dataclass(frozen=True)
 class Operator:
     """One declared operator.
@@ -479,8 +483,40 @@ class Operator:
         return checked
 
     def tap(self, context: TapContext, arguments: Mapping[str, Value]) -> Tap:
-        """A fresh tap with checked `arguments`."""
-        return self.make(context, **arguments)
+        """A fresh tap with checked `arguments`.
+
+        Raises:
+            TapError: the operator raises, or what it returns is no tap.
+        """
+        try:
+            made = self.make(context, **arguments)
+        except Exception as error:
+            raise self._failed(f"raises when it is built: {in_one_line(error)}") from error
+        if not callable(made):
+            raise self._failed(f"must return a tap, and returns {made!r}")
+        return made
+
+    def arrived(self) -> Samples:
+        """What arrives where the samples of its example are sent.
+
+        Raises:
+            TapError: as `tap`, or the tap raises, or returns another message.
+        """
+        example, found = self.example, list[Any]()
+        tap = self.tap(example.context(), example.arguments)
+        for place, sample in enumerate(example.before):
+            try:
+                found.append(tap(place / example.rate_hz, sample))
+            except Exception as error:
+                raise self._failed(f"raises at sample {place} of its example: {in_one_line(error)}") from error
+            if not isinstance(found[-1], example.message | None):
+                raise self._failed(
+                    f"returns {found[-1]!r} at sample {place} of its example, no {example.message.__name__}"
+                )
+        return tuple(found)
+
+    def _failed(self, what: str) -> TapError:
+        return TapError(f"operator {self.name!r} {what}", self.make.__module__)
 
 
 OPERATORS = Registry[Operator]("operator", "scaloft-fi operators")

@@ -12,17 +12,12 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
-from scaloft_fi.errors import ScaloftError
 from scaloft_fi.mutants.mutant import EVERY_SEAM, Mutant
-from scaloft_fi.mutants.operator import OPERATORS, Facts, Occurrences, Tap, TapContext
+from scaloft_fi.mutants.operator import OPERATORS, Facts, Occurrences, Tap, TapContext, TapError
 from scaloft_fi.stack.declaration import Declaration, PlainWire, Seam, Wire
 from scaloft_fi.streams import generator
 
 S = TypeVar("S")
-
-
-class TapError(ScaloftError):
-    """A tap failed: a failure of the harness, not of the stack under test."""
 
 
 class SeamCount(NamedTuple):
@@ -52,7 +47,8 @@ class _Tally:
             if differs and delivered is not None and not isinstance(delivered, self.seam.message):
                 raise TypeError(f"it delivers {type(delivered).__name__}, not {self.seam.message.__name__} or None")
         except Exception as error:
-            raise TapError(f"tap on {self.seam.name} at {t_s:.3f} s: {type(error).__name__}: {error}") from error
+            sentence = f"tap on {self.seam.name} at {t_s:.3f} s: {type(error).__name__}: {error}"
+            raise TapError(sentence, getattr(self.tap, "__module__", "")) from error
         self.carried += sample is not None or delivered is not None
         if not differs:
             return sample

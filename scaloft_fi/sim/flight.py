@@ -15,7 +15,8 @@ from typing import TypeVar
 import numpy as np
 
 from scaloft_fi.errors import InputError, ScaloftError
-from scaloft_fi.mutants.wire import SeamCount, TapError
+from scaloft_fi.mutants.operator import TapError
+from scaloft_fi.mutants.wire import SeamCount
 from scaloft_fi.sim import vehicle
 from scaloft_fi.sim.build import build, physics_server, place, set_up
 from scaloft_fi.sim.contact import Feeler

@@ -18,7 +18,7 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants import catalogue
 from scaloft_fi.mutants.mutant import Mutant
-from scaloft_fi.mutants.operator import Argument, Operator
+from scaloft_fi.mutants.operator import Argument, Operator, TapError
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import say, tell, tell_line, width
 from scaloft_fi.registry import plugins
@@ -519,6 +519,7 @@ class ListedOperator(Entry):
         rate_hz: how often the seam of its example is polled [Hz].
         given: the arguments of its example.
         polls: its example; of a random operator one draw.
+        fault: why there are no polls; empty for a sound operator.
     """
 
     summary: str
@@ -533,6 +534,7 @@ class ListedOperator(Entry):
     rate_hz: float
     given: tuple[GivenArgument, ...]
     polls: tuple[Poll, ...]
+    fault: str
     KEYS: ClassVar = ("*", "signature", "fits")
 
     @property
@@ -557,6 +559,7 @@ class ListedOperator(Entry):
             ("declared by", self.package),
             ("example", f"{self.message} at {self.rate_hz:g} Hz, {', '.join(map(str, self.given)) or 'no arguments'}"),
             *(("polls", str(poll)) for poll in self.polls),
+            ("fault", self.fault),
         ]
 
 
@@ -571,7 +574,7 @@ class Operators:
     operators: tuple[ListedOperator, ...]
 
 
-LISTED_OPERATORS = Output("operators", "1.0", Operators, rows="operators")
+LISTED_OPERATORS = Output("operators", "1.1", Operators, rows="operators")
 _KINDS = {**_PLAIN, object: "number, text, true or false"}
 _OF_FIELD = ("amount", "sigma", "value")
 """Arguments in the unit of the field that the argument `field` names."""
@@ -598,24 +601,32 @@ def operator_list(study: Study) -> Listing[ListedOperator]:
             message=one.example.message.__name__,
             rate_hz=one.example.rate_hz,
             given=tuple(GivenArgument(*each) for each in one.example.arguments.items()),
-            polls=tuple(_polls(one)),
+            polls=polls,
+            fault=fault,
         )
         for name in sorted(OPERATORS)
         for one in [OPERATORS[name]]
+        for polls, fault in [_polls(one)]
     )
     notes = (
         f"seams: how many of the stack {stack.name} it fits.",
         "`scaloft-fi operators NAME` shows one whole, with an example.",
+        *(f"Of the package {one.package}: {one.fault}." for one in listed if one.fault),
     )
     return Listing("operator", f"Operators: {len(listed)}", OPERATOR_OVERVIEW, listed, LISTED_OPERATORS, notes)
 
 
-def _polls(operator: Operator) -> Iterator[Poll]:
+def _polls(operator: Operator) -> tuple[tuple[Poll, ...], str]:
+    """The polls of its example, and why there are none."""
     example = operator.example
-    tap = operator.tap(example.context(), example.arguments)
-    for place, sample in enumerate(example.before):
-        t_s = place / example.rate_hz
-        yield Poll(round(t_s, 6), sample_text(sample), sample_text(tap(t_s, sample)))
+    try:
+        pairs = zip(example.before, operator.arrived(), strict=True)
+    except TapError as error:
+        return (), str(error)
+    return tuple(
+        Poll(round(place / example.rate_hz, 6), sample_text(sent), sample_text(arrives))
+        for place, (sent, arrives) in enumerate(pairs)
+    ), ""
 
 
 def argument_facts(argument: Argument) -> ListedArgument:

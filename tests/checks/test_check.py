@@ -18,9 +18,10 @@ from printed import invoked
 from processes import call, install, install_project
 from studies import RECORDS, ROOT, copied, edit_in, example, mission_study, own_simulator
 
-from scaloft_fi.checks import Finding, Severity
-from scaloft_fi.checks.check import Check, check_study
+from scaloft_fi.checks import Finding, Findings, Severity
+from scaloft_fi.checks.check import Check, check_operators, check_study
 from scaloft_fi.checks.parts import crossed_ways, depth, gaps, overlaps
+from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.sim.grid import load_grid
 from scaloft_fi.sim.mesh import box
 from scaloft_fi.sim.world import Box, Turned, World
@@ -128,6 +129,17 @@ def test_a_plugin_that_does_not_load_is_an_error_and_the_rest_is_checked(tmp_pat
     done = call(tmp_path / "site", "-c", PROGRAM, copy, cwd=tmp_path)
     assert "plugin 'theirs' of package 'their-package' cannot be loaded: OSError: no driver" in done.stdout
     assert "world.yaml:3: error: light=5 must be" in done.stdout
+
+
+def test_an_operator_that_is_no_good_is_an_error_where_a_cell_uses_it_and_else_a_note(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.setitem(OPERATORS._entries, "delay", replace(OPERATORS["delay"], make=lambda *_, **__: 5))
+    for cells, severity in ((tuple(Study.open(ROOT).matrix), Severity.ERROR), ((), Severity.NOTE)):
+        findings = Findings()
+        check_operators(cells, findings)
+        what = f"{__name__}: operator 'delay' must return a tap, and returns 5"
+        assert tuple(findings) == (Finding(severity, "", None, what, remedy="mend or uninstall it"),)
 
 
 def test_a_study_without_a_control_is_told_so(copy: Path):

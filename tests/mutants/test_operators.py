@@ -224,6 +224,14 @@ def _raising(*_: Any, **__: Any) -> Any:
     return lambda t_s, sample: sample if t_s < 1.0 else sample.nothing
 
 
+def _unbuilt(*_: Any, **__: Any) -> Any:
+    raise RuntimeError("no antenna")
+
+
+def _lost(_t_s: float, sample: Any) -> Any:
+    return sample.lost
+
+
 DELAY = OPERATORS["delay"].example
 HELD = replace(DELAY, after=DELAY.before)
 BROKEN: Mapping[str, tuple[dict[str, Any], str]] = {
@@ -232,6 +240,13 @@ BROKEN: Mapping[str, tuple[dict[str, Any], str]] = {
     "a predicate": ({"example": replace(DELAY, after=lambda _before, _after: False)}, "its example does not hold"),
     "random numbers of its own": ({"make": _random, "example": HELD}, "two flights differ at 1"),
     "an error that comes late": ({"make": _raising, "example": HELD}, "its tap raises at 1 s, when the samples of its"),
+    "an operator that raises": ({"make": _unbuilt}, "operator 'delay' raises when it is built: RuntimeError: no"),
+    "no tap": ({"make": lambda *_, **__: 5}, "operator 'delay' must return a tap, and returns 5"),
+    "a tap that raises": (
+        {"make": lambda *_, **__: _lost},
+        "'delay' raises at sample 0 of its example: AttributeError",
+    ),
+    "another message": ({"make": lambda *_, **__: lambda *_: "x"}, "returns 'x' at sample 0 of its example, no "),
     "no docstring": ({"make": _undocumented}, "its docstring must begin with a sentence"),
 }
 

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants.catalogue import defaults, realise, source_of
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.mutants.operator import Facts, Occurrences, Tap, TapContext, Windows
+from scaloft_fi.mutants.operator import Facts, Occurrences, Tap, TapContext, TapError, Windows
 from scaloft_fi.mutants.sample import within
-from scaloft_fi.mutants.wire import SeamCount, TapError, TappedWire, WatchingWire, contexts, wire_for
+from scaloft_fi.mutants.wire import SeamCount, TappedWire, WatchingWire, contexts, wire_for
 from scaloft_fi.stack.declaration import PlainWire, Seam
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.stack.reference.messages import Target
@@ -70,8 +70,9 @@ def test_a_tap_that_delivers_another_type_than_the_seams_message_fails():
 
 def test_a_failing_tap_is_a_matter_of_the_harness():
     wire = tapped({"target": _broken})
-    with pytest.raises(TapError, match=r"tap on target at 0\.050 s: ZeroDivisionError: tap"):
+    with pytest.raises(TapError, match=r"tap on target at 0\.050 s: ZeroDivisionError: tap") as failed:
         wire.cross("target", 0.05, Target(0, (0.0, 0.0, 0.0)))
+    assert failed.value.declared_in == __name__
 
 
 def test_randomness_depends_on_mutant_situation_and_seed_only():

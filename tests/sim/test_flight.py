@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scaloft_fi.mutants.wire import TapError
+from scaloft_fi.mutants.operator import TapError
 from scaloft_fi.sim.flight import fly
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.stack.declaration import PlainWire

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -75,6 +76,17 @@ def test_the_example_of_an_operator_is_what_its_tap_does(lists: dict[str, Listin
         assert [poll.sent for poll in told[name]] == list(map(sample_text, operator.example.before))
         if not callable(operator.example.after):
             assert [poll.arrives for poll in told[name]] == list(map(sample_text, operator.example.after)), name
+
+
+def test_an_operator_that_is_no_good_is_told_with_its_package_beside_all_others(
+    study: Study, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setitem(OPERATORS._entries, "delay", replace(OPERATORS["delay"], make=lambda *_, **__: 5))
+    listing = operator_list(study)
+    fault = "operator 'delay' must return a tap, and returns 5"
+    assert {one.name: one.fault for one in listing.entries} == dict.fromkeys(OPERATORS, "") | {"delay": fault}
+    assert listing.notes[-1] == f"Of the package {__name__.partition('.')[0]}: {fault}."
+    assert ("fault", fault) in listing.by_name["delay"].sheet()
 
 
 def test_a_free_axis_tells_its_range_distribution_and_with_what_it_goes():

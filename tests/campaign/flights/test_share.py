@@ -119,7 +119,8 @@ def test_an_operator_that_cannot_be_built_is_invalid_with_its_plugin_and_no_othe
         found = _outcomes([batch])
         assert {name.partition("/")[0]: outcome.invalid for name, outcome in found.items()} == {
             "baseline": "",
-            "REVERSE-velcmd": f"plugin 'odd' of package {__name__!r}: RuntimeError: no antenna",
+            "REVERSE-velcmd": f"plugin 'odd' of package {__name__!r}: TapError: operator 'negate' "
+            "raises when it is built: RuntimeError: no antenna",
             "LATE-human@3s": "",
         }
 
