@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from enum import IntEnum
 from importlib import import_module
 from itertools import islice
-from typing import Any
+from typing import Any, ParamSpec
+
+P = ParamSpec("P")
 
 
 class ExitCode(IntEnum):
@@ -163,6 +165,15 @@ def shown(value: object) -> str:
     text = repr(value)
     half = (_LONGEST_SHOWN - 3) // 2
     return text if len(text) <= _LONGEST_SHOWN else f"{text[: half + 1]}...{text[-half:]}"
+
+
+def refused(work: Callable[P, object], *args: P.args, **named: P.kwargs) -> InputError | None:
+    """Call a function: the error with which it refuses its arguments, or None."""
+    try:
+        work(*args, **named)
+    except InputError as error:
+        return error
+    return None
 
 
 def did_you_mean(name: str, allowed: Iterable[str]) -> str:

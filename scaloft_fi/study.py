@@ -17,7 +17,7 @@ from scaloft_fi.analysis.detection import ALPHA, MOST_ALPHA
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.document import Item, digest, is_file, is_there, load, parse_date, read_text
-from scaloft_fi.errors import Faults, InputError, did_you_mean, shown
+from scaloft_fi.errors import Faults, InputError, did_you_mean, refused, shown
 from scaloft_fi.hazop.load import find_study, is_packaged, load_matrix
 from scaloft_fi.hazop.matrix import Cell, Matrix
 from scaloft_fi.marks import MOST, Bounds, Either, Examples, Reads, Size
@@ -94,10 +94,8 @@ def known_finds(folder: Path, matrix: Matrix, requirements: Collection[str]) -> 
     misfits: dict[str, str] = {}
     named: tuple[grids.Find | grids.Break, ...] = (*found.finds, *found.breaks)
     for one in named:
-        try:
-            _check(one, searched, matrix, requirements)
-        except InputError as error:
-            misfits[one.name] = str(error)
+        if why := refused(_check, one, searched, matrix, requirements):
+            misfits[one.name] = str(why)
     return KnownFinds(
         tuple(find for find in found.finds if find.name not in misfits),
         misfits,

@@ -17,7 +17,7 @@ from scaloft_fi.campaign.runs.request import STRATEGIES, hint
 from scaloft_fi.checks import Finding, Findings, Severity, finding_of
 from scaloft_fi.checks import parts as pieces
 from scaloft_fi.document import Item, is_file, is_there, load
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import InputError, did_you_mean, refused
 from scaloft_fi.hazop.load import SHEETS
 from scaloft_fi.hazop.matrix import Cell, Matrix
 from scaloft_fi.judge.requirement import ANY, Ranges, cap_of, ranges_of, within_rock, without
@@ -191,9 +191,7 @@ def check_plugins(findings: Findings) -> int:
     """Load every plugin; returns how many there are."""
     plugins = sorted(entry_points(group=PLUGIN_GROUP))
     for plugin in plugins:
-        try:
-            load_plugin(plugin)
-        except InputError as error:
+        if error := refused(load_plugin, plugin):
             what, _, remedy = str(error).rpartition("; ")
             findings.add(Finding(Severity.ERROR, "", None, what, remedy=remedy))
     return len(plugins)
@@ -227,9 +225,7 @@ def check_stack_choice(study: Study, findings: Findings) -> Declaration | None:
 
 def _check_processes(study: Study, document: Item, settings: OutsideConfig, findings: Findings) -> None:
     """The programs of a stack outside, and the software of its border, on this machine."""
-    try:
-        BORDERS[settings.border].need()
-    except InputError as error:
+    if error := refused(BORDERS[settings.border].need):
         place = document.need("border").place
         findings.note(place, f"border {settings.border!r} cannot be used on this machine: {error}", "install it there")
     items = document.need("processes").items()

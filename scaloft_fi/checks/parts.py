@@ -15,7 +15,7 @@ import numpy as np
 
 from scaloft_fi.checks import Finding, Findings, Severity, finding_of
 from scaloft_fi.document import Item, is_there, load
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import InputError, did_you_mean, refused
 from scaloft_fi.hazop import matrix as matrices
 from scaloft_fi.hazop.load import SHEETS, load_guidewords, load_parameters, misnamed_cells, misnamed_sheets, read_cell
 from scaloft_fi.judge import requirement as bounds
@@ -639,9 +639,7 @@ def _check_faults(
     parameter = next(one for one in parameters if one.id == cell.parameter)
     for fault in cell.faults:
         alone = {(cell.guideword, cell.parameter): replace(cell, faults=(fault,))}
-        try:
-            derive(matrices.Matrix((word,), (parameter,), alone))
-        except InputError as error:
+        if error := refused(derive, matrices.Matrix((word,), (parameter,), alone)):
             found = finding_of(str(error))
             takes = f"`scaloft-fi operators {fault.operator}` shows what it takes"
             findings.add(replace(found, remedy=found.remedy or takes))

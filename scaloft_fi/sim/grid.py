@@ -18,7 +18,7 @@ from typing import Annotated, ClassVar
 
 from scaloft_fi import marks
 from scaloft_fi.document import Item, is_file, is_there, load
-from scaloft_fi.errors import Faults, InputError, did_you_mean, shown
+from scaloft_fi.errors import Faults, InputError, did_you_mean, refused, shown
 from scaloft_fi.marks import (
     ByName,
     Called,
@@ -545,9 +545,7 @@ def contradictions(grid: Grid) -> Iterator[InputError]:
     yield from common_paths(grid.axes, grid.situations)
     alias_item = grid.item.get("aliases") if grid.item else None
     for alias, entry in (alias_item.mapping() if alias_item else {}).items():
-        try:
-            grid.situation(grid.aliases[alias])
-        except InputError as error:
+        if error := refused(grid.situation, grid.aliases[alias]):
             yield InputError(f"{entry.place}: alias {alias!r}: {error}")
 
 
@@ -631,17 +629,9 @@ def load_grid(folder: Path, name: str | None = None) -> Grid:
     grid = read_grid(load(folder / FOLDER / f"{name}.yaml"), documents, name)
     if found is None or found.grid != name:
         return grid
-    named = {name: key for name, key in found.named.items() if _has(grid, key)}
+    # a new search goes on without the finds whose situations the study has outgrown
+    named = {name: key for name, key in found.named.items() if not refused(grid.situation, key)}
     return replace(grid, aliases={**grid.aliases, **named}, selected=_selected(found, load_grid(folder)))
-
-
-def _has(grid: Grid, key: str) -> bool:
-    """Whether a find still has its situation; a new search goes on without those that the study has outgrown."""
-    try:
-        grid.situation(key)
-    except InputError:
-        return False
-    return True
 
 
 def searched_grid(folder: Path, found: Finds) -> Grid:

@@ -27,7 +27,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from scaloft_fi.document import Item
-from scaloft_fi.errors import Faults, InputError, did_you_mean
+from scaloft_fi.errors import Faults, InputError, did_you_mean, refused
 from scaloft_fi.marks import Bounds, Called, Choices, Examples, MoreThanZero, NotNegative, Share, Size
 from scaloft_fi.model import Names, Schema, keys_of, read, schema, summary_of
 from scaloft_fi.registry import Registry
@@ -313,9 +313,7 @@ def misfits(world: Any) -> Iterator[InputError]:
         if near is not None and not world.mine.holds((*near, world.mission.altitude_m)):
             sentence = f"near={list(near)!r} must be in the open space of the mine"
             yield InputError(f"{item.need('start').place}: {sentence}, or happening {happening.name!r} cannot come")
-        try:
-            happening.kind.check(happening.effect, world, item)
-        except InputError as error:
+        if error := refused(happening.kind.check, happening.effect, world, item):
             yield error
         body = happening.effect.moved
         if body and moved.setdefault(body, happening.name) != happening.name:

@@ -18,7 +18,7 @@ import numpy as np
 
 from scaloft_fi.document import Item, is_there
 from scaloft_fi.document import load as load_document
-from scaloft_fi.errors import Faults, InputError, did_you_mean
+from scaloft_fi.errors import Faults, InputError, did_you_mean, refused
 from scaloft_fi.marks import Called, Choices
 from scaloft_fi.model import read
 from scaloft_fi.sim.grid import FILE, Grid, impossible_worlds, read_grid, remedy
@@ -265,11 +265,7 @@ class SimConfig:
 
     def _refused(self, *values: AxisValue) -> bool:
         """Whether these values cannot be."""
-        try:
-            _read(self.grid, self.grid.documents_with(values))
-        except InputError:
-            return True
-        return False
+        return refused(lambda: _read(self.grid, self.grid.documents_with(values))) is not None
 
     def source_of(self, path: str) -> NumberSource | None:
         """The source of the number at `path`, or of its nearest parent with a source."""

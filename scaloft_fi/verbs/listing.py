@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar, Generic, TypeVar, get_args, get_ori
 import click
 import numpy as np
 
-from scaloft_fi.errors import InputError, did_you_mean
+from scaloft_fi.errors import InputError, did_you_mean, refused
 from scaloft_fi.hazop.matrix import Matrix
 from scaloft_fi.mutants import catalogue
 from scaloft_fi.mutants.mutant import Mutant
@@ -789,12 +789,9 @@ def mutants_command(
 
 def _is_current(folder: Path, matrix: Matrix) -> bool:
     """Whether the written catalogue is what the matrix gives; a warning says why it is not."""
-    try:
-        catalogue.check_catalogue(folder, matrix)
-    except InputError as error:
+    if error := refused(catalogue.check_catalogue, folder, matrix):
         say(f"warning: {error}")
-        return False
-    return True
+    return not error
 
 
 def _chosen(

@@ -23,7 +23,7 @@ from scaloft_fi.campaign.runs.run import run
 from scaloft_fi.campaign.store.archive import STORE_NAME, promising
 from scaloft_fi.campaign.store.held import current_in, grown_in
 from scaloft_fi.campaign.store.store import read_store
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import InputError, refused
 from scaloft_fi.hazop.matrix import Fault, Matrix, cell_of, mild_to_strong
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
@@ -163,11 +163,8 @@ def target(matrix: Matrix, text: str, tolerance: float | None = None) -> Target:
     subject = phased_fault(mutant.cell, fault, mutant.phase_s, mutant.event)
 
     def accepted(magnitude: float) -> bool:
-        try:
-            realise(matrix, subject.at(fault.magnitude.text(magnitude) if fault.magnitude else ""))
-        except InputError:
-            return False
-        return True
+        written = fault.magnitude.text(magnitude) if fault.magnitude else ""
+        return not refused(realise, matrix, subject.at(written))
 
     return Target(subject, fault, Search(scale, mild_to_strong(fault.magnitude), accepted, least, most, tolerance))
 

@@ -33,7 +33,7 @@ from scaloft_fi.campaign.runs.gates import ONE_PROCESS, RunOptions
 from scaloft_fi.campaign.runs.run import Run
 from scaloft_fi.campaign.seeking import finds
 from scaloft_fi.campaign.seeking.finds import SEEN_ON, SearchFlights, SeekReport, Sought, SpentError
-from scaloft_fi.errors import InputError, needed
+from scaloft_fi.errors import needed, refused
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.registry import grouped
 from scaloft_fi.sim.grid import Evidence, Find
@@ -103,11 +103,7 @@ Opening = Callable[["Grid", int, Possible], Iterable[Proposal]]
 
 def flyable(study: Study, situation: Situation) -> bool:
     """Whether a situation can be flown: its world is possible and its mission not too long."""
-    try:
-        study.scenario(situation)
-    except InputError:
-        return False
-    return True
+    return not refused(study.scenario, situation)
 
 
 class Proposals:
