@@ -89,10 +89,8 @@ def write_named(path: Path, content: bytes, name: str) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    try:
+    with writing(f"{name}={str(path)!r} cannot be written"):
         write_whole(path, content)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{name}={str(path)!r} cannot be written: {unwritable(error)}") from error
 
 
 def write_own(path: Path, content: bytes) -> None:
@@ -101,10 +99,24 @@ def write_own(path: Path, content: bytes) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    try:
+    with writing(f"{path}: cannot be written"):
         write_whole(path, content)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+
+
+@contextmanager
+def writing(told: str) -> Iterator[None]:
+    """In this context a file that the system cannot write is an error of the user.
+
+    Args:
+        told: what cannot be done, as the error begins.
+
+    Raises:
+        InputError: the system refuses something.
+    """
+    try:
+        yield
+    except (OSError, ValueError) as error:
+        raise InputError(f"{told}: {unwritable(error)}") from error
 
 
 def unwritable(error: OSError | ValueError) -> str:

@@ -19,7 +19,7 @@ from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix, Name, Rung,
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operator import OperatorError
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.output import write_whole
+from scaloft_fi.output import write_whole, writing
 
 if TYPE_CHECKING:
     from scaloft_fi.stack.declaration import Seam
@@ -256,11 +256,10 @@ def write_catalogue(folder: Path, catalogue: Iterable[Mutant]) -> Path:
         InputError: the folder cannot be written to.
     """
     path = folder / CATALOGUE
-    try:
+    content = "".join(f"{line}\n" for line in catalogue_lines(catalogue)).encode()
+    with writing(f"{path}: cannot be written"):
         folder.mkdir(parents=True, exist_ok=True)
-        write_whole(path, "".join(f"{line}\n" for line in catalogue_lines(catalogue)).encode())
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+        write_whole(path, content)
     return path
 
 

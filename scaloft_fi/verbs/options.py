@@ -13,6 +13,7 @@ import re
 import shlex
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import date
 from functools import partial, wraps
@@ -42,6 +43,7 @@ from scaloft_fi.output import (
     wrapped,
     write_named,
     write_whole,
+    writing,
 )
 from scaloft_fi.verbs import names
 
@@ -353,12 +355,8 @@ def check_writable(path: Path | None, *ends: str) -> None:
         return
     if ends and path.suffix.lower() not in ends:
         raise InputError(f"--output={str(path)!r} must end in {', '.join(ends[:-1])} or {ends[-1]}")
-    try:
+    with writing(f"--output={str(path)!r} cannot be written"), suppress(FileNotFoundError):
         path.stat()
-    except FileNotFoundError:
-        pass
-    except (OSError, ValueError) as error:
-        raise InputError(f"--output={str(path)!r} cannot be written: {unwritable(error)}") from error
     if path.is_dir():
         raise InputError(f"--output={str(path)!r} cannot be written: it is a folder")
     if not path.parent.is_dir():
@@ -382,10 +380,8 @@ def check_folder(path: Path, option: str) -> None:
     Raises:
         InputError: no file can be written in a folder of this path.
     """
-    try:
+    with writing(f"{option}={str(path)!r} cannot be written"):
         existing = next(folder for folder in (path, *path.absolute().parents) if folder.exists())
-    except (OSError, ValueError) as error:
-        raise InputError(f"{option}={str(path)!r} cannot be written: {unwritable(error)}") from error
     if not existing.is_dir():
         raise InputError(f"{option}={str(path)!r} cannot be written: {str(existing)!r} is a file, not a folder")
     if not os.access(existing, os.W_OK | os.X_OK):
@@ -398,10 +394,8 @@ def make_folder(path: Path, option: str) -> None:
     Raises:
         InputError: it cannot be made.
     """
-    try:
+    with writing(f"{option}={str(path)!r} cannot be made"):
         path.mkdir(parents=True, exist_ok=True)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{option}={str(path)!r} cannot be made: {unwritable(error)}") from error
 
 
 def answer(given: Answer, style: str, folder: Path | None = None) -> None:

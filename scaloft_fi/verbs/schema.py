@@ -21,7 +21,7 @@ from scaloft_fi.marks import About, Pattern
 from scaloft_fi.model import Names, Schema, schema, schema_of
 from scaloft_fi.mutants.operator import Argument, Operator
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.output import say, tell, tell_line
+from scaloft_fi.output import say, tell, tell_line, writing
 from scaloft_fi.outside.border import PORTS
 from scaloft_fi.outside.command import FlightCommand
 from scaloft_fi.outside.exchange import BELOW, OutsideConfig
@@ -482,10 +482,8 @@ def _of_study(folder: Path | None) -> Names:
 
 
 def _write(folder: Path, texts: dict[str, str]) -> None:
-    try:
+    with writing(f"--write={str(folder)!r} cannot be written"):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"--write={str(folder)!r} cannot be written: {error.strerror}") from error
     for name, text in texts.items():
         write(folder / name, text.encode())
     tell_line(f"{folder}: {len(texts)} schemas")

@@ -40,6 +40,7 @@ from scaloft_fi.hazop.matrix import parse
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, Subject, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.judge.status import Brief, brief
+from scaloft_fi.output import writing
 from scaloft_fi.sim.grid import grid_names
 from scaloft_fi.study import Study
 
@@ -172,12 +173,10 @@ def writable(folder: Path) -> Path:
     if is_archive(folder):
         raise InputError(f"{folder}: {RECORD}")
     probe = folder / f".writable-{os.getpid()}"
-    try:
+    with writing(f"{folder}: the results folder cannot be written"):
         folder.mkdir(parents=True, exist_ok=True)
         probe.touch()
         probe.unlink()
-    except OSError as error:
-        raise InputError(f"{folder}: the results folder cannot be written: {error.strerror}") from error
     return folder
 
 
