@@ -1,4 +1,4 @@
-"""Source files of the package: the modules that a module imports, and a hash of their code.
+"""Source files of packages: what a module imports, and a hash of their code.
 
 An entry is found by the hash of a file's whole content, so none can grow old.  Where the user's cache folder cannot be
 read or written, every process parses.
@@ -10,16 +10,19 @@ import ast
 import hashlib
 import json
 import os
+import re
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib.machinery import ModuleSpec
+from importlib.metadata import Distribution, distributions
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from scaloft_fi.document import MIB, read_bytes
+from scaloft_fi.document import FILE_BYTES, MIB, digest, is_file, read_bytes
 from scaloft_fi.errors import InputError
 from scaloft_fi.output import write_whole
 
@@ -81,17 +84,21 @@ def _read(path: Path) -> Mapping[str, Meaning]:
 
 
 PACKAGE = __name__.partition(".")[0]
+NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet")
+"""Packages whose versions can change the last bit of a flight or a reading; a platform's fingerprint has them."""
+_NAMED_ELSEWHERE = frozenset((PACKAGE, *NUMERIC, *sys.stdlib_module_names))
 _ROOT = Path(__file__).resolve().parents[1]
 _CACHE = SourceCache(Path(__file__).read_bytes())
 
 
 @dataclass(frozen=True)
 class SourceFile:
-    """A source file.
+    """A source file, another file of a package, or a package from an index.
 
     Attributes:
-        path: path of the file.
-        meaning: hash of the code without comments, docstrings and layout.
+        path: path of it.
+        meaning: hash of the code without comments, docstrings and layout; of another file hash of its bytes; of a
+            package its version.
         imports: names that the file may import; relative names keep their dots.
     """
 
@@ -109,30 +116,40 @@ def digest_of(sources: Mapping[str, SourceFile]) -> str:
 def closure(entries: Iterable[str], beside: Collection[str] = ()) -> Mapping[str, SourceFile]:
     """The entries and the modules of this package that they import, at the top of a file or inside a function.
 
-    An entry in another package includes every module of that package, because code may import any of them by name.
-    Imports for type checkers are excluded.  The `__init__` of this package, which only names what scripts use, is
-    excluded too.
+    An entry in another package includes every file of that package, because code may import any module by name and read
+    any file.  The packages that it imports are included too: of one from an index the version, of any other the files,
+    and what they import.  Excluded are imports for type checkers, the standard library, and packages that the
+    fingerprint of the platform names; and the `__init__` of this package, which only names what scripts use.
 
     Args:
         entries: names of modules, such as `scaloft_fi.sim.flight`.
-        beside: names of modules that are left out, with what only they import.
+        beside: names of sources that are left out, with what only they import.
 
     Returns:
-        Sources by name of the module.
+        Sources by name of the module, by path in its package of a file that is none, by package of one from an index.
 
     Raises:
+        InputError: the files of a package cannot be read, or are too large.
         ModuleNotFoundError: there is no such entry.
     """
-    waiting = dict(pair for entry in entries for pair in _entry(entry) if pair[0] not in beside)
-    seen = {*waiting, *beside}
+    waiting: dict[str, Path | SourceFile] = dict(
+        pair for entry in entries for pair in _entry(entry) if pair[0] not in beside
+    )
+    seen, tops = {*waiting, *beside}, {*_NAMED_ELSEWHERE, *(entry.partition(".")[0] for entry in entries)}
     sources: dict[str, SourceFile] = {}
     while waiting:
-        name, path = waiting.popitem()
-        sources[name] = source = read(path)
-        for imported in _imported(name, source.path.name == "__init__.py", source.imports):
+        name, found = waiting.popitem()
+        sources[name] = source = read(found) if isinstance(found, Path) else found
+        imports = _imported(name, source.path.name == "__init__.py", source.imports)
+        for imported in imports:
             if imported not in seen and (own := _source(imported)) is not None:
                 waiting[imported] = own
             seen.add(imported)
+        if not source.imports or name.startswith(f"{PACKAGE}."):
+            continue
+        for top in {imported.partition(".")[0] for imported in imports} - tops:
+            tops.add(top)
+            waiting |= {member: one for member, one in _members(top) if member not in beside}
     _CACHE.save()
     return sources
 
@@ -152,11 +169,73 @@ def _entry(name: str) -> Iterator[tuple[str, Path]]:
         yield name, path
     elif spec is None:
         raise ModuleNotFoundError(f"no module named {name!r}")
-    for folder in map(Path, (spec.submodule_search_locations or ()) if spec else ()):
-        for path in folder.rglob("*.py"):
-            yield ".".join((top, *path.relative_to(folder).with_suffix("").parts)), path
-    if spec and spec.submodule_search_locations is None and spec.origin:
+    else:
+        yield from _files(top, spec)
+
+
+def _members(top: str) -> Iterator[tuple[str, Path | SourceFile]]:
+    """What counts of a package that is imported, by name; nothing where it is not installed."""
+    spec = None
+    with suppress(ImportError, ValueError):  # no name of a module; `__main__`
+        spec = find_spec(top)
+    if spec is None:
+        return
+    place = Path(next(iter(spec.submodule_search_locations or ()), spec.origin or ""))
+    if version := _version(top, place.parent):
+        yield top, SourceFile(place, version, ())
+    else:
+        yield from _files(top, spec)
+
+
+@lru_cache(maxsize=1024)
+def _version(top: str, folder: Path) -> str:
+    """Name and version of what an index has installed as `top` in a folder; "" where nothing from an index is."""
+    if folder.name not in ("site-packages", "dist-packages"):
+        return ""
+    owns = re.compile(rf"(?m)^{re.escape(top)}([./]|$)")
+    owners = [one for one, listed in _installed(folder) if owns.search(listed)]
+    if any(one.read_text("direct_url.json") and "conda" not in (one.read_text("INSTALLER") or "") for one in owners):
+        return ""  # from a folder or a commit, whose version need not tell an edit; conda names its own folders
+    return ", ".join(sorted(f"{one.name} {one.version}" for one in owners))
+
+
+@lru_cache(maxsize=4)
+def _installed(folder: Path) -> list[tuple[Distribution, str]]:
+    """What is installed in a folder, each with the list of its files and modules.
+
+    `packages_distributions` takes a second for it.
+    """
+    texts = ("RECORD", "top_level.txt")
+    return [(one, "\n".join(one.read_text(name) or "" for name in texts)) for one in distributions(path=[str(folder)])]
+
+
+def _files(top: str, spec: ModuleSpec) -> Iterator[tuple[str, Path]]:
+    """The files of a package by name, without caches, hidden files and campaigns.
+
+    Raises:
+        InputError: those that are no source are too large to be hashed by each command.
+    """
+    if spec.submodule_search_locations is None and spec.origin:
         yield top, Path(spec.origin)
+    left = FILE_BYTES
+    for place in spec.submodule_search_locations or ():
+        for folder, inner, names in os.walk(place):
+            no = {"__pycache__", "campaigns"} if Path(folder).name == "results" else {"__pycache__"}
+            inner[:] = [name for name in inner if name[0] != "." and name not in no]
+            for path in (Path(folder, name) for name in names if name[0] != "."):
+                within = (top, *path.relative_to(place).parts)
+                if not is_file(path):
+                    continue
+                if path.suffix == ".py":
+                    yield ".".join(within).removesuffix(".py"), path
+                else:
+                    yield "/".join(within), path
+                    left -= path.stat().st_size
+        if left < 0:
+            raise InputError(
+                f"{place}: its files enter the keys of the flights of {top!r}, and are more than "
+                f"{FILE_BYTES // MIB} MiB: keep what no flight needs outside the package"
+            )
 
 
 @lru_cache(maxsize=4096)
@@ -176,9 +255,20 @@ def _absolute(name: str, package: str) -> str:
 
 
 def read(path: Path) -> SourceFile:
-    """Read a source file; equal bytes are parsed once."""
+    """Read a source file; equal bytes are parsed once.  Of a file that is no source the bytes count.
+
+    Raises:
+        UnreadableError: a file that is no source cannot be read.
+    """
+    if path.suffix != ".py":
+        return SourceFile(path, _digest(path, path.stat().st_mtime_ns), ())
     content = path.read_bytes()
     return SourceFile(path, *_meaning(content, path))
+
+
+@lru_cache(maxsize=4096)
+def _digest(path: Path, _changed_ns: int) -> str:
+    return digest(path)
 
 
 @lru_cache(maxsize=4096)
@@ -191,7 +281,10 @@ def _meaning(content: bytes, path: Path) -> Meaning:
 
 
 def _parsed(content: bytes, path: Path) -> Meaning:
-    tree = ast.parse(content, path)
+    try:
+        tree = ast.parse(content, path)
+    except (SyntaxError, ValueError):  # a template, or Python of another version
+        return hashlib.sha256(content).hexdigest(), ()
     imports: list[str] = []
     blocks: list[Any] = [tree]
     while blocks:  # not `ast.walk`, which also visits every expression

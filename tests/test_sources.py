@@ -10,6 +10,7 @@ from options import cases
 
 import scaloft_fi
 from scaloft_fi import sources
+from scaloft_fi.errors import InputError
 from scaloft_fi.sources import SourceCache, closure, digest_of, read
 
 
@@ -75,6 +76,62 @@ def test_the_digest_follows_what_is_imported_and_nothing_else(package: Path):
     assert digest_of(closure(["scaloft_fi.fly.craft"])) == before
     (package / "fly" / "wing.py").write_text("area = 2.0\n")
     assert digest_of(closure(["scaloft_fi.fly.craft"])) != before
+
+
+@pytest.fixture
+def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with the plugin `kite` and the packages that it imports, and a `site-packages` with one of an index."""
+    files = {
+        "kite/__init__.py": "",
+        "kite/stack.py": "import json, numpy, kite_nowhere\nfrom kite_lab.core import way\n",
+        "kite/gain.txt": "1.0",
+        "kite_lab/__init__.py": "",
+        "kite_lab/core.py": "from kite_wheel import nearest\nway = nearest\n",
+        "site-packages/kite_wheel/__init__.py": "import kite_far\nnearest = 1\n",
+        "site-packages/Wheel-1.0.dist-info/METADATA": "Metadata-Version: 2.1\nName: Wheel\nVersion: 1.0\n",
+        "site-packages/Wheel-1.0.dist-info/RECORD": "kite_wheel/__init__.py,sha256=0,1\n",
+        "kite_far.py": "",
+    }
+    for name, text in files.items():
+        path = tmp_path / "site" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    for folder in ("site", "site/site-packages"):
+        monkeypatch.syspath_prepend(tmp_path / folder)
+    monkeypatch.setattr(sources, "_version", sources._version.__wrapped__)
+    monkeypatch.setattr(sources, "_installed", sources._installed.__wrapped__)
+    return tmp_path / "site"
+
+
+def test_the_closure_of_a_plugin_has_its_files_those_of_its_library_and_the_version_of_a_wheel(site: Path):
+    found = closure(["kite.stack"])
+    lab = {"kite_lab.__init__", "kite_lab.core"}
+    assert found.keys() == {"kite.__init__", "kite.stack", "kite/gain.txt", "kite_wheel"} | lab
+    assert found["kite_wheel"].meaning == "Wheel 1.0"
+    assert closure(["kite.stack"], beside=found) == {}
+
+
+WHEEL = "site-packages/Wheel-1.0.dist-info"
+
+
+@cases("name", "text", "enters")
+def test_what_can_change_what_a_plugin_does_changes_its_digest(site: Path, name: str, text: str, *, enters: bool):
+    before = digest_of(closure(["kite.stack"]))
+    path = site / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    assert (digest_of(closure(["kite.stack"])) != before) is enters
+
+
+def test_of_a_package_that_was_installed_from_a_folder_the_files_count(site: Path):
+    (site / WHEEL / "direct_url.json").write_text('{"url": "file:///lab", "dir_info": {}}')
+    assert closure(["kite.stack"]).keys() >= {"kite_wheel.__init__", "kite_far"}
+
+
+def test_a_package_with_more_than_commands_can_hash_is_refused(site: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(sources, "FILE_BYTES", 2)
+    with pytest.raises(InputError, match=r"kite: its files enter the keys of the flights of 'kite', and are more than"):
+        closure(["kite.stack"])
 
 
 def test_an_entry_that_does_not_exist_is_refused():

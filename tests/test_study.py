@@ -143,6 +143,20 @@ def test_an_edit_of_a_plugin_changes_the_hash_of_its_operator_and_a_comment_in_i
     assert {part for part in used if edited[part] != used[part]} == {"operator wander"}
 
 
+def test_an_edit_of_the_library_or_of_a_data_file_of_a_plugin_changes_the_hash_of_its_operator(
+    copy: Path, plugin: Path
+):
+    edit_in(copy / "hazop" / "matrix" / "human.yaml", "operator: drop", "operator: wander")
+    library, data = plugin.parent / "mine_lab.py", plugin / "gain.txt"
+    (plugin / "rates.py").write_text("from mine_lab import RATE\n")
+    found = []
+    for path, text in ((library, "RATE = 0.1\n"), (library, "RATE = 0.2\n"), (data, "1.0"), (data, "0.5")):
+        path.write_text(text)
+        found.append(Study(copy).inputs)
+    assert len({inputs["operator wander"] for inputs in found}) == len(found)
+    assert len({inputs["code"] for inputs in found}) == 1
+
+
 def test_an_edit_of_a_kind_of_happening_changes_the_hash_of_the_code_where_the_world_has_it(
     copy: Path, plugin: Path, monkeypatch: pytest.MonkeyPatch
 ):

@@ -24,9 +24,8 @@ from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.registry import grouped
+from scaloft_fi.sources import NUMERIC
 
-NUMERIC = ("numpy", "numba", "llvmlite", "filterpy", "scipy", "pybullet")
-"""Packages whose versions can change the last bit of a flight or a reading."""
 BRING_OPENBLAS = ("numpy", "scipy")
 """Packages whose wheels contain an OpenBLAS, in a folder `<package>.libs` beside the package."""
 DECIDES = {
