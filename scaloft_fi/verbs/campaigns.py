@@ -558,7 +558,7 @@ def compare_command(
         Fail a pipeline where a fault is lost: `scaloft-fi compare default night --fail-on-lost --output both.html`
         List the flights that differ: `scaloft-fi compare default night --flights`
     """
-    options.check_writable(output, ".html")
+    options.check_writable(output, *options.PAGE, what="HTML")
     told, matrix, warnings = compared_by(Study.open(study_folder), campaign, other, flights=flights)
     if failing and told.scores.could_be_lost.whole and not told.scores.could_be_lost.part:
         enough = f"the flights are too few to call any of the {told.scores.could_be_lost.whole} firm faults lost"

@@ -341,20 +341,32 @@ def typed() -> str:
     return shlex.join([*(["python", "-m", "scaloft_fi"] if program == "__main__.py" else [program]), *sys.argv[1:]])
 
 
-def check_writable(path: Path | None, *ends: str) -> None:
+PAGE, ENTRIES = (".html", ".htm"), (".yaml", ".yml")
+"""Ends of names of files: of a page, and of entries for a document of the study."""
+KNOWN_ENDS = frozenset(
+    {*PAGE, *ENTRIES, ".csv", ".docx", ".dot", ".json", ".mcap", ".md", ".ods", ".parquet", ".pdf", ".png", ".sarif"}
+    | {".svg", ".tex", ".txt", ".xls", ".xlsx", ".xml", ".zip"}
+)
+"""Ends by which people and programs know of what kind a file is."""
+
+
+def check_writable(path: Path | None, *ends: str, what: str = "") -> None:
     """Refuse early what could not be written late; None is fine.
 
     Args:
         path: the value of `--output`.
         ends: the ends that its name may have; by default any.
+        what: what is written whatever the name, in words: then an end is fine too that is not one of `KNOWN_ENDS`.
 
     Raises:
         InputError: the name ends otherwise, or no file can be written there.
     """
     if path is None:
         return
-    if ends and path.suffix.lower() not in ends:
-        raise InputError(f"--output={str(path)!r} must end in {', '.join(ends[:-1])} or {ends[-1]}")
+    end = path.suffix.lower()
+    if ends and end not in ends and (not what or end in KNOWN_ENDS):
+        allowed = " or ".join(filter(None, (", ".join(ends[:-1]), ends[-1])))
+        raise InputError(f"--output={str(path)!r} must end in {allowed}" + f", because {what} is written" * bool(what))
     with writing(f"--output={str(path)!r} cannot be written"), suppress(FileNotFoundError):
         path.stat()
     if path.is_dir():

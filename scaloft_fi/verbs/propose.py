@@ -276,7 +276,7 @@ def propose_command(
         For one fault, and write the entry to paste: `scaloft-fi propose MORE-depth --output missing.yaml`
     """
     one_thread_each()
-    options.check_writable(output)
+    options.check_writable(output, *options.ENTRIES, ".txt", what="YAML")
     study = study_of(study_folder, campaign)
     options.allow(study, untrusted=untrusted)
     asked, size = several(mutants, "mutants"), Size(seeds, most)

@@ -534,7 +534,7 @@ WORKSHEET = Output("worksheet", "2.0", FilledSheet, rows="rows")
 
 
 XLSX = "xlsx"
-_ENDS = {".txt": "table", ".md": "markdown", ".csv": "csv", ".json": "json", ".tex": "latex", ".xlsx": XLSX}
+_ENDS = {".xlsx": XLSX, ".csv": "csv", ".md": "markdown", ".tex": "latex", ".json": "json", ".txt": "table"}
 
 
 class Worksheet(Answer):
@@ -626,7 +626,8 @@ def worksheet_command(
     """
     if style == XLSX and output is None:
         raise click.UsageError("--format xlsx goes into a file: name it with --output")
-    check_writable(output)
+    ends = [end for end, of in _ENDS.items() if of == style or (end == ".txt" and style != XLSX)]
+    check_writable(output, *ends, what=f"--format {style}")
 
     sheet = worksheet(Study.open(study_folder), campaign)
     if output is None:

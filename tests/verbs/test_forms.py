@@ -97,7 +97,7 @@ def test_a_script_saves_the_worksheet_that_the_verb_writes(told: Call, folder: P
     for end, style in ((".txt", "table"), (".xlsx", "xlsx")):
         told("worksheet", "--format", style, "--output", f"{tmp_path}/verb{end}")
         assert sheet.save(tmp_path / f"script{end}").read_bytes() == (tmp_path / f"verb{end}").read_bytes()
-    with pytest.raises(scaloft_fi.InputError, match=r"^path='sheet.ods' must end in \.txt, "):
+    with pytest.raises(scaloft_fi.InputError, match=r"^path='sheet.ods' must end in \.xlsx, "):
         sheet.save("sheet.ods")
 
 

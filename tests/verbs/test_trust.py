@@ -40,7 +40,7 @@ READS = {
     "new": ("another",),
     "margin": ("LATE-human", "--when"),
     "merge": ("results/campaigns/default",),
-    "export": ("--output", "flights.csv"),
+    "export": ("--output", "flights.json"),
     "judge": ("record.csv",),
     "hazop": ("import", "sheet.csv"),
     **dict.fromkeys(("compare", "diff"), ("default", "default")),

@@ -66,12 +66,12 @@ def export_command(
         Give what is not detected to a code host: `scaloft-fi export --format sarif --output scaloft.sarif`
         Keep a campaign with its study for a paper: `scaloft-fi export --format archive --output campaign.zip`
     """
+    study = Study.open(study_folder)
+    chosen = FORMATS[style]
     if style == ARCHIVE and output is not None and output.suffix != ZIP:
         _check_new(output)
     else:
-        check_writable(output)
-    study = Study.open(study_folder)
-    chosen = FORMATS[style]
+        check_writable(output, *chosen.ends, what=f"--format {style}")
     if output is None and not chosen.text:
         raise InputError(f"--format={style!r} is no text: give --output FILE")
     made = dossier(study, campaign, today)

@@ -261,12 +261,14 @@ class ExportFormat:
         summary: what it is, in half a sentence, for the help.
         make: gives a campaign's content from its dossier.
         text: whether it can be printed; a format that is no text needs `--output`.
+        ends: usual ends of the names of its files; by default any.
     """
 
     name: str
     summary: str
     make: Callable[[Dossier], Content]
     text: bool = True
+    ends: tuple[str, ...] = ()
 
     def content(self, dossier: Dossier) -> bytes:
         """A campaign in this format, as the bytes of a file; a text is made printable, bytes are taken as they are."""
@@ -283,7 +285,7 @@ FORMATS: Registry[ExportFormat] = Registry("export format")
 
 
 def export_format(
-    name: str, summary: str, *, text: bool = True
+    name: str, summary: str, *, text: bool = True, ends: tuple[str, ...] = ()
 ) -> Callable[[Callable[[Dossier], Made]], Callable[[Dossier], Made]]:
     """Declare the function below it as an export format.
 
@@ -291,13 +293,14 @@ def export_format(
         name: as `--format` takes it.
         summary: what it is, in half a sentence, for the help.
         text: whether it can be printed.
+        ends: usual ends of the names of its files, such as `.csv`; by default any.
 
     Raises:
         ValueError: the name is taken.
     """
 
     def declare(make: Callable[[Dossier], Made]) -> Callable[[Dossier], Made]:
-        FORMATS.declare(name, ExportFormat(name, summary, make, text))
+        FORMATS.declare(name, ExportFormat(name, summary, make, text, ends))
         return make
 
     return declare
@@ -473,19 +476,19 @@ def telling(flights: Iterable[JudgedFlight]) -> JudgedFlight | None:
     return max(flights, key=rank, default=None)
 
 
-@export_format("csv", "one row per flight, the columns of json")
+@export_format("csv", "one row per flight, the columns of json", ends=(".csv", ".txt"))
 def csv_rows(dossier: Dossier) -> str:
     """One flight a line, below a line of names."""
     return to_csv(dossier.each_line(), dossier.columns)
 
 
-@export_format("json", "one row per flight, a list")
+@export_format("json", "one row per flight, a list", ends=(".json", ".txt"))
 def json_rows(dossier: Dossier) -> str:
     """One flight a line."""
     return to_json(dossier.each_row())
 
 
-@export_format("parquet", "one row per flight, typed (extra: parquet)", text=False)
+@export_format("parquet", "one row per flight, typed (extra: parquet)", text=False, ends=(".parquet",))
 def parquet_rows(dossier: Dossier) -> bytes:
     """The file of a campaign."""
     return parquet(dossier.rows, dossier.columns)

@@ -55,13 +55,14 @@ from scaloft_fi.output import line
 from scaloft_fi.registry import grouped
 from scaloft_fi.verbs.export.dossier import Dossier, Step, export_format
 from scaloft_fi.verbs.first_screen import NOT_COMPARED, false_detections, seeds_flown, shows_itself_by
+from scaloft_fi.verbs.options import ENTRIES
 from scaloft_fi.verbs.verdict import MOST_NAMED, NO_POOL
 from scaloft_fi.views.table import Format, Table, code, counted, markdown, ranges, render, said
 
 CONTROLS = "controls"
 
 
-@export_format("junit", "a test per mutant, one that is not detected fails")
+@export_format("junit", "a test per mutant, one that is not detected fails", ends=(".xml", ".txt"))
 def junit(dossier: Dossier) -> str:
     """The XML document."""
     root = ET.Element("testsuites", name=line(f"scaloft-fi {dossier.campaign}"))
@@ -104,7 +105,9 @@ def _kind(dossier: Dossier, mutant: MutantScore, *, control: bool) -> str:
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
-@export_format("sarif", "what is not detected on the lines of the HAZOP matrix, SARIF 2.1.0")
+@export_format(
+    "sarif", "what is not detected on the lines of the HAZOP matrix, SARIF 2.1.0", ends=(".sarif", ".json", ".txt")
+)
 def sarif(dossier: Dossier) -> dict[str, Any]:
     """The log as plain JSON values: a rule is a cell whose mutant is not detected, a result is that mutant."""
     mutants = dossier.of(Verdict.UNDECIDED, Verdict.NOT_DETECTED, Verdict.NOT_TESTED)
@@ -158,7 +161,7 @@ THRESHOLDS = {"high": 80, "low": 60}
 """Where readers turn the colour of a score: the defaults of StrykerJS."""
 
 
-@export_format("mutation-testing", "mutation-testing-report-schema 2")
+@export_format("mutation-testing", "mutation-testing-report-schema 2", ends=(".json", ".txt"))
 def mutation_testing(dossier: Dossier) -> dict[str, Any]:
     """The report as plain JSON values."""
     files: dict[str, dict[str, Any]] = {
@@ -218,7 +221,7 @@ def _reason(dossier: Dossier, mutant: MutantScore) -> str:
     return reason if dossier.roster.counts(mutant.subject) else f"in no ratio, only its cell's default is: {reason}"
 
 
-@export_format("markdown", "a page for the summary of a CI job")
+@export_format("markdown", "a page for the summary of a CI job", ends=(".md", ".txt"))
 def summary(dossier: Dossier) -> str:
     """The page."""
     mutants = [_of(dossier, verdict) for verdict in Verdict if dossier.of(verdict)]
@@ -288,7 +291,7 @@ COUNTER = {
 """What speaks against the suite, by the verdict on a mutant."""
 
 
-@export_format("gsn", "the argument in goal structuring notation, for gsn2x")
+@export_format("gsn", "the argument in goal structuring notation, for gsn2x", ends=(*ENTRIES, ".txt"))
 def gsn(dossier: Dossier) -> str:
     """The argument as YAML text."""
     return yaml.safe_dump(nodes(dossier), sort_keys=False, allow_unicode=True, width=120)
@@ -422,7 +425,7 @@ def verification_log(dossier: Dossier) -> tuple[Table, ...]:
     )
 
 
-@export_format("sace", "the verification log, SACE artefact [SS], Markdown")
+@export_format("sace", "the verification log, SACE artefact [SS], Markdown", ends=(".md", ".txt"))
 def to_markdown(dossier: Dossier) -> str:
     """The log as a page."""
     campaign, study = markdown(dossier.campaign), markdown(dossier.study)
@@ -430,7 +433,7 @@ def to_markdown(dossier: Dossier) -> str:
     return head + render(verification_log(dossier), Format.MARKDOWN)
 
 
-@export_format("sace-json", "the verification log as JSON")
+@export_format("sace-json", "the verification log as JSON", ends=(".json", ".txt"))
 def to_json(dossier: Dossier) -> dict[str, Any]:
     """The log as plain JSON values, by heading."""
     return {table.title: {"rows": table.records(), "notes": list(table.notes)} for table in verification_log(dossier)}

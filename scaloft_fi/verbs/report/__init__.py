@@ -55,7 +55,7 @@ def report_command(
         Write it elsewhere: `scaloft-fi report --output report.html`
         Mark dispositions that have expired by a day: `scaloft-fi report --today 2027-01-31`
     """
-    check_writable(output)
+    check_writable(output, *options.PAGE, what="HTML")
     study = Study.open(study_folder)
     folder = campaign_folder(study, campaign)
     if output is None and is_archive(folder):
