@@ -63,6 +63,8 @@ def hostile(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
     def requirements(document: dict[str, Any]) -> None:
         for number, requirement in enumerate(document["requirements"].values()):
             requirement["title"] = requirement["unit"] = HOSTILE[number]
+            # a quotient has no unit that `unit` would have to be
+            requirement["formula"] = requirement["formula"].replace("clearance_m > 0", "clearance_m / 1 > 0")
 
     change(folder / "hazop" / "parameters.yaml", titles)
     change(folder / "hazop" / "guidewords.yaml", titles)
