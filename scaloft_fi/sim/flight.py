@@ -22,7 +22,7 @@ from scaloft_fi.sim.build import build, physics_server, place, set_up
 from scaloft_fi.sim.contact import Feeler
 from scaloft_fi.sim.events import Lookout, events_of
 from scaloft_fi.sim.load import Scenario, SimConfig
-from scaloft_fi.sim.log import Ending, FlightLog, Recorder
+from scaloft_fi.sim.log import SIGNALS, Ending, FlightLog, Recorder
 from scaloft_fi.sim.observer import Observer
 from scaloft_fi.sim.sensors import Sensors, body
 from scaloft_fi.sim.sensors.body import ImuSensor, inertial
@@ -173,6 +173,7 @@ def fly(
         InputError: the study names an unknown stack, or the settings of the stack do not fit.
         TapError: a fault could not be injected.
         StackError: the beliefs of the stack differ from its declaration.
+        SignalError: a signal of the study is not what it declares.
     """
     scenario = config.scenario(situation)
     with physics_server() as client:
@@ -350,8 +351,14 @@ class FlightLoop:
         return None if thrust is None else thrust.rotors
 
     def log(self) -> FlightLog:
-        """The log of the flight so far."""
+        """The log of the flight so far.
+
+        Raises:
+            SignalError: a signal of the study is not what it declares.
+        """
         truth, beliefs = self._truth.signals(), self._beliefs.signals()
+        for name in self._scenario.world.signals:
+            SIGNALS[name].hold(truth[name])
         counts: Mapping[str, SeamCount] = getattr(self._wire, "counts", {})
         struck, struck_at_s = self._observer.struck, self._observer.struck_at_s
         error = self._stack_error or str(getattr(self.stack, "complaint", ""))

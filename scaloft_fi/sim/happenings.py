@@ -27,7 +27,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from scaloft_fi.document import Item
-from scaloft_fi.errors import Faults, InputError, did_you_mean, refused
+from scaloft_fi.errors import DeclaredError, Faults, InputError, did_you_mean, refused
 from scaloft_fi.marks import Bounds, Called, Choices, Examples, MoreThanZero, NotNegative, Share, Size
 from scaloft_fi.model import Names, Schema, keys_of, read, schema, summary_of
 from scaloft_fi.registry import Registry
@@ -184,7 +184,7 @@ class Surroundings:
         """Go on to `now_s` [s], with the vehicle at (x, y) [m, world].
 
         Raises:
-            ValueError: a happening makes light, haze, wind, drift or a place that is not finite.
+            DeclaredError: a happening makes light, haze, wind, drift or a place that is not finite.
         """
         if not self._happenings:
             return
@@ -199,7 +199,8 @@ class Surroundings:
                 made = (self.light, self.haze_per_m, *self.wind_mps, *self.drift_m, *chain(*self.shifts.values()))
                 if not math.isfinite(sum(made)):
                     told = "light, haze, wind, drift or a place that is not finite"
-                    raise ValueError(f"happening {happening.name!r} at {now_s:.3f} s makes {told}")
+                    sentence = f"happening {happening.name!r} at {now_s:.3f} s makes {told}"
+                    raise DeclaredError(sentence, type(happening.effect).__module__)
 
     def move(self, now_s: float) -> None:
         """Move the bodies on to `now_s` [s], which lies within the tick."""

@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from scaloft_fi.errors import DeclaredError
 from scaloft_fi.mutants.wire import SeamCount
 from scaloft_fi.registry import Registry
 from scaloft_fi.stack.declaration import Belief
@@ -52,6 +53,10 @@ class Signal:
     side: Side
 
 
+class SignalError(DeclaredError):
+    """A signal is not what it declares, so the flight cannot be judged."""
+
+
 @dataclass(frozen=True)
 class DeclaredSignal(Signal):
     """A signal that a study can choose.
@@ -63,6 +68,33 @@ class DeclaredSignal(Signal):
 
     make: Maker
     most: float
+
+    def measure(self, scenario: Any) -> Measure:
+        """The measure of a flight; it raises a `SignalError` where it has no number."""
+        made = self.make(scenario)
+
+        def measured(state: Array) -> float:
+            value = made(state)
+            if not isinstance(value, float) and np.asarray(value).dtype.kind not in "biuf":
+                raise self._wrong(f"{value!r}, which is no number")
+            return value
+
+        return measured
+
+    def hold(self, values: Array) -> None:
+        """Hold the samples (T,) of a flight against what is declared.
+
+        Raises:
+            SignalError: one is not finite, or greater than `most`.
+        """
+        beyond = np.flatnonzero(~(np.isfinite(values) & (values <= self.most)))
+        if beyond.size:
+            most = f" of at most {self.most:g} {self.unit}".rstrip() if math.isfinite(self.most) else ""
+            at = f"{values[beyond[0]]:g} at {beyond[0] / SAMPLE_HZ:.2f} s"
+            raise self._wrong(f"{at}, and declares a finite number{most}")
+
+    def _wrong(self, what: str) -> SignalError:
+        return SignalError(f"signal {self.name} is {what}", self.make.__module__)
 
 
 SIGNALS = Registry[DeclaredSignal]("signal")

@@ -72,7 +72,7 @@ class Observer:
         self._waypoints = tuple((x, y) for x, y, _ in self._route if (x, y) != home)
         self._home = scenario.home
         self._passed = 0
-        self._measures = [SIGNALS[name].make(scenario) for name in world.signals]
+        self._measures = [SIGNALS[name].measure(scenario) for name in world.signals]
         self._airborne = False
         self._top_square = 0.0
         self._touched: set[str] = set()

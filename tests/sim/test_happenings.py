@@ -14,7 +14,7 @@ from options import usually
 from tiny_stack import SOUND
 
 from scaloft_fi.document import load
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import DeclaredError, InputError
 from scaloft_fi.sim.build import build, physics_server, place
 from scaloft_fi.sim.contact import Clearances, Feeler
 from scaloft_fi.sim.flight import fly
@@ -179,8 +179,9 @@ def test_a_happening_that_gives_no_finite_number_is_named(world, monkeypatch, at
 
     monkeypatch.setitem(HAPPENINGS._entries, "broken", HappeningKind(Broken))
     around = world("kind: broken").surroundings()
-    with pytest.raises(ValueError, match=r"happening '.*' at 0\.500 s makes light, haze, wind, drift or a place"):
+    with pytest.raises(DeclaredError, match=r"happening '.*' at 0\.500 s makes light, haze, wind, drift or a ") as told:
         around.update(0.5, 0.0, 0.0)
+    assert told.value.declared_in == __name__
 
 
 @pytest.fixture

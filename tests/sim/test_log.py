@@ -13,7 +13,17 @@ from hypothesis import strategies as st
 from scaloft_fi.document import load
 from scaloft_fi.errors import InputError
 from scaloft_fi.sim import log as logs
-from scaloft_fi.sim.log import SIGNALS, Ending, FlightLog, Recorder, Side, signal, signal_names, truth_signals
+from scaloft_fi.sim.log import (
+    SIGNALS,
+    Ending,
+    FlightLog,
+    Recorder,
+    Side,
+    SignalError,
+    signal,
+    signal_names,
+    truth_signals,
+)
 from scaloft_fi.sim.world import read_world
 from scaloft_fi.stack.reference.messages import BELIEFS
 from tests.sim.conftest import SIM
@@ -93,6 +103,28 @@ def test_a_signal_is_recorded_where_the_world_asks_for_it_and_nowhere_else(decla
     assert "height_m" in signal_names(["wall"], (), ["height_m"])
     assert "height_m" not in [one.name for one in truth_signals(["wall"])]
     assert SIGNALS["height_m"].make(None)(np.array([0.0, 0.0, 1.5] + [0.0] * 10)) == 1.5
+
+
+@pytest.mark.parametrize("value", [1, 1.5, np.float32(1.5), np.bool_(True), -0.0])
+def test_a_measure_that_is_a_number_keeps_its_bits(declared, value):
+    made = replace(SIGNALS["height_m"], make=lambda _scenario: lambda _state: value)
+    assert np.float64(made.measure(None)(np.zeros(13))).tobytes() == np.float64(value).tobytes()
+
+
+@pytest.mark.parametrize("value", ["1.0", None])
+def test_a_measure_that_is_no_number_is_refused_with_its_signal_and_module(declared, value):
+    made = replace(SIGNALS["height_m"], make=lambda _scenario: lambda _state: value)
+    with pytest.raises(SignalError, match=f"^signal height_m is {value!r}, which is no number$") as refused:
+        made.measure(None)(np.zeros(13))
+    assert refused.value.declared_in == __name__
+
+
+@pytest.mark.parametrize("value", [10.5, math.inf, -math.inf, math.nan])
+def test_a_sample_beyond_what_its_signal_declares_is_refused_with_its_time(declared, value):
+    SIGNALS["height_m"].hold(np.array([-3.0, 0.0, 10.0]))
+    sentence = f"signal height_m is {value:g} at 0.10 s, and declares a finite number of at most 10 m"
+    with pytest.raises(SignalError, match=f"^{sentence}$"):
+        SIGNALS["height_m"].hold(np.array([-3.0, 0.0, value, 50.0]))
 
 
 def test_mass_and_charge_are_those_of_the_scenario(scenario):

@@ -4,26 +4,30 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import signal
 import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
 import pytest
 from processes import alive, soon
-from studies import copied
+from studies import copied, edit_in
 from tiny_stack import Hop, hop
 
-from scaloft_fi.campaign.flights.fly import CAN_FORK, Flight, Fork, as_baseline, facts, fly_log, invalid
+from scaloft_fi.campaign.flights.fly import CAN_FORK, Flight, Fork, as_baseline, facts, fly_log, invalid, reason_of
 from scaloft_fi.campaign.processes import ATTEMPTS
 from scaloft_fi.judge.outcome import Outcome, Subject
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.mutants.operator import Facts
 from scaloft_fi.mutants.wire import SeamCount
+from scaloft_fi.registry import PLUGIN_GROUP
 from scaloft_fi.sim.load import load
+from scaloft_fi.sim.log import SIGNALS, DeclaredSignal, FlightLog, Side, SignalError
 from scaloft_fi.sim.mine import Mine
 from scaloft_fi.sim.stacks import STACKS
 from scaloft_fi.study import Study
@@ -86,17 +90,50 @@ class Talking(Hop):
         os.write(1, b"beside Python\n")
 
 
-@pytest.mark.flight
-def test_what_a_stack_prints_in_a_flight_of_this_process_goes_to_the_standard_error(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-):
+@pytest.fixture
+def hopping(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A study whose drone hops and talks."""
     folder = copied(tmp_path / "study")
     (folder / "sim" / "stack.yaml").write_text("name: hop\nmass_kg: 1.5\n")
     monkeypatch.setitem(STACKS._entries, "hop", hop(Talking))
+    return folder
+
+
+def _flown(folder: Path) -> FlightLog:
     study = Study.open(folder)
-    log = fly_log(study, Flight(None, study.grid.situations[0], 0))
-    polls = len(log.signals["elapsed_s"]) - 1
+    return fly_log(study, Flight(None, study.grid.situations[0], 0))
+
+
+@pytest.mark.flight
+def test_what_a_stack_prints_in_a_flight_of_this_process_goes_to_the_standard_error(
+    hopping: Path, capfd: pytest.CaptureFixture[str]
+):
+    polls = len(_flown(hopping).signals["elapsed_s"]) - 1
     assert capfd.readouterr() == ("", "talks\nbeside Python\n" * polls)
+
+
+@pytest.mark.flight
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        (lambda state: float(state[2]), r"0\.5\d* at \d\.\d\d s, and declares a finite number of at most 0\.5 m"),
+        (
+            lambda state: math.nan if state[2] > 0.5 else 0.0,
+            r"nan at \d\.\d\d s, and declares a finite number",
+        ),
+        (lambda state: str(state[2]), r"'0\.\d+', which is no number"),
+    ],
+)
+def test_a_flight_whose_own_signal_is_not_what_it_declares_fails_in_the_harness_with_the_plugins_name(
+    hopping: Path, monkeypatch: pytest.MonkeyPatch, value: Callable[[Any], Any], said: str
+):
+    edit_in(hopping / "sim" / "world.yaml", "\n", "\nsignals: [height_m]\n")
+    height = DeclaredSignal("height_m", "m", "height", Side.TRUTH, lambda _scenario: value, most=0.5)
+    monkeypatch.setitem(SIGNALS._entries, "height_m", height)
+    monkeypatch.setattr("scaloft_fi.registry.plugins", lambda: (EntryPoint("odd", __name__, PLUGIN_GROUP),))
+    with pytest.raises(SignalError) as refused:
+        _flown(hopping)
+    assert re.search(f"^plugin 'odd' of package .*: SignalError: signal height_m is {said}", reason_of(refused.value))
 
 
 def test_what_never_differs_has_its_baselines_outcome_but_for_what_it_carried():
