@@ -184,10 +184,18 @@ def did_you_mean(name: str, allowed: Iterable[str]) -> str:
     >>> did_you_mean("zzz", ["a", "b"])
     "; allowed: 'a', 'b'"
     """
-    names = sorted(islice(map(str, allowed), _MOST_NAMES))
+    names = list(islice(map(str, allowed), _MOST_NAMES))
+    if not (hint := nearest(name, names)) and 0 < len(names) <= 24:
+        return "; allowed: " + ", ".join(map(repr, sorted(names)))
+    return hint
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """The hint at the nearest name that is known; nothing where none is near.
+
+    >>> nearest("velcmt", ["velcmd", "human"]), nearest("zzz", ["velcmd"])
+    ("; did you mean 'velcmd'?", '')
+    """
+    names = sorted(islice(map(str, known), _MOST_NAMES))
     near = difflib.get_close_matches(str(name)[:_LONGEST_NAME], names, n=1, cutoff=0.5)
-    if near:
-        return f"; did you mean {near[0]!r}?"
-    if 0 < len(names) <= 24:
-        return "; allowed: " + ", ".join(map(repr, names))
-    return ""
+    return f"; did you mean {near[0]!r}?" if near else ""

@@ -558,6 +558,11 @@ class Cell:
         return self.status in (CellStatus.CREDIBLE, CellStatus.CONTROL)
 
     @property
+    def bare(self) -> bool:
+        """Whether it is to do, and nothing else is said of it."""
+        return self == Cell(self.guideword, self.parameter, CellStatus.TO_DO)
+
+    @property
     def default_id(self) -> str:
         """Id of the mutant that the cell's bare name stands for."""
         return str(Name(self.guideword, self.parameter, self.default_magnitude))

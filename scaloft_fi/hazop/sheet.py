@@ -19,8 +19,8 @@ from itertools import zip_longest
 from pathlib import Path
 
 from scaloft_fi.document import MIB, read_apart, read_bytes
-from scaloft_fi.errors import InputError, did_you_mean, needed, shown
-from scaloft_fi.hazop.matrix import Matrix
+from scaloft_fi.errors import InputError, did_you_mean, nearest, needed, shown
+from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix
 
 MOST_ROWS, MOST_COLUMNS, MOST_TEXT = 20_000, 500, 10_000
 """Of a sheet that people fill in; and characters of one of its cells."""
@@ -39,6 +39,8 @@ HEADS = _words("heads.txt")
 """Heads by what stands below them, in small letters without accents."""
 TEXTS = ("deviation", "causes", "effect", "safeguards", "recommendation", "severity")
 """What makes a row one that says something."""
+SAID = (*TEXTS, "likelihood", "responsible", "due", "action_status")
+"""What a draft takes of a row."""
 DOWN = ("node", "parameter", "intent", "guideword", "deviation")
 """Columns whose blank cells mean "as above"; a deviation does only where all of them are blank."""
 DESCRIPTIONS = ("description", "beschreibung", "text", "descripcion", "descrizione")
@@ -380,7 +382,7 @@ def parameter_name(text: str, taken: Iterable[str]) -> str:
 
 @dataclass
 class Draft:
-    """What the rows of a sheet say of a cell that the study lacks.
+    """What the rows of a sheet say of a cell that the study lacks, or has with nothing but its status to do.
 
     Attributes:
         guideword, parameter: of the cell.
@@ -396,7 +398,7 @@ class Draft:
     def add(self, line: Line) -> None:
         """Take what a row says."""
         self.places.append(line.place)
-        for key in (*TEXTS, "likelihood", "responsible", "due", "action_status"):
+        for key in SAID:
             text, held = line.texts.get(key), self.texts.setdefault(key, [])
             if text and text not in held:
                 held.append(text)
@@ -427,7 +429,7 @@ class Sorted:
 
     Attributes:
         rows: what each row is about.
-        drafts: cells that the study lacks, by name.
+        drafts: cells that the study lacks or has bare, by name.
         parameters: node, design intent and title of each parameter that the study lacks, by name.
         words: the guidewords of the drafts that the study lacks.
     """
@@ -453,13 +455,16 @@ def sort(
         words: guidewords by texts of the sheet, as the user says.
         parameters: parameters by texts of the sheet, as the user says; the study may lack them.
         further: guidewords that the study lacks and may get.
+
+    Raises:
+        InputError: no row has a text that the user names.
     """
     known = list(dict.fromkeys((*(word.id for word in matrix.guidewords), *further)))
     own = {plain(text): name for text, name in parameters.items()}
     there = {plain(text): one.id for one in reversed(matrix.parameters) for text in (one.title, one.id)}
     titles = sorted((*own, *(plain(one.title) for one in matrix.parameters)), key=len, reverse=True)
     names, new = dict[tuple[str, str], str](), dict[str, dict[str, str]]()
-    rows, drafts = list[RowOf](), dict[str, Draft]()
+    rows, drafts, abouts = list[RowOf](), dict[str, Draft](), dict[str, str]()
     for line in lines:
         node, text = line.texts.get("node", ""), line.texts.get("parameter", "")
         cell, chosen = line.texts.get("cell", ""), named_words(line, words, known)
@@ -468,8 +473,9 @@ def sort(
             rest = " ".join(f" {plain(told)} ".replace(f" {title} ", " ", 1).split())
             about, chosen = title, chosen or tuple(filter(None, [_known(rest, known)]))
         about = about or _deviating(told, words)
+        abouts |= {plain(about): about} if about else {}
         if cell in matrix:
-            rows.append(RowOf(line.place, cell, _THERE))
+            rows.append(_row(line, matrix.cell(cell), matrix, drafts))
         elif not about:
             rows.append(RowOf(line.place, "", "it names no node and no parameter: --column parameter=HEAD"))
         elif not chosen:
@@ -482,12 +488,10 @@ def sort(
                 parameter = parameter_name(about, {*there.values(), *own.values(), *new})
                 names[plain(node), plain(about)] = parameter
             for word in chosen:
-                name = f"{word}-{parameter}"
-                rows.append(RowOf(line.place, name, _THERE if name in matrix else ""))
-                if name not in matrix:
-                    drafts.setdefault(name, Draft(word, parameter)).add(line)
-                    given = {"title": about, "node": node or about, "intent": line.texts.get("intent", "")}
-                    new.setdefault(parameter, given)
+                rows.append(_row(line, Cell(word, parameter, CellStatus.TO_DO), matrix, drafts))
+                given = {"title": about, "node": node or about, "intent": line.texts.get("intent", "")}
+                new.setdefault(parameter, given)
+    _check_asked(lines, abouts, words, parameters)
     parameters_there = {one.id for one in matrix.parameters}
     lacking = dict.fromkeys(draft.guideword for draft in drafts.values())
     return Sorted(
@@ -508,4 +512,33 @@ def _deviating(deviation: str, own: Mapping[str, str]) -> str:
     return ""
 
 
-_THERE = "the study has this cell"
+def _row(line: Line, cell: Cell, matrix: Matrix, drafts: dict[str, Draft]) -> RowOf:
+    """What becomes of a row about a cell: it is drafted where the study lacks the cell, or has nothing of it."""
+    said = [key for key in SAID if line.texts.get(key)]
+    known = matrix.cell(cell.name) if cell.name in matrix else None
+    severity = matrix.severities.get(cell.name)
+    if known is None or (known.bare and severity is None and said):
+        drafts.setdefault(cell.name, Draft(cell.guideword, cell.parameter)).add(line)
+        return RowOf(line.place, cell.name)
+    own = severity.id if severity else known.drafted
+    held = {**vars(known.team), **vars(known), "causes": "; ".join(known.causes), "severity": own}
+    other = ", ".join(key for key in said if f"; {line.texts[key]}; " not in f"; {held[key]}; ")
+    differs = f"; the sheet's text differs, and is not taken: {other}" if other else ""
+    return RowOf(line.place, cell.name, f"the study has this cell{differs}")
+
+
+def _check_asked(
+    lines: Sequence[Line], abouts: Mapping[str, str], words: Mapping[str, str], parameters: Mapping[str, str]
+) -> None:
+    """Refuse a text of the user that no row has, as a guideword or as what it is about."""
+    told = dict[str, str]()
+    for text in (line.texts.get("guideword", "") for line in lines):
+        told |= {plain(one): one.strip() for one in (text, *re.split(r"[/,;&]", text)) if one.strip()}
+    deviations = [f" {plain(line.texts.get('deviation', ''))} " for line in lines if "guideword" not in line.texts]
+    for text, word in words.items():
+        if plain(text) not in told and not any(one.startswith(f" {plain(text)} ") for one in deviations):
+            raise InputError(f"--guideword={f'{text}={word}'!r}: no row has {text!r}{nearest(text, told.values())}")
+    for text, name in parameters.items():
+        if plain(text) not in abouts:
+            hint = nearest(text, abouts.values())
+            raise InputError(f"--parameter={f'{text}={name}'!r}: no row is about {text!r}{hint}")

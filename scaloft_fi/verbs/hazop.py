@@ -15,7 +15,7 @@ from typing import Annotated, Any
 import click
 
 from scaloft_fi.document import Steps, dumped, edited, is_there, parsed, read_text
-from scaloft_fi.errors import FaultsError, InputError, did_you_mean
+from scaloft_fi.errors import FaultsError, InputError, did_you_mean, nearest
 from scaloft_fi.hazop.load import SHEETS, Parameters, load_guidewords, load_matrix, read_cell, reference_study
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Guideword, Team, parse
 from scaloft_fi.hazop.render import ladder
@@ -137,7 +137,7 @@ def drafted(study: Study, found: Sorted, file: Path) -> tuple[dict[Path, str], M
     """The files that drafts make or add to, by path, and the proposed faults by cell.
 
     A parameter that the study lacks gets a file of its own.  What the study has is only added to: parameters,
-    guidewords, and for each of these a cell of every parameter.
+    guidewords, for each of these a cell of every parameter, and the texts of a bare cell.
 
     Raises:
         InputError: a file of that name is there, or cannot be read.
@@ -173,7 +173,12 @@ def drafted(study: Study, found: Sorted, file: Path) -> tuple[dict[Path, str], M
     added = {hazop / "parameters.yaml": entries, hazop / "guidewords.yaml": told}
     texts = {path: dumped(more) for path, more in added.items() if more}
     texts |= {hazop / SHEETS / f"{one.id}.yaml": cells(one.id, found.words) for one in matrix.parameters if found.words}
-    return files | {path: read_text(path).rstrip("\n") + "\n" + text for path, text in texts.items()}, proposed
+    files |= {path: read_text(path).rstrip("\n") + "\n" + text for path, text in texts.items()}
+    for name, draft in ((name, draft) for name, draft in found.drafts.items() if name in matrix):
+        path = hazop / SHEETS / f"{draft.parameter}.yaml"
+        cell = cell_yaml(draft, proposed.get(name), file.name)
+        files[path] = edited(files.get(path) or read_text(path), (draft.guideword,), cell, str(path))
+    return files, proposed
 
 
 def further_words() -> tuple[Guideword, ...]:
@@ -464,10 +469,11 @@ def hazop(
 ) -> Answer:
     """Bring a HAZOP or STPA sheet (.xlsx, .csv) into the study, or show what people edited in a worksheet.
 
-    `import` drafts each cell that the study lacks, with the texts of the sheet and the fault that its names suggest.
-    A draft has the status to_do: it is counted and never flown, until somebody completes it.  `diff` compares a sheet
-    that `worksheet --output` wrote with the study.  Without --write nothing is written; with it drafts go into new
-    files, and an edited value changes in place.  What cannot be changed so is told, and left to a person.
+    `import` drafts each cell that the study lacks, or that is to_do and says nothing else: the texts of the sheet, and
+    the fault that its names suggest.  A draft has the status to_do: it is counted and never flown, until somebody
+    completes it.  `diff` compares a sheet that `worksheet --output` wrote with the study.  Without --write nothing is
+    written; with it drafts are added, and an edited value changes in place.  What cannot be changed so is told, and
+    left to a person.
 
     Examples:
         See what a sheet would bring: `scaloft-fi hazop import risks.xlsx`
@@ -483,15 +489,20 @@ def hazop(
     names = _pairs(parameter, "--parameter", (), value=True)
     for name in names.values():
         parse(f"NO-{name}")
+    if action == "diff" and (words or names):
+        raise InputError("--guideword, --parameter: only `hazop import` reads them; a worksheet has the names of cells")
     if write:
         check_own(study, study.folder, study.folder / "hazop")
-    lines = read_sheet(file, heads, several(sheet, "sheet"))
+    lines, warnings = read_sheet(file, heads, several(sheet, "sheet")), list[str]()
     if action == "diff":
         told = differing(study, file, lines, writing=write)
     else:
         told = imported(study, file, sort(lines, study.matrix, words, names, further), writing=write)
+        known = [one.id for one in study.matrix.parameters]
+        new = ((text, name) for text, name in names.items() if name not in known)
+        warnings += (f"{text!r} is a new parameter, {name!r}{nearest(name, known)}" for text, name in new)
     rows = "edits" if action == "diff" else "rows"
-    return Answer(HAZOP, lambda: told, lambda: tables_of(told, differ=action == "diff"), rows=rows)
+    return Answer(HAZOP, lambda: told, lambda: tables_of(told, differ=action == "diff"), rows=rows, warnings=warnings)
 
 
 hazop_command = verb("hazop")(hazop)

@@ -114,6 +114,41 @@ def test_a_second_import_finds_every_cell_there(folder: Path):
     assert {row["state"] for row in again["rows"]} == {"in_the_study", "left_out"}
 
 
+def test_a_sheet_fills_the_cells_that_are_to_do_and_say_nothing(folder: Path):
+    told(folder, "import", folder.parent / "sheet.csv", "--write")
+    path = folder / "hazop" / "matrix" / "depth_camera.yaml"
+    more = folder.parent / "more.csv"
+    head = SHEET.splitlines()[0]
+    more.write_text(
+        f"{head}\nDepth camera,MORE,Too far,fog,hits rock,,,\nDepth camera,LATE,Image comes late,other,,,,\n"
+    )
+    bare, before = Study.open(folder).matrix.counts(), path.read_text()
+    answer = told(folder, "import", more, "--write")
+    assert [(row["state"], row["cell"]) for row in answer["rows"]] == [
+        ("drafted", "MORE-depth_camera"),
+        ("in_the_study", "LATE-depth_camera"),
+    ]
+    assert answer["rows"][1]["why"] == "the study has this cell; the sheet's text differs, and is not taken: causes"
+    matrix = Study.open(folder).matrix
+    cell = matrix.cell("MORE-depth_camera")
+    assert (cell.deviation, cell.causes, cell.effect) == ("Too far", ("fog",), "hits rock")
+    assert answer["to_do"] == bare[CellStatus.TO_DO] == matrix.counts()[CellStatus.TO_DO]
+    assert all(line in path.read_text().splitlines() for line in before.splitlines())
+
+
+def test_a_new_parameter_of_an_option_is_told_with_the_nearest_that_the_study_has(folder: Path):
+    call = ["hazop", "import", str(folder.parent / "sheet.csv"), "--study", str(folder)]
+    warned = invoked(*call, "--parameter", "Weather radar=zzz", "--parameter", "Depth camera=velcmt").stderr
+    assert "'Weather radar' is a new parameter, 'zzz'\n" in warned
+    assert "'Depth camera' is a new parameter, 'velcmt'; did you mean 'velcmd'?\n" in warned
+    assert "new parameter" not in invoked(*call, "--parameter", "Weather radar=depth").stderr
+
+
+def test_a_worksheet_needs_no_words_of_the_user(folder: Path, worksheet: Path):
+    call = ["hazop", "diff", str(worksheet), "--study", str(folder), "--guideword", "Blue=LATE"]
+    assert "only `hazop import` reads them" in sentence(invoked(*call))
+
+
 TEXTS = st.text(st.characters(codec="utf-8", exclude_characters="\r"), min_size=1, max_size=30).filter(str.strip)
 
 
