@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from copy import deepcopy
 from dataclasses import dataclass, replace
-from itertools import cycle
 from typing import Any
 
 import numpy as np
 
-from scaloft_fi.mutants.operator import Occurrences, Operator, TapError
+from scaloft_fi.mutants.operator import Occurrences, TapError
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.registry import in_one_line, load_plugins
+from scaloft_fi.registry import load_plugins
 
 DIGITS = 1e-9
 """How much two equal numbers may differ."""
@@ -68,7 +65,7 @@ def check_operator(name: str) -> OperatorCheck:
     one.check("example", example.message, example.arguments)
     event = Occurrences()
     try:
-        arrived = one.arrived()
+        arrived, lasting = one.arrived(), (one.arrived(TRIED_S), one.arrived(TRIED_S))
         one.tap(replace(example.context(), event=event), example.arguments)
     except TapError as error:
         return OperatorCheck(name, (), (str(error),))
@@ -84,30 +81,17 @@ def check_operator(name: str) -> OperatorCheck:
             for place, (said, there) in enumerate(zip(example.after, arrived, strict=False))
             if not alike(said, there)
         ]
-    failures += _not_repeated(one)
+    differing = [place / example.rate_hz for place, pair in enumerate(zip(*lasting, strict=True)) if not alike(*pair)]
+    if differing:
+        failures.append(
+            f"two flights differ at {differing[0]:g} s, where the samples of its example go on: random numbers must "
+            "come from context.rng, the memory of a tap must be its own, and a sample is never written to"
+        )
     if one.awaits_events and not event.awaited:
         failures.append("its argument phase_s must shift windows that it takes from its context")
     if not one.summary.endswith("."):
         failures.append("its docstring must begin with a sentence: it is what lists of operators show")
     return OperatorCheck(name, arrived, tuple(failures))
-
-
-def _not_repeated(one: Operator) -> Iterator[str]:
-    """A sentence where a tap of an operator raises, or two deliver other samples of the same ones."""
-    example, goes_on, found = one.example, "when the samples of its example go on", list[list[Any]]()
-    for _ in range(2):
-        tap = one.tap(example.context(), example.arguments)
-        found.append([])
-        for poll, sample in zip(range(round(TRIED_S * example.rate_hz)), cycle(deepcopy(example.before)), strict=False):
-            try:
-                found[-1].append(tap(poll / example.rate_hz, sample))
-            except Exception as error:  # noqa: BLE001 - whatever a tap raises is told
-                yield f"its tap raises at {poll / example.rate_hz:g} s, {goes_on}: {in_one_line(error)}"
-                return
-    differing = [poll / example.rate_hz for poll, pair in enumerate(zip(*found, strict=True)) if not alike(*pair)]
-    if differing:
-        remedy = "random numbers must come from context.rng, and the memory of a tap must be its own"
-        yield f"two flights differ at {differing[0]:g} s, {goes_on}: {remedy}"
 
 
 def alike(one: Any, other: Any) -> bool:

@@ -11,6 +11,7 @@ import inspect
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from itertools import cycle
 from types import MappingProxyType
 from typing import Annotated, Any, Literal, cast, get_args, get_origin, get_type_hints
 
@@ -496,23 +497,24 @@ class Operator:
             raise self._failed(f"must return a tap, and returns {made!r}")
         return made
 
-    def arrived(self) -> Samples:
-        """What arrives where the samples of its example are sent.
+    def arrived(self, lasting_s: float = 0.0) -> Samples:
+        """What arrives where the samples of its example are sent, each once, or again and again for `lasting_s` [s].
 
         Raises:
             TapError: as `tap`, or the tap raises, or returns another message.
         """
         example, found = self.example, list[Any]()
+        count = len(example.before)
         tap = self.tap(example.context(), example.arguments)
-        for place, sample in enumerate(example.before):
+        for poll, sample in zip(range(max(count, round(lasting_s * example.rate_hz))), cycle(example.before)):
+            t_s = poll / example.rate_hz
+            where = f"at sample {poll % count} of its example" + f", sent again at {t_s:g} s" * (poll >= count)
             try:
-                found.append(tap(place / example.rate_hz, sample))
+                found.append(tap(t_s, sample))
             except Exception as error:
-                raise self._failed(f"raises at sample {place} of its example: {in_one_line(error)}") from error
+                raise self._failed(f"raises {where}: {in_one_line(error)}") from error
             if not isinstance(found[-1], example.message | None):
-                raise self._failed(
-                    f"returns {found[-1]!r} at sample {place} of its example, no {example.message.__name__}"
-                )
+                raise self._failed(f"returns {found[-1]!r} {where}, no {example.message.__name__}")
         return tuple(found)
 
     def _failed(self, what: str) -> TapError:

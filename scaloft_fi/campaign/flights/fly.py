@@ -20,7 +20,7 @@ from scaloft_fi.campaign.processes import ATTEMPTS, LINUX, PATIENCE_S, cause_of_
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome, Subject, outcome_of
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.mutants.operator import Facts
+from scaloft_fi.mutants.operator import Facts, TapError
 from scaloft_fi.mutants.wire import SeamCount, TappedWire, WatchingWire, contexts, wire_for
 from scaloft_fi.output import answers_apart
 from scaloft_fi.registry import in_one_line, plugin_behind
@@ -352,7 +352,7 @@ def fly_shared(
     mutants = {flight.name: flight for flight in batch.flights if flight.mutant is not None}
     fork, carrier, watched = Fork(report, invalid), batch.carrier, dict[str, TappedWire]()
 
-    def failed(name: str, error: Exception) -> None:
+    def failed(name: str, error: TapError) -> None:
         report(invalid(mutants[name], reason_of(error)))
 
     def branch(name: str, t_s: float) -> bool:
@@ -366,9 +366,7 @@ def fly_shared(
         try:
             if isinstance(tapped := wire_of(study, flight), TappedWire):
                 watched[name] = tapped
-        except InputError:
-            raise
-        except Exception as error:  # noqa: BLE001 - an operator that cannot be built is a failure of its mutants alone
+        except TapError as error:
             failed(name, error)
     wire = WatchingWire(watched, branch, failed)
     try:
