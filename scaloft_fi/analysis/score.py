@@ -594,7 +594,8 @@ class Score:
         infected: default mutants that changed a sample, of those flown.
         tested: default mutants put to the test: they infect where a safety requirement is steady; of those flown.
         mutation_score: default mutants detected by safety requirements, of those flown.
-        operability: default mutants detected by operability requirements, of those flown.
+        operability: default mutants detected by operability requirements, of those flown; of none, where
+            there is no such requirement.
         mutants: every mutant flown, ladders too, in the canonical order.
         counted: those of them that the ratios count and of which a flight counts.
         controls: every control flown; no ratio counts them.
@@ -695,7 +696,7 @@ def score_of(
     counted = tuple(mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown)
     infected = {r.situation for m in mutants for r in m.results if r.infected}
     pooled = not infected or bool(infected & pool.flown)
-    decided = len(counted) if pooled else 0
+    decided, operable = len(counted) if pooled else 0, pool.requirements(Kind.OPERABILITY)
     seeds = max((result.flown for mutant in counted for result in mutant.results), default=0)
     return Score(
         alpha=spending.alpha,
@@ -703,7 +704,7 @@ def score_of(
         infected=Ratio(sum(mutant.infected for mutant in counted), len(counted)),
         tested=Ratio(sum(mutant.tested for mutant in counted), len(counted)),
         mutation_score=Ratio(sum(mutant.detected for mutant in counted), decided),
-        operability=Ratio(sum(mutant.operability.detected for mutant in counted), decided),
+        operability=Ratio(sum(m.operability.detected for m in counted), decided if operable else 0),
         mutants=mutants,
         counted=counted,
         controls=tuple(mutant for mutant in scored if roster.is_control(mutant.subject)),

@@ -288,9 +288,10 @@ def pair_table(pool: detection.Pool, space: Space) -> Table:
         (pair.situation, pair.requirement, called[pair].value, f"{pair.violated}/{pair.flights}", pair.open)
         for pair in others
     )
-    steady = Ratio(len(pool.pairs) - len(others), len(pool.pairs))
+    states = Counter(called.values())
+    steady = Ratio(states[detection.State.STEADY], len(called) - states[detection.State.UNKNOWN])
     notes = (
-        f"{steady} of the pairs are steady: nine tenths of the baseline flights hold the requirement.",
+        f"{steady} of the pairs with a pool are steady: nine tenths of the baseline flights hold the requirement.",
         "red: most violate; unsteady: between; open: a tenth is cut short before; vacuous: half never trigger it;",
         "unknown: fewer than ten baseline flights.  None of these contributes a kill.",
     )

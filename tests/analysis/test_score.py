@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from itertools import product
 
 import pytest
@@ -61,6 +62,13 @@ def test_another_campaigns_baselines_make_a_pool():
     lent = [one for one in campaign() if one.mutant == BASELINE]
     found = score(few, ROSTER, GRID, None, lent)
     assert found.mutation_score == Ratio(1, 2)
+
+
+def test_without_a_requirement_of_operability_its_ratio_is_of_none():
+    outcomes = [*pool(*HUMAN), *(outcome(LATE, key, violated={"SR2": 12.0}) for key in HUMAN)]
+    assert scored(*outcomes).operability == Ratio(0, 1)
+    safe = [replace(one, readings=tuple(r for r in one.readings if r.requirement != "OP1")) for one in outcomes]
+    assert (scored(*safe).mutation_score, str(scored(*safe).operability)) == (Ratio(1, 1), "0/0 = n/a")
 
 
 def ratios(found: Score) -> list[Ratio]:

@@ -22,7 +22,7 @@ from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.output import PIPED
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.study import NO_FINDS, KnownFinds, Study
-from scaloft_fi.verbs.first_screen import LEGEND, MOST_ROWS, Screen
+from scaloft_fi.verbs.first_screen import LEGEND, MOST_ROWS, Screen, pair_table
 from scaloft_fi.verbs.verdict import MOST_NAMED, command
 
 LATE, NO, GOAL = "LATE-human@3s", "NO-human@100%", "MORE-goal@0.6m"
@@ -98,6 +98,18 @@ def test_without_a_pool_a_control_that_struck_the_wall_strikes_it():
     flown = [outcome("REVERSE-human", NOBODY, violated={"SR1": 5.0}, struck="wall")]
     ((_, _, effect),) = screen([outcome(situation=NOBODY), *flown]).tables[1].rows
     assert effect == "strikes wall"
+
+
+def test_of_the_pairs_that_are_steady_only_those_with_a_pool_are_counted():
+    lines = [
+        note
+        for flown in ([outcome()], pool(*HUMAN))
+        for note in pair_table(score(flown, ROSTER, GRID).pool, GRID).notes
+    ]
+    assert [line.partition(" of the pairs")[0] for line in lines if "with a pool" in line] == [
+        "0/0 = n/a",
+        "9/9 = 100 %",
+    ]
 
 
 def test_a_campaign_of_another_name_is_named_in_the_command():
