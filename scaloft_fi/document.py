@@ -30,6 +30,7 @@ from datetime import date
 from functools import lru_cache
 from importlib import import_module
 from io import BufferedReader
+from itertools import pairwise
 from pathlib import Path
 from textwrap import indent
 from typing import Any, NoReturn, TypeVar
@@ -553,9 +554,10 @@ def _block(value: Mapping[str, Any], depth: int) -> str:
 
 
 def _set(whole: Any, steps: Steps, value: object) -> None:
-    *outer, last = steps
-    for step in outer:
-        whole = whole.setdefault(step, {}) if isinstance(whole, dict) else whole[step]
+    last = steps[-1]
+    for step, inner in pairwise(steps):
+        lacking: Any = [] if isinstance(inner, int) else {}
+        whole = whole.setdefault(step, lacking) if isinstance(whole, dict) else whole[step]
     if value is None:
         del whole[last]
     elif isinstance(whole, list) and last == len(whole):
@@ -587,13 +589,20 @@ def _changed(text: str, node: Any, steps: Steps, form: str | None, column: int) 
             )
             return text[: first.index] + text[last.index :]
         return text[: text.rfind("\n", 0, int(key.start_mark.index)) + 1] + text[_line_end(text, end) :]
-    words = "".join(f"{name}: " + "{" * (k < len(steps) - 1) for k, name in enumerate(steps) if isinstance(name, str))
-    added = words + str(form) + "}" * (len(steps) - 1)
+    added = f"{step}: " * isinstance(step, str) + _nested(steps[1:], str(form))
     if node.flow_style:
         end = _end(text, pairs[-1][1], own) if pairs else begin + 1
         return f"{text[:end]}{', ' * bool(pairs)}{added}{text[end:]}"
     at, mark = _line_end(text, _end(text, pairs[-1][1], own)), "" if isinstance(step, str) else "- "
     return text[:at] + "\n" * (text[at - 1] != "\n") + " " * own + mark + added + "\n" + text[at:]
+
+
+def _nested(steps: Steps, form: str) -> str:
+    """A value below keys, and in lists, that the document lacks."""
+    if not steps:
+        return form
+    inner = _nested(steps[1:], form)
+    return f"{{{steps[0]}: {inner}}}" if isinstance(steps[0], str) else f"[{inner}]"
 
 
 def _line_end(text: str, at: int) -> int:

@@ -16,7 +16,15 @@ import click
 
 from scaloft_fi.document import Steps, dumped, edited, is_there, parsed, read_text
 from scaloft_fi.errors import FaultsError, InputError, did_you_mean, nearest
-from scaloft_fi.hazop.load import SHEETS, Parameters, load_guidewords, load_matrix, read_cell, reference_study
+from scaloft_fi.hazop.load import (
+    SHEETS,
+    Parameters,
+    load_guidewords,
+    load_matrix,
+    load_parameters,
+    read_cell,
+    reference_study,
+)
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Guideword, Team, parse
 from scaloft_fi.hazop.render import ladder
 from scaloft_fi.hazop.sheet import HEADS, MOST_TEXT, Draft, Line, Sorted, plain, read_sheet, sort
@@ -278,10 +286,12 @@ def edits_of(rows: Iterable[SheetRow], hazop: Path, lines: Iterable[Line]) -> It
             same = plain(before) == plain(after) if key == "status" else before in (after, f"'{after}")
             if same:  # CSV marks texts with '
                 continue
-            if told.setdefault((about, key), after) != after:
+            if (about, key) not in told:
+                edits[key] = before, after
+            elif told[about, key] != after:
                 ways = f"{after!r} and {told[about, key]!r}"
                 raise InputError(f"{line.place}: {key} of {about} is edited in two ways: {ways}")
-            edits[key] = before, after
+            told[about, key] = after
         yield from _steps(hazop, row.cell, edits)
 
 
@@ -311,38 +321,48 @@ def _steps(hazop: Path, cell: Cell, edits: Mapping[str, tuple[str, str]]) -> Ite
         if key in _KEPT:
             yield step.by_hand(_KEPT[key])
         elif key == "status":
-            yield from _of_status(step, cell, edits.get("rationale"))
-        elif key in ("causes", "requirements"):
+            yield from _of_status(step, cell, edits)
+        elif key == "causes" or (key == "requirements" and "status" not in edits):
             yield _of_list(step, cell, key)
         elif key in _OF_PARAMETER:
             file, way = hazop / "parameters.yaml", _OF_PARAMETER[key]
-            told = Edit(cell.parameter, way, before, after, f"{file}", False, None)
+            told = Edit(cell.parameter, way, before, after, load_parameters(file)[1][cell.parameter], False, None)
             yield Step((told,), file, (((cell.parameter, way), after or None),))
-        elif key != "rationale" or "status" not in edits:
+        elif key not in _BESIDE or "status" not in edits:
             yield replace(step, changes=(((cell.guideword, *way.split(".")), after or None),))
 
 
+_BESIDE = ("rationale", "requirements")
+"""What goes with a changed status."""
 _ASKS = {
-    CellStatus.CREDIBLE: "a credible cell has causes, an effect, requirements and faults",
-    CellStatus.CONTROL: "a control has causes, an effect, requirements and faults, and no severity",
     CellStatus.NOT_MEANINGFUL: "a cell that is not meaningful has a reason, and no effect, causes or faults",
     CellStatus.TO_DO: "a cell that is to do has no requirements and no prediction",
 }
 
 
-def _of_status(step: Step, cell: Cell, rationale: tuple[str, str] | None) -> Iterator[Step]:
-    """A changed status; the rationale beside it is the reason of a cell that is no longer meaningful, and no other."""
+def _of_status(step: Step, cell: Cell, edits: Mapping[str, tuple[str, str]]) -> Iterator[Step]:
+    """A changed status.
+
+    Requirements beside it go with it.  A rationale is the reason of a cell that is no longer meaningful, and no other.
+    """
     (told,), known = step.edits, [status.value for status in CellStatus]
     word = plain(told.after).replace(" ", "_")
-    changes: tuple[Change, ...] = (((cell.guideword, "status"), word),)
-    if rationale and word == CellStatus.NOT_MEANINGFUL:
-        step = replace(step, edits=(told, replace(told, key="reason", before=rationale[0], after=rationale[1])))
-        changes = (*changes, ((cell.guideword, "reason"), rationale[1] or None))
-    elif rationale:
-        beside = replace(told, key="rationale", before=rationale[0], after=rationale[1])
-        yield replace(step, edits=(beside,)).by_hand("its status is edited too")
+    step = replace(step, changes=(((cell.guideword, "status"), word),))
+    for key, (before, after) in ((key, edits[key]) for key in _BESIDE if key in edits):
+        beside = replace(step, edits=(replace(told, key=key, before=before, after=after),), changes=())
+        if key == "requirements":
+            beside = _of_list(beside, cell, key)
+        elif word == CellStatus.NOT_MEANINGFUL:
+            reason = replace(told, key="reason", before=before, after=after)
+            beside = replace(beside, edits=(reason,), changes=(((cell.guideword, "reason"), after or None),))
+        if word in known and beside.changes:
+            step = replace(step, edits=(*beside.edits, *step.edits), changes=(*beside.changes, *step.changes))
+        elif beside.edits:
+            yield beside if beside.edits[0].why else beside.by_hand("its status is edited too")
     if word in known:
-        yield replace(step, changes=changes, asks=_ASKS[CellStatus(word)])
+        has_reason = cell.status is CellStatus.NOT_MEANINGFUL
+        asks = "only a cell that is not meaningful has a reason" if has_reason else _ASKS.get(CellStatus(word), "")
+        yield replace(step, asks=asks)
     else:
         yield step.by_hand(f"{told.after!r} is no status{did_you_mean(word, known)}")
 

@@ -278,6 +278,7 @@ def test_edits_by_hand_are_counted_with_their_place(folder: Path, worksheet: Pat
     screen = invoked("hazop", "diff", str(worksheet), "--study", str(folder)).stdout
     assert "2 edits, 1 of them to be made by hand." in screen
     assert "Findings are not compared." in screen
+    assert "`--write` makes the others in the study." in screen
     assert f"human.yaml:{MATRIX.cell('LATE-human').place.rpartition(':')[2]}: faults" in screen
 
 
@@ -289,8 +290,8 @@ def test_a_rationale_beside_a_changed_status_is_no_prediction(folder: Path, work
     assert [(one["cell"], one["key"], one["written"]) for one in edits] == [
         ("NO-human", "rationale", False),
         ("NO-human", "status", False),
-        ("LATE-human", "status", False),
         ("LATE-human", "reason", False),
+        ("LATE-human", "status", False),
     ]
     assert content(folder) == before
 
@@ -307,6 +308,32 @@ def test_a_status_is_taken_back_where_the_cell_can_have_it(folder: Path):
     statuses = [CellStatus.CREDIBLE, CellStatus.CONTROL, CellStatus.NOT_MEANINGFUL]
     assert [cell.status for cell in cells] == statuses
     assert cells[2].reason == "Nothing can be turned round."
+
+
+def test_a_draft_is_completed_in_the_worksheet(folder: Path):
+    told(folder, "import", folder.parent / "sheet.csv", "--write")
+    sheet = worksheet_of(folder)
+    edit(sheet, "LATE-depth_camera", Status="credible", Requirements="SR1, SR2", Severity=None, Deviation="It is late.")
+    edit(sheet, "EARLY-depth_camera", Possible_causes="a clock; a queue", Due_date="soon")
+    edit(sheet, "NO-depth_camera", Status="credible", Requirements="SR1, SR9")
+    edits = told(folder, "diff", sheet, "--write")["edits"]
+    assert {one["cell"] for one in edits if not one["written"]} == {"NO-depth_camera"}
+    matrix = Study.open(folder).matrix
+    done, begun, refused = (matrix.cell(f"{word}-depth_camera") for word in ("LATE", "EARLY", "NO"))
+    assert (done.status, done.requirements) == (CellStatus.CREDIBLE, ("SR1", "SR2"))
+    assert [fault.operator for fault in done.faults] == ["delay"]
+    assert (begun.causes, begun.team.due) == (("a clock", "a queue"), "soon")
+    assert (refused.status, refused.requirements) == (CellStatus.TO_DO, ())
+
+
+def test_an_edit_that_stands_in_two_sheets_of_a_workbook_is_one(folder: Path, worksheet: Path):
+    book = load_workbook(worksheet)
+    page = book.create_sheet("More")
+    for texts in (("Deviation id", "Consequence", "Severity"), ("LATE-human", "It is fast.", "injury")):
+        page.append(texts)
+    book.save(worksheet)
+    edit(worksheet, "LATE-human", Consequence="It is fast.")
+    assert [one["key"] for one in told(folder, "diff", worksheet)["edits"]] == ["effect"]
 
 
 def test_a_team_clears_what_it_filled_in(folder: Path, worksheet: Path):
