@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
+from datetime import date
+from functools import cached_property, wraps
 from inspect import Parameter, cleandoc, formatannotation, get_annotations, signature
+from numbers import Integral
+from os import PathLike
 from pathlib import Path
-from typing import Any, TypeVar
+from types import NoneType, UnionType
+from typing import Any, TypeVar, Union, cast, get_args, get_origin
 
+import click
 from numpy.typing import NDArray
 
 from scaloft_fi.errors import InputError, ScaloftError
@@ -63,6 +68,8 @@ def python_words(sentence: str, names: Mapping[str, str] = NAMES) -> str:
 def described(method: F, without: int = 0) -> F:
     """The method with the texts of its options in its docstring under `Args:`, and plain types in its signature.
 
+    When it is called, each argument is held against its declared type, and against the range of its option.
+
     Args:
         method: what a script calls.
         without: number of parameters behind `self` that the script does not give.
@@ -81,9 +88,102 @@ def described(method: F, without: int = 0) -> F:
             )
         plain.append(parameter)
     own = "" if "\nArgs:\n" in told else "\n\nArgs:"
-    vars(method)["__signature__"] = signature(method).replace(parameters=plain)
-    method.__doc__ = told + "\n".join([own, *args] if args else [""]) + mark + raised
-    return method
+    shape = signature(method).replace(parameters=plain)
+
+    @wraps(method)
+    def call(*args: Any, **named: Any) -> Any:
+        try:
+            given = shape.bind(*args, **named)
+        except TypeError:  # Python says it better
+            return method(*args, **named)
+        for name, value in given.arguments.items():
+            if name in hints:
+                given.arguments[name] = argument(name, value, hints[name])
+        return method(*given.args, **given.kwargs)
+
+    vars(call)["__signature__"] = shape
+    call.__doc__ = told + "\n".join([own, *args] if args else [""]) + mark + raised
+    return cast(F, call)
+
+
+_KINDS = {
+    Path: "a path",
+    str: "a text",
+    int: "a whole number",
+    float: "a number",
+    bool: "True or False",
+    date: "a date",
+    range: "a range",
+    NoneType: "None",
+}
+
+
+def argument(name: str, value: Any, hint: Any) -> Any:
+    """What a script gives for a parameter of a type, which may be that of an option of the command line.
+
+    >>> argument("seed", 1.5, int)
+    Traceback (most recent call last):
+    scaloft_fi.errors.InputError: seed=1.5 must be a whole number
+
+    Raises:
+        InputError: it is of another type, or beyond the range of the option.
+    """
+    option, _ = marked(hint)
+    span = option.type if option is not None and isinstance(option.type, click.IntRange | click.FloatRange) else None
+    forms = _forms(hint)
+    if isinstance(value, Integral) and not isinstance(value, bool):
+        value = int(value)  # also one of numpy
+    if any(_is_of(value, form) for form in forms) and (span is None or value is None or _within(value, span)):
+        return value
+    raise InputError(f"{name}={value!r} must be {_allowed(forms, span, option.metavar or '' if option else '')}")
+
+
+def _allowed(forms: Sequence[Any], span: Any, metavar: str) -> str:
+    """What an argument may be, in words."""
+    words = {form: _words(form) for form in forms if not (form is str and Path in forms)}
+    if span is not None:
+        least = f"{'above' if span.min_open else 'from'} {span.min:.12g}"
+        words[forms[0]] += f" {least}" + ("" if span.max is None else f" to {span.max:.12g}")
+    elif str in words and metavar:
+        words[str] += f" {metavar.strip('[.]')}"
+    *others, last = words.values()
+    return f"{', '.join(others)}, or {last}" if others else last
+
+
+def _forms(hint: Any) -> list[Any]:
+    bare = getattr(hint, "__origin__", hint) if hasattr(hint, "__metadata__") else hint
+    return list(get_args(bare)) if get_origin(bare) in (Union, UnionType) else [bare]
+
+
+def _is_of(value: Any, form: Any) -> bool:
+    kind = get_origin(form) or form
+    if kind is Callable:
+        return callable(value)
+    if kind is Sequence:  # whatever can be read once
+        inner = _forms(get_args(form)[0])
+        listed = value if isinstance(value, list | tuple) else ()
+        return (
+            isinstance(value, Iterable)
+            and not isinstance(value, str)
+            and all(any(_is_of(one, each) for each in inner) for one in listed)
+        )
+    if kind is Path:
+        return isinstance(value, str | PathLike)
+    if kind in (int, float):
+        return isinstance(value, int | kind) and not isinstance(value, bool)
+    return isinstance(value, kind)
+
+
+def _within(value: float, span: Any) -> bool:
+    least = value > span.min if span.min_open else value >= span.min
+    return least and (span.max is None or value <= span.max)
+
+
+def _words(form: Any) -> str:
+    kind = get_origin(form) or form
+    if kind is Sequence:
+        return f"a sequence of {_words(_forms(get_args(form)[0])[0]).removeprefix('a ')}s"
+    return "a function" if kind is Callable else _KINDS.get(kind, f"a {kind.__name__}")
 
 
 def number(given: float, name: str, least: float, most: float) -> float:
@@ -112,6 +212,7 @@ class Figure:
     title: str
     svg: str
 
+    @described
     def save(self, path: Path | str) -> Path:
         """Write the picture; the end of the name decides the format.
 

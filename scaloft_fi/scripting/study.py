@@ -40,7 +40,17 @@ from scaloft_fi.verbs.check import checked
 from scaloft_fi.verbs.export.dossier import FORMATS, dossier, flight_columns
 from scaloft_fi.verbs.judge import JudgedFiles, RecordedIn, RecordMapping, judge
 from scaloft_fi.verbs.margin import MarginMutants, MarginSeeds, Tolerance
-from scaloft_fi.verbs.options import AsOf, BaselineFrom, Jobs, Operability, SamePlatform, Situations, Today, several
+from scaloft_fi.verbs.options import (
+    AsOf,
+    BaselineFrom,
+    FlightSeed,
+    Jobs,
+    Operability,
+    SamePlatform,
+    Situations,
+    Today,
+    several,
+)
 from scaloft_fi.verbs.replay import comparison, fly_with_log, ready_to_fly
 from scaloft_fi.verbs.report.analyses import gather
 from scaloft_fi.verbs.report.page import page
@@ -177,6 +187,7 @@ class CampaignScore:
         """What a reader must know beside the score, in sentences; often nothing."""
         return self._scored.warnings
 
+    @described
     def record(self, by: str | None = None) -> dict[str, Any]:
         """The score as plain JSON values: what `scaloft-fi score --format json` prints.
 
@@ -189,6 +200,7 @@ class CampaignScore:
         """
         return SCORE.record(replace(self._scored, by=_by(by)))
 
+    @described
     def text(self, *, by: str | None = None, everything: bool = False) -> str:
         """What `scaloft-fi score` prints.
 
@@ -257,7 +269,6 @@ def of_campaign(verb: Callable[Concatenate[Study, str, P], R]) -> Callable[Conca
 
 REPORT_NAME = "report.html"
 MOST_JOBS = 1024
-MOST_SEED = 2**31 - 1
 LEAST_TOLERANCE = 1e-9
 
 
@@ -399,7 +410,7 @@ class OpenCampaign:
             options = RunOptions(
                 executor=_executor(executor, jobs, cluster_security),
                 share=CAN_FORK and share,
-                max_invalid=number(max_invalid, "max_invalid", 0.0, 1.0),
+                max_invalid=max_invalid,
                 same_platform=same_platform,
             )
             shown = progress_of(progress)
@@ -407,13 +418,13 @@ class OpenCampaign:
             flown = fly(planned_run(study, request), campaign_folder(study, self.name), options, progress=shown)
             return CampaignScore(scored_run(flown, self.name))
 
-    def replay(self, mutant: str, situation: str, seed: int = 0, *, same_platform: bool = False) -> FlownFlight:
+    @described
+    def replay(self, mutant: str, situation: str, seed: FlightSeed = 0, *, same_platform: bool = False) -> FlownFlight:
         """Fly one flight again, in this process; its `comparison` says how it compares with that of the campaign.
 
         Args:
             mutant: `baseline`, `PLACEBO`, or name or id of a mutant.
             situation: key or alias of a situation.
-            seed: seed of the noise.
             same_platform: whether only an equal digest will do, also beside a flight of another platform.
 
         Raises:
@@ -481,11 +492,7 @@ class OpenCampaign:
             InputError: an argument is not allowed, a mutant was not flown, or the study cannot be flown.
         """
         with in_python():
-            size = proposing.Size(
-                int(number(seeds, "seeds", 1, proposing.KEPT)),
-                int(number(most, "most", 1, proposing.MOST_SITUATIONS)),
-            )
-            asked, how = several(mutants, "mutants"), progress_of(progress)
+            asked, how, size = several(mutants, "mutants"), progress_of(progress), proposing.Size(seeds, most)
             return proposing.proposed(self._study, self.name, asked, size, _jobs(jobs), how, started_clean).answer
 
     @described
@@ -518,7 +525,7 @@ class OpenCampaign:
             search = seeking.Search(
                 into or grid,
                 options,
-                int(number(seed, "seed", 0, MOST_SEED)),
+                seed,
                 allowance,
                 progress_of(progress),
                 anyhow,
@@ -573,26 +580,6 @@ def _executor(name: str, jobs: int | None, cluster_security: Path | str | None) 
 MUTANT_FACTS = dict.fromkeys(("guideword", "parameter", "magnitude", "seam", "operator"), TEXT)
 SIGNAL_FACTS = {"unit": TEXT, "least": NUMBER, "most": NUMBER, "meaning": TEXT}
 REQUIREMENT_FACTS = {"requirement": "name", "kind": "kind", "formula": "text", "unit": "unit", "title": "title"}
-
-
-def open_study(study: Path | str | None = None, grid: str | None = None) -> OpenStudy:
-    """Open a study.
-
-    Args:
-        study: folder with `hazop/`, `mutants/` and `sim/`; by default the nearest one upwards from the current folder,
-            else the packaged study.
-        grid: name of one of its grids; by default its own grid, or that of a campaign.
-
-    Raises:
-        InputError: the folder is no study, or has no such grid.
-
-    >>> import scaloft_fi
-    >>> study = scaloft_fi.open()
-    >>> study.requirements["requirement"].tolist()
-    ['SR1', 'SR2', 'SR2-literal', 'OP1']
-    """
-    with in_python():
-        return OpenStudy(Study.open(study, grid).folder, grid)
 
 
 @dataclass(frozen=True)
@@ -667,6 +654,7 @@ class OpenStudy:
         stores = (self.definition.results_folder / "campaigns").glob(f"*/{STORE_NAME}")
         return tuple(sorted(store.parent.name for store in stores))
 
+    @described
     def campaign(self, name: str | None = None) -> OpenCampaign:
         """A campaign, which need not exist yet.
 
@@ -682,7 +670,8 @@ class OpenStudy:
             study_of(self.folder, chosen, self.grid)
             return OpenCampaign(self.folder, chosen, self.grid)
 
-    def fly(self, mutant: str, situation: str, seed: int = 0) -> FlownFlight:
+    @described
+    def fly(self, mutant: str, situation: str, seed: FlightSeed = 0) -> FlownFlight:
         """Fly one flight, in this process; nothing is stored.
 
         In a test that `scaloft-fi suite` runs, a flight of the baseline is one of the fault that is put to the test.
@@ -690,7 +679,6 @@ class OpenStudy:
         Args:
             mutant: `baseline`, `PLACEBO`, or name or id of a mutant.
             situation: key or alias of a situation.
-            seed: seed of the noise.
 
         Raises:
             InputError: there is no such mutant or situation, or the study cannot be flown.
@@ -702,6 +690,7 @@ class OpenStudy:
                 tell(flown.log.counts)
             return FlownFlight(flown)
 
+    @described
     def map(self, situation: str | None = None) -> Figure:
         """Mine, bodies, route and happenings of a situation, without flying it.
 
@@ -755,6 +744,7 @@ class OpenStudy:
         with in_python():
             return judge(self.definition, files, record=record, situation=situation)
 
+    @described
     def check(self, *, fly: bool = False) -> Columns:
         """Check the whole study; one row for each finding, errors first, with its place and remedy.
 
@@ -773,3 +763,24 @@ class OpenStudy:
             ("campaigns", ", ".join(self.campaigns) or "none"),
         )
         return html((Table(f"Study {self.folder}", ("what", ""), tuple(rows)),))
+
+
+@described
+def open_study(study: Path | str | None = None, grid: str | None = None) -> OpenStudy:
+    """Open a study.
+
+    Args:
+        study: folder with `hazop/`, `mutants/` and `sim/`; by default the nearest one upwards from the current folder,
+            else the packaged study.
+        grid: name of one of its grids; by default its own grid, or that of a campaign.
+
+    Raises:
+        InputError: the folder is no study, or has no such grid.
+
+    >>> import scaloft_fi
+    >>> study = scaloft_fi.open()
+    >>> study.requirements["requirement"].tolist()
+    ['SR1', 'SR2', 'SR2-literal', 'OP1']
+    """
+    with in_python():
+        return OpenStudy(Study.open(study, grid).folder, grid)

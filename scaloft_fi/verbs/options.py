@@ -214,6 +214,7 @@ GridOption = partial(Option, metavar="NAME", complete=names.grids)
 CampaignOption = partial(Option, metavar="NAME", complete=names.campaigns)
 SeedsOption = partial(Option, type=str, metavar="N|A-B")
 SeedOption = partial(Option, metavar="S", type=click.IntRange(min=0), default=0)
+FlightSeed = Annotated[int, SeedOption("Seed of the noise.")]
 _Ratio = partial(Option, metavar="RATIO", type=click.FloatRange(0.0, 1.0))
 _Day = partial(Option, metavar="YYYY-MM-DD", type=str, check=_day)
 StudyFolder = Annotated[

@@ -378,7 +378,10 @@ SearchBudget = Annotated[
         metavar="TIME|FLIGHTS",
     ),
 ]
-SearchSeed = Annotated[int, SeedOption("Seed of the search: the same seed and mutants make the same finds.")]
+SearchSeed = Annotated[
+    int,
+    SeedOption("Seed of the search: the same seed and mutants make the same finds.", type=click.IntRange(0, 2**31 - 1)),
+]
 Replicate = Annotated[
     bool,
     Option(

@@ -4,23 +4,29 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 import signal
 import subprocess
 import sys
+from collections.abc import Callable, Sequence
+from inspect import signature
 from pathlib import Path
+from typing import Annotated, Any, cast
 
+import click
+import numpy as np
 import pytest
 from options import cases
 from paper_flyer import Paper
 from printed import STUDY, invoked
 
 import scaloft_fi
-from scaloft_fi.campaign.plan import parse_seeds
+from scaloft_fi.campaign.plan import Seeds, parse_seeds
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.hazop.load import named_study
-from scaloft_fi.scripting.flight import in_python, number, python_words
-from scaloft_fi.scripting.study import OpenCampaign
-from scaloft_fi.verbs.options import several
+from scaloft_fi.scripting.flight import Figure, argument, in_python, number, python_words
+from scaloft_fi.scripting.study import CampaignScore, OpenCampaign
+from scaloft_fi.verbs.options import Option, several
 
 
 @pytest.fixture
@@ -118,6 +124,57 @@ def test_bad_arguments_are_one_sentence_that_names_them_and_nothing_is_written(
         campaign.run(**arguments)  # type: ignore[arg-type]
     assert "--" not in str(refused.value)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("baseline", "T0O0W0D0H0", -1), "seed=-1 must be a whole number from 0"),
+        (("baseline", "T0O0W0D0H0", 1.5), "seed=1.5 must be a whole number from 0"),
+        (("baseline", "T0O0W0D0H0", True), "seed=True must be a whole number from 0"),
+        (("baseline", ["T0O0W0D0H0"]), "situation=['T0O0W0D0H0'] must be a text"),
+        ((3, "T0O0W0D0H0"), "mutant=3 must be a text"),
+    ],
+)
+def test_a_flight_with_arguments_of_other_types_is_refused_by_study_and_campaign(
+    study: scaloft_fi.OpenStudy, campaign: scaloft_fi.OpenCampaign, arguments: tuple[Any, ...], said: str
+):
+    for fly in (study.fly, campaign.replay):
+        with pytest.raises(scaloft_fi.InputError, match=f"^{re.escape(said)}$"):
+            fly(*arguments)
+
+
+def test_every_method_of_a_script_holds_each_argument_against_its_type(campaign: scaloft_fi.OpenCampaign):
+    study, score = scaloft_fi.open(STUDY), CampaignScore(cast(Any, None))
+    methods = [
+        getattr(owner, name)
+        for owner in (study, campaign, score, Figure("", ""))
+        for name, kept in vars(type(owner)).items()
+        if callable(kept) and not name.startswith("_") and signature(getattr(owner, name)).parameters
+    ]
+    assert len(methods) > 20
+    for method in (scaloft_fi.open, *methods):
+        odd = {name: object() for name in signature(method).parameters}
+        first = next(iter(odd))
+        with pytest.raises(scaloft_fi.InputError, match=rf"^{first}=<object object at \w+> must be "):
+            method(**odd)
+
+
+@pytest.mark.parametrize(
+    ("value", "hint"),
+    [
+        (np.int64(3), int),
+        (3, float),
+        (np.array(["a", "b"]), str | Sequence[str]),
+        (Path("a"), str | Path),
+        ("a", Path),
+        (None, Annotated[int | None, Option(type=click.IntRange(min=1))]),
+        (range(3), Seeds),
+        (print, bool | Callable[[int, int], object]),
+    ],
+)
+def test_what_is_of_the_declared_type_is_taken(value: Any, hint: Any):
+    assert argument("it", value, hint) is value or argument("it", value, hint) == 3
 
 
 def test_an_unknown_format_or_grouping_names_the_nearest(campaign: scaloft_fi.OpenCampaign):
