@@ -393,10 +393,6 @@ class KnownSignals:
         return Formula.parse if self.caps is None else bounds.within_caps(Formula.parse, self.caps)
 
 
-KEYS = ("definitions", "requirements")
-"""The keys of `sim/requirements.yaml`."""
-
-
 def kinds_in(path: Path) -> Mapping[str, str]:
     """The kind of each requirement by name, as it stands in the file; empty for a file that cannot be read so far."""
     try:
@@ -414,7 +410,7 @@ def check_requirements(path: Path, known: KnownSignals, findings: Findings) -> i
         known: the signals.
         findings: takes the findings.
     """
-    read: list[bounds.Requirement] = []
+    made: list[bounds.Requirement] = []
     entries: Mapping[str, Item] = {}
     with findings.collecting():
         document = load(path)
@@ -430,13 +426,10 @@ def check_requirements(path: Path, known: KnownSignals, findings: Findings) -> i
         entries = document.need("requirements").mapping(most=bounds.MOST)
         for item in entries.values():
             with findings.collecting():
-                read.append(bounds.read_requirement(item, texts, set(ranges), known.check))
-                _check_bounds(read[-1], item, ranges, findings)
-        for key, item in document.mapping().items():
-            if key not in KEYS:
-                hint = did_you_mean(key, KEYS)
-                raise InputError(f"{item.place}: unknown key {key!r} in {document.name}{hint}")
-        if len(read) == len(entries) and not any(one.kind is bounds.Kind.SAFETY for one in read):
+                made.append(bounds.read_requirement(item, texts, set(ranges), known.check))
+                _check_bounds(made[-1], item, ranges, findings)
+        read(bounds.RequirementsModel, document)
+        if len(made) == len(entries) and not any(one.kind is bounds.Kind.SAFETY for one in made):
             what = "no requirement is of kind safety, so no mutant can be detected"
             findings.wrong(document.need("requirements").place, what, "give one of them `kind: safety`")
     return len(entries)

@@ -24,7 +24,7 @@ from scaloft_fi.document import Item, load
 from scaloft_fi.errors import Faults, InputError
 from scaloft_fi.judge import stl
 from scaloft_fi.judge.stl import parse, tokenize
-from scaloft_fi.marks import Called, Choices, Examples, Given, Key, Reads, Size
+from scaloft_fi.marks import Called, Choices, Examples, Given, Key, Pattern, Reads, Size
 from scaloft_fi.model import Schema, read, schema
 from scaloft_fi.sim.log import CLEARANCE_CAP_M, FAR_M, SIGNALS, truth_signals
 from scaloft_fi.sim.world import ROLES, World
@@ -216,7 +216,11 @@ class RequirementsModel:
         definitions: formulas by name over the present and the past, which the requirements and later definitions use.
     """
 
-    requirements: Annotated[Mapping[str, Annotated[Item, Reads(lambda item: item, _requirement_schema)]], Size(0, MOST)]
+    requirements: Annotated[
+        Mapping[str, Annotated[Item, Reads(lambda item: item, _requirement_schema)]],
+        Size(0, MOST),
+        Pattern(r"[\w.-]{1,100}", "letters, digits, -, _ and ."),
+    ]
     definitions: Annotated[
         Mapping[str, Annotated[Item, Reads(lambda item: item, lambda _: _DEFINITION)]], Size(0, MOST)
     ] = field(default_factory=dict)

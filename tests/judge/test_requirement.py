@@ -187,6 +187,7 @@ GOOD = "requirements:\n  R:\n    kind: safety\n    formula: always(clearance_m >
         (GOOD.replace("safety", "reported"), ":1: requirements must have at least one of kind safety"),
         (GOOD.replace("    formula: always(clearance_m > 0)\n", ""), "lacks the key 'formula'"),
         ("requirements: [\n", "not valid YAML"),
+        (GOOD.replace("  R:", "  SR 2;x:"), ":2: name 'SR 2;x' must be letters, digits, -, _ and ."),
         (GOOD + "    unit: cm\n", ":5: unit='cm' must be m, the unit of clearance_m"),
     ],
 )
