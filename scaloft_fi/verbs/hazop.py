@@ -483,9 +483,7 @@ def hazop(
             "Parameter, of the study or a new one, that a text of the sheet means (repeatable).", metavar="TEXT=NAME"
         ),
     ] = (),
-    write: Annotated[
-        bool, Option("Write: drafts into new files of the study, edits into the files where they stand.")
-    ] = False,
+    write: Annotated[bool, Option("Write into the study: drafts where it lacks them, edits where they stand.")] = False,
 ) -> Answer:
     """Bring a HAZOP or STPA sheet (.xlsx, .csv) into the study, or show what people edited in a worksheet.
 
