@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
-from traceback import walk_tb
+from traceback import walk_stack, walk_tb
 from typing import Generic, TypeVar
 
 from scaloft_fi.errors import DeclaredError, InputError, did_you_mean
@@ -32,10 +32,13 @@ class Registry(Mapping[str, T], Generic[T]):
     Args:
         noun: what an entry is.
         listed: the command that lists the entries, where there is one.
+
+    Attributes:
+        declared_in: by name the module whose import declares an entry, through whatever function.
     """
 
     def __init__(self, noun: str, listed: str = "") -> None:
-        self.noun, self._listed = noun, listed
+        self.noun, self._listed, self.declared_in = noun, listed, dict[str, str]()
         self._entries: dict[str, T] = {}
         self._promised: dict[str, str] = {}
 
@@ -47,6 +50,8 @@ class Registry(Mapping[str, T], Generic[T]):
         """
         self._refuse_taken(name)
         self._entries[name] = entry
+        modules = (frame.f_globals["__name__"] for frame, _ in walk_stack(None) if frame.f_code.co_name == "<module>")
+        self.declared_in[name] = next(modules, "")
 
     def promise(self, name: str, place: str) -> None:
         """Add the entry that stands at `place`, `module:attribute`, without importing it before it is asked for.

@@ -26,13 +26,14 @@ from scaloft_fi.mutants.catalogue import check_catalogue, realise, with_events
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import write_own
-from scaloft_fi.registry import grouped, load_plugins
+from scaloft_fi.registry import Registry, grouped, load_plugins, plugins
 from scaloft_fi.setup import Setup
 from scaloft_fi.sim import grid as grids
 from scaloft_fi.sim.events import events_in
 from scaloft_fi.sim.happenings import HAPPENINGS
 from scaloft_fi.sim.log import SIGNALS
 from scaloft_fi.sim.situation import Situation
+from scaloft_fi.sim.stacks import STACKS
 from scaloft_fi.sim.world import ROLES
 from scaloft_fi.sources import closure, digest_of
 
@@ -436,15 +437,15 @@ class Study(Setup):
         These modules and all that they import can change every outcome; a plugin that the study does not use cannot.
         """
         declared = sys.modules.get("scaloft_fi.sim.sensors.sensor")  # a plugin that declares a sensor has imported it
-        kinds = declared.SENSORS if declared else {}
+        kinds = declared.SENSORS if declared else Registry[Any]("sensor")
         sensors = self.grid.documents["sensors"].mapping()
-        makers = [
-            self.stack.make,
-            *(kinds[name].make for name in sensors if name in kinds),
-            *(SIGNALS[name].make for name in self.grid.recorded.signals),
-            *(HAPPENINGS[name].effect for name in self._kinds_of_happenings if name in HAPPENINGS),
+        modules = [
+            _module_of(STACKS, load(self.folder / "sim" / "stack.yaml").need("name").text(), self.stack.make),
+            *(_module_of(kinds, name, kinds[name].make) for name in sensors if name in kinds),
+            *(_module_of(SIGNALS, name, SIGNALS[name].make) for name in self.grid.recorded.signals),
+            *(_module_of(HAPPENINGS, name, HAPPENINGS[name].effect) for name in self._happenings if name in HAPPENINGS),
         ]
-        return *FLYING, *(COMMANDED if self.command else ()), *dict.fromkeys(make.__module__ for make in makers)
+        return *FLYING, *(COMMANDED if self.command else ()), *dict.fromkeys(modules)
 
     @property
     def operator_modules(self) -> Mapping[str, str]:
@@ -453,10 +454,10 @@ class Study(Setup):
         It and all that it imports can change an outcome of those mutants, and of no baseline.
         """
         used = {PLACEBO.operator, *(fault.operator for cell in self.matrix for fault in cell.faults)}
-        return {name: OPERATORS[name].make.__module__ for name in sorted(used) if name in OPERATORS}
+        return {name: _module_of(OPERATORS, name, OPERATORS[name].make) for name in sorted(used) if name in OPERATORS}
 
     @property
-    def _kinds_of_happenings(self) -> list[str]:
+    def _happenings(self) -> list[str]:
         """The kinds of all happenings in the study, active or not."""
         declared = self.grid.documents["world"].plain().get("happenings") or {}
         return sorted({str(entry.get("kind")) for entry in declared.values() if isinstance(entry, dict)})
@@ -513,6 +514,16 @@ class SituationKeys(Collection[str]):
         _, *further = grids.grid_names(self.study.folder / "sim")
         names = [None, *further]
         yield from (replace(self.study, grid_name=name) for name in names if name != self.study.grid_name)
+
+
+def _module_of(registry: Registry[Any], name: str, make: Any) -> str:
+    """The module whose code decides what an entry makes: a plugin's that declares it, else that of what makes it.
+
+    What a plugin declares may be made by a function of a library, which the plugin imports.
+    """
+    declares = registry.declared_in.get(name, "")
+    theirs = {plugin.module.partition(".")[0] for plugin in plugins()}
+    return declares if declares.partition(".")[0] in theirs else str(make.__module__)
 
 
 def _files(folder: Path) -> Iterator[Path]:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import re
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -53,6 +54,16 @@ def test_a_promise_outlives_a_failed_import(site: Path):
         entries["late"]
     (site / "late_entry.py").write_text("FOUND = 7\n")
     assert entries["late"] == 7
+
+
+def test_the_module_whose_import_declares_an_entry_is_known_whatever_function_declares_it(site: Path):
+    (site / "colour_library.py").write_text("def paint(colours, name):\n    colours.declare(name, 1)\n")
+    (site / "colour_plugin.py").write_text(
+        "from colour_library import paint\nfrom colours import COLOURS\npaint(COLOURS, 'red')\n"
+    )
+    (site / "colours.py").write_text("from scaloft_fi.registry import Registry\nCOLOURS = Registry('colour')\n")
+    import_module("colour_plugin")
+    assert sys.modules["colours"].COLOURS.declared_in == {"red": "colour_plugin"}
 
 
 @cases("code", "reason")

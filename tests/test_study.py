@@ -7,7 +7,9 @@ import subprocess
 import sys
 from dataclasses import replace
 from datetime import date
+from functools import partial
 from importlib import import_module
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
@@ -20,6 +22,7 @@ from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.mutants.operators import OPERATORS
+from scaloft_fi.registry import PLUGIN_GROUP
 from scaloft_fi.sim.happenings import HAPPENINGS, Effect, HappeningKind, Surroundings
 from scaloft_fi.sim.world import ROLES
 from scaloft_fi.sources import closure
@@ -155,6 +158,20 @@ def test_an_edit_of_the_library_or_of_a_data_file_of_a_plugin_changes_the_hash_o
         found.append(Study(copy).inputs)
     assert len({inputs["operator wander"] for inputs in found}) == len(found)
     assert len({inputs["code"] for inputs in found}) == 1
+
+
+def test_a_plugin_enters_the_hash_of_what_it_declares_by_a_function_of_a_library(
+    copy: Path, plugin: Path, monkeypatch: pytest.MonkeyPatch
+):
+    edit_in(copy / "hazop" / "matrix" / "human.yaml", "operator: drop", "operator: wander")
+    monkeypatch.setattr("scaloft_fi.study.plugins", lambda: (EntryPoint("mine", "mine_faults.wander", PLUGIN_GROUP),))
+    monkeypatch.setitem(
+        OPERATORS._entries, "wander", replace(OPERATORS["wander"], make=partial(OPERATORS["drop"].make))
+    )
+    monkeypatch.setitem(OPERATORS.declared_in, "wander", "mine_faults.wander")
+    before = Study(copy).inputs
+    (plugin / "rates.py").write_text("RATE = 0.2\n")
+    assert Study(copy).inputs["operator wander"] != before["operator wander"]
 
 
 def test_an_edit_of_a_kind_of_happening_changes_the_hash_of_the_code_where_the_world_has_it(
