@@ -27,7 +27,7 @@ import signal
 import stat
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, redirect_stdout, suppress
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from enum import StrEnum
 from pathlib import Path
@@ -443,39 +443,6 @@ def stand() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-
-
-@contextmanager
-def answers_apart() -> Iterator[None]:
-    """In this context what is printed goes to standard error, from C too: standard output gets answers alone.
-
-    For code of others that runs in this process; `tell` and `say` stay outside.
-    """
-    _flush_all()
-    try:
-        os.fstat(2)
-        kept = os.dup(1)
-    except OSError:  # one of them is closed: there is nothing to keep apart
-        yield
-        return
-    os.dup2(2, 1)
-    try:
-        with redirect_stdout(sys.stderr):
-            yield
-    finally:
-        _flush_all()
-        os.dup2(kept, 1)
-        os.close(kept)
-
-
-def _flush_all() -> None:
-    """Write what Python and C hold back for standard output."""
-    with suppress(OSError, ValueError, AttributeError):  # as in `_stream`
-        sys.stdout.flush()
-    if os.name == "posix":
-        import ctypes  # takes long to import, and who flies has it
-
-        ctypes.CDLL(None).fflush(None)
 
 
 def tell(content: str | bytes) -> None:

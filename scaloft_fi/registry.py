@@ -11,8 +11,8 @@ from importlib.metadata import EntryPoint, entry_points
 from traceback import walk_stack, walk_tb
 from typing import Generic, TypeVar
 
+from scaloft_fi.aside import answers_apart
 from scaloft_fi.errors import DeclaredError, InputError, did_you_mean
-from scaloft_fi.output import answers_apart
 
 T = TypeVar("T")
 Key = TypeVar("Key")

@@ -138,42 +138,6 @@ def test_the_standard_output_is_continued_wherever_it_goes(tmp_path: Path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-APART = """
-import ctypes, os, subprocess, sys
-from contextlib import suppress
-from scaloft_fi.output import answers_apart
-
-c = ctypes.CDLL(None)
-print("before")
-c.puts(b"before in C")
-with suppress(KeyError), answers_apart():
-    print("printed")
-    c.puts(b"printed in C")
-    subprocess.run([sys.executable, "-c", "print('printed by a child')"], check=True)
-    raise KeyError
-print("after")
-os.write(1, b"beside Python\\n")
-"""
-
-
-def test_what_is_printed_where_answers_are_apart_goes_to_the_standard_error_from_c_too():
-    done = _run(APART)
-    assert sorted(done.stdout.splitlines()) == ["after", "before", "before in C", "beside Python"]
-    assert sorted(done.stderr.splitlines()) == ["printed", "printed by a child", "printed in C"]
-
-
-@pytest.mark.parametrize("closed", [1, 2])
-def test_answers_stand_apart_where_a_standard_stream_is_closed(closed: int):
-    imports, _, _ = APART.partition("c =")
-    done = _run(f"{imports}os.close({closed})\nwith answers_apart():\n    os.write({3 - closed}, b'on')")
-    assert (done.stdout, done.stderr)[2 - closed] == "on"
-
-
-def _run(program: str) -> subprocess.CompletedProcess[str]:
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    return subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True)
-
-
 @pytest.mark.parametrize("name", ["x" * 300, "no\0name", "no/folder/out", "."])
 def test_an_impossible_name_is_an_error_of_the_file_system(tmp_path: Path, name: str):
     with pytest.raises((OSError, ValueError)):

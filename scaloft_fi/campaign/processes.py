@@ -24,7 +24,7 @@ from multiprocessing import parent_process
 from multiprocessing.connection import Connection, wait
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from scaloft_fi.output import answers_apart
+from scaloft_fi.aside import answers_apart
 
 LINUX = sys.platform.startswith("linux")
 _PR_SET_PDEATHSIG = 1

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from scaloft_fi.aside import answers_apart
 from scaloft_fi.errors import InputError, ScaloftError
-from scaloft_fi.output import answers_apart
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.sim.stacks import claims_of
 from scaloft_fi.stack.declaration import TICK_HZ, Declaration, Instant, PlainWire, Seam, Stack, Wire

@@ -16,13 +16,13 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any, Protocol
 
+from scaloft_fi.aside import answers_apart
 from scaloft_fi.campaign.processes import ATTEMPTS, LINUX, PATIENCE_S, cause_of_death, die_with
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome, Subject, outcome_of
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
 from scaloft_fi.mutants.operator import Facts, TapError
 from scaloft_fi.mutants.wire import SeamCount, TappedWire, WatchingWire, contexts, wire_for
-from scaloft_fi.output import answers_apart
 from scaloft_fi.registry import in_one_line, plugin_behind
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from multiprocessing import current_process, get_context
 from multiprocessing.process import BaseProcess
 from threading import Timer
 
+from scaloft_fi.aside import answers_apart
 from scaloft_fi.campaign.flights.fly import (
     Batch,
     Flight,
@@ -29,7 +30,6 @@ from scaloft_fi.campaign.flights.fly import (
 from scaloft_fi.campaign.processes import LINUX, PATIENCE_S, ProcessPool, cores, die_with
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.output import answers_apart
 from scaloft_fi.sim.log import FlightLog
 from scaloft_fi.stack.declaration import TICK_HZ, TICK_S, Declaration, PlainWire, Task
 from scaloft_fi.study import Study
