@@ -77,11 +77,11 @@ _WINDOWED = (*EXTREMES, MEAN, "since", "until")
 _OF_TWO_TIMES = f"must be of two times in seconds, after {', '.join(_WINDOWED)}, as historically[0:2]( ... )"
 _TOKEN = re.compile(
     r"\s*(?:(?P<name>[A-Za-z_]\w*)|"
-    r"(?P<number>(?:[0-9]+\.?[0-9]*(?:[eE][-+]?[0-9]+)?|\.[0-9]+)(?:\s*[munp]?s(?=\s*[:,\]]))?)|"
+    r"(?P<number>(?:[0-9]+\.?[0-9]*(?:[eE][-+]?[0-9]+)?|\.[0-9]+)(?:\s*[A-Za-z]+(?=\s*[:,\]]))?)|"
     r"(?P<mark>->|<=|>=|!==|!=|==|&&|\|\||[-+*/()<>\[\]:,&|!]))"
 )
 _UNITS_S = {"s": Fraction(1), "ms": Fraction(1, 1_000), "us": Fraction(1, 10**6), "ns": Fraction(1, 10**9)}
-_TIME = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)\s*([mun]?s)?")
+_TIME = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)([A-Za-z]+)?")
 """A time of an interval, with its unit; without one it is in seconds, as in RTAMT."""
 _FUTURE = "refers to the future; use historically, once or since"
 FOREIGN: Mapping[str, str] = {
@@ -387,6 +387,9 @@ class _Reader:
         if between not in (":", ",") or closing != "]" or None in times:
             raise FormulaError(f"has an interval {self.place} that {_OF_TWO_TIMES}")
         told = [(Fraction(time[1]), time[2]) for time in times if time]
+        if unknown := [unit for _, unit in told if unit and unit not in _UNITS_S]:
+            allowed = f"a time has {', '.join(_UNITS_S)}, or none, which is s"
+            raise FormulaError(f"has an interval {self.place} with the unit {unknown[0]!r}; {allowed}")
         if len({unit for time, unit in told if time}) > 1 and not all(unit for time, unit in told if time):
             raise FormulaError(f"has an interval {self.place} with one unit; give the unit of both times, or of none")
         self._at += 5
