@@ -10,7 +10,6 @@ import ast
 import hashlib
 import json
 import os
-import re
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
@@ -192,8 +191,8 @@ def _version(top: str, folder: Path) -> str:
     """Name and version of what an index has installed as `top` in a folder; "" where nothing from an index is."""
     if folder.name not in ("site-packages", "dist-packages"):
         return ""
-    owns = re.compile(rf"(?m)^{re.escape(top)}([./]|$)")
-    owners = [one for one, listed in _installed(folder) if owns.search(listed)]
+    lines = [f"\n{top}{end}" for end in "/.\n"]
+    owners = [one for one, listed in _installed(folder) if any(line in listed for line in lines)]
     if any(one.read_text("direct_url.json") and "conda" not in (one.read_text("INSTALLER") or "") for one in owners):
         return ""  # from a folder or a commit, whose version need not tell an edit; conda names its own folders
     return ", ".join(sorted(f"{one.name} {one.version}" for one in owners))
@@ -201,12 +200,15 @@ def _version(top: str, folder: Path) -> str:
 
 @lru_cache(maxsize=4)
 def _installed(folder: Path) -> list[tuple[Distribution, str]]:
-    """What is installed in a folder, each with the list of its files and modules.
+    """What is installed in a folder, each with the lines that name its files and modules.
 
     `packages_distributions` takes a second for it.
     """
-    texts = ("RECORD", "top_level.txt")
-    return [(one, "\n".join(one.read_text(name) or "" for name in texts)) for one in distributions(path=[str(folder)])]
+
+    def listed(one: Distribution) -> str:
+        return "\n".join(("", one.read_text("RECORD") or "", one.read_text("top_level.txt") or "", ""))
+
+    return [(one, listed(one)) for one in distributions(path=[str(folder)])]
 
 
 def _files(top: str, spec: ModuleSpec) -> Iterator[tuple[str, Path]]:
