@@ -17,6 +17,7 @@ from typing import Annotated, Any, Literal, cast, get_args, get_origin, get_type
 
 import numpy as np
 
+from scaloft_fi.aside import foreign
 from scaloft_fi.errors import DeclaredError, InputError, did_you_mean
 from scaloft_fi.hazop.matrix import Value
 from scaloft_fi.registry import Registry, in_one_line
@@ -491,7 +492,7 @@ class Operator:
         """
         try:
             made = self.make(context, **arguments)
-        except Exception as error:
+        except foreign() as error:
             raise self._failed(f"raises when it is built: {in_one_line(error)}") from error
         if not callable(made):
             raise self._failed(f"must return a tap, and returns {made!r}")
@@ -511,7 +512,7 @@ class Operator:
             where = f"at sample {poll % count} of its example" + f", sent again at {t_s:g} s" * (poll >= count)
             try:
                 found.append(tap(t_s, sample))
-            except Exception as error:
+            except foreign() as error:
                 raise self._failed(f"raises {where}: {in_one_line(error)}") from error
             if not isinstance(found[-1], example.message | None):
                 raise self._failed(f"returns {found[-1]!r} {where}, no {example.message.__name__}")

@@ -12,6 +12,7 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar
 
+from scaloft_fi.aside import foreign
 from scaloft_fi.mutants.mutant import EVERY_SEAM, Mutant
 from scaloft_fi.mutants.operator import OPERATORS, Facts, Occurrences, Tap, TapContext, TapError
 from scaloft_fi.stack.declaration import Declaration, PlainWire, Seam, Wire
@@ -46,7 +47,7 @@ class _Tally:
             differs = self.seam.differ(sample, delivered)
             if differs and delivered is not None and not isinstance(delivered, self.seam.message):
                 raise TypeError(f"it delivers {type(delivered).__name__}, not {self.seam.message.__name__} or None")
-        except Exception as error:
+        except foreign() as error:
             sentence = f"tap on {self.seam.name} at {t_s:.3f} s: {type(error).__name__}: {error}"
             raise TapError(sentence, getattr(self.tap, "__module__", "")) from error
         self.carried += sample is not None or delivered is not None

@@ -14,6 +14,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from scaloft_fi.aside import foreign
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.mutants.operator import TapError
 from scaloft_fi.mutants.wire import SeamCount
@@ -291,7 +292,7 @@ class FlightLoop:
         name, due = self._declared.name, len(self._declared.beliefs)
         try:
             values = np.asarray(self.stack.beliefs(now_s), dtype=np.float64)
-        except Exception as error:
+        except foreign() as error:
             raise StackError(f"stack {name!r}: beliefs: {type(error).__name__}: {error}") from error
         if values.shape != (due,):
             raise StackError(f"stack {name!r} declares {due} beliefs, but `beliefs` returns shape {values.shape}")
@@ -401,7 +402,7 @@ class FlightLoop:
             return method(*arguments)
         except HARNESS:
             raise
-        except Exception as error:  # noqa: BLE001 - whatever the stack under test raises
+        except foreign() as error:
             self._companion_alive, self._autopilot_alive = False, self._autopilot_alive and part == "companion"
             text = f"{part} at {now_s:.3f} s: {type(error).__name__}: {' '.join(str(error).split())}"
             self._stack_error = self._stack_error or text

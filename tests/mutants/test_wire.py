@@ -75,6 +75,14 @@ def test_a_failing_tap_is_a_matter_of_the_harness():
     assert failed.value.declared_in == __name__
 
 
+def test_a_tap_that_would_end_the_process_fails_alone():
+    def leave(_t_s: float, _sample: Any) -> Any:
+        raise SystemExit(3)
+
+    with pytest.raises(TapError, match=r"tap on target at 0\.050 s: SystemExit: 3"):
+        tapped({"target": leave}).cross("target", 0.05, Target(0, (0.0, 0.0, 0.0)))
+
+
 def test_randomness_depends_on_mutant_situation_and_seed_only():
     def draws(mutant_id: str, situation: str, seed: int) -> list[float]:
         return list(contexts(mutant_id, situation, seed, Facts())(REFERENCE.by_name["depth"]).rng.random(3))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+
 import numpy as np
 import pytest
 
@@ -87,6 +89,22 @@ def test_a_companion_that_raises_leaves_the_autopilot_flying(flown):
 def test_a_planner_that_gives_no_finite_direction_is_an_error_of_the_companion(flown, monkeypatch, plan):
     monkeypatch.setattr(Planner, "plan", lambda *_: plan)
     assert flown(PlainWire()).stack_error.startswith("companion at 3.700 s: ValueError: the planner returns ")
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit])
+def test_an_interrupt_where_ctrl_c_is_ignored_and_an_exit_are_errors_of_the_stack(flown, monkeypatch, error):
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        log = flown(CutWire("goal", 10.0, error("enough")))
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert log.stack_error == f"companion at 10.000 s: {error.__name__}: enough"
+    assert log.ending is Ending.LANDED
+
+
+def test_ctrl_c_of_a_user_ends_a_flight(flown):
+    with pytest.raises(KeyboardInterrupt):
+        flown(CutWire("goal", 1.0, KeyboardInterrupt()))
 
 
 def test_an_autopilot_that_raises_stops_the_rotors(flown):

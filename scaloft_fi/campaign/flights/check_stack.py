@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from scaloft_fi.aside import answers_apart
+from scaloft_fi.aside import answers_apart, foreign
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.registry import in_one_line
 from scaloft_fi.sim.stacks import claims_of
@@ -220,7 +220,7 @@ class _Inspection:
             return fly(self.setup.sim, self.situation, self.seed, wire, declared)
         except ScaloftError as error:
             self.failures.append(f"{flight} cannot be flown: {error}")
-        except Exception as error:  # noqa: BLE001 - whatever the stack raises is what is asked for
+        except foreign() as error:  # whatever the stack raises is what is asked for
             self.failures.append(f"{flight} cannot be flown: {in_one_line(error)}")
         return None
 

@@ -16,7 +16,7 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any, Protocol
 
-from scaloft_fi.aside import answers_apart
+from scaloft_fi.aside import answers_apart, foreign
 from scaloft_fi.campaign.processes import ATTEMPTS, LINUX, PATIENCE_S, cause_of_death, die_with
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome, Subject, outcome_of
@@ -209,7 +209,7 @@ class Worker:
                 return self.flyer(self.study, flight)
             except InputError:
                 raise
-            except Exception as error:  # noqa: BLE001 - any failure of the harness is reported as invalid, never as a verdict
+            except foreign() as error:  # any failure of the harness is reported as invalid, never as a verdict
                 reason = reason_of(error)
         return invalid(flight, reason)
 
@@ -229,7 +229,7 @@ class Worker:
                 self.flyer.share(self.study, left, note)
             except InputError:
                 raise
-            except Exception as error:  # noqa: BLE001 - as above
+            except foreign() as error:  # as above
                 reason = reason_of(error)
         left = batch.without(known)
         for flight in left.flights if left else ():

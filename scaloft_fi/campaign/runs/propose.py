@@ -17,6 +17,7 @@ import numpy as np
 from scaloft_fi.analysis.detection import Stratum, p_value, reaches
 from scaloft_fi.analysis.proposal import Array, Candidates, Choice, choose
 from scaloft_fi.analysis.roster import Ratio
+from scaloft_fi.aside import foreign
 from scaloft_fi.campaign.flights.fly import Flight, fly_log, reason_of
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.processes import PATIENCE_S, ProcessPool, Start, forked
@@ -259,7 +260,7 @@ def _apart(study: Study, candidates: Candidates, task: Task, report: Callable[[T
 def _told(study: Study, candidates: Candidates, task: Task) -> Told:
     try:
         log = fly_log(study, task.flight)
-    except Exception as error:  # noqa: BLE001 - a failure of the harness is told, whatever it is
+    except foreign() as error:  # a failure of the harness is told, whatever it is
         return Told(task.flight, invalid=reason_of(error))
     if task.requirements:
         return Told(task.flight, violated=tuple(judge(one, log).violated for one in task.requirements))
