@@ -68,7 +68,8 @@ def python_words(sentence: str, names: Mapping[str, str] = NAMES) -> str:
 def described(method: F, without: int = 0) -> F:
     """The method with the texts of its options in its docstring under `Args:`, and plain types in its signature.
 
-    When it is called, each argument is held against its declared type, and against the range of its option.
+    When it is called, each argument is held against its declared type, and against the range of its option; errors name
+    arguments of Python.
 
     Args:
         method: what a script calls.
@@ -90,6 +91,7 @@ def described(method: F, without: int = 0) -> F:
     own = "" if "\nArgs:\n" in told else "\n\nArgs:"
     shape = signature(method).replace(parameters=plain)
 
+    @in_python()
     @wraps(method)
     def call(*args: Any, **named: Any) -> Any:
         try:

@@ -211,8 +211,7 @@ class CampaignScore:
         Raises:
             InputError: there is no such grouping.
         """
-        with in_python():
-            return replace(self._scored, by=_by(by)).text(Format.TABLE, everything=everything)
+        return replace(self._scored, by=_by(by)).text(Format.TABLE, everything=everything)
 
     def __str__(self) -> str:
         return self.text()
@@ -260,8 +259,7 @@ def of_campaign(verb: Callable[Concatenate[Study, str, P], R]) -> Callable[Conca
     """The function of a verb as a method of a campaign, whose study and name it gets; errors name its arguments."""
 
     def method(self: OpenCampaign, /, *args: P.args, **named: P.kwargs) -> R:
-        with in_python():
-            return verb(self._study, self.name, *args, **named)
+        return verb(self._study, self.name, *args, **named)
 
     update_wrapper(method, verb)
     return described(method, without=2)
@@ -301,8 +299,7 @@ class OpenCampaign:
         Raises:
             InputError: there is no campaign, or it holds no flight that counts.
         """
-        with in_python():
-            return CampaignScore(scored_campaign(self._study, self.name, baseline_from, today))
+        return CampaignScore(scored_campaign(self._study, self.name, baseline_from, today))
 
     def flights(self) -> Columns:
         """The flights that count, one row each, with the columns of `scaloft-fi export`.
@@ -329,9 +326,8 @@ class OpenCampaign:
         Raises:
             InputError: there is no such format or campaign, or the campaign holds no flight that counts.
         """
-        with in_python():
-            chosen = FORMATS[format]
-            return chosen.content(dossier(self._study, self.name, today))
+        chosen = FORMATS[format]
+        return chosen.content(dossier(self._study, self.name, today))
 
     @described
     def report(self, path: Path | str | None = None, *, today: AsOf = None) -> Path:
@@ -343,13 +339,12 @@ class OpenCampaign:
         Raises:
             InputError: there is no campaign, it holds no flight that counts, or the file cannot be written.
         """
-        with in_python():
-            if path is None and is_archive(self.folder):
-                raise InputError(f"{self.folder}: an archive is a record, into which no report is written: give path")
-            content = page(gather(self._study, self.name, today)).encode()
-            file = self.folder / REPORT_NAME if path is None else Path(path)
-            write_named(file, content, "path")
-            return file
+        if path is None and is_archive(self.folder):
+            raise InputError(f"{self.folder}: an archive is a record, into which no report is written: give path")
+        content = page(gather(self._study, self.name, today)).encode()
+        file = self.folder / REPORT_NAME if path is None else Path(path)
+        write_named(file, content, "path")
+        return file
 
     status = of_campaign(campaigns.status)
     coverage = of_campaign(situations.coverage)
@@ -394,29 +389,28 @@ class OpenCampaign:
             InputError: an argument is not allowed, or the study cannot be flown.
             Interrupted: the user stopped the run; every flight that ended is saved.
         """
-        with in_python():
-            request = Request(
-                mutants=several(mutants, "mutants"),
-                situations=several(situations, "situations"),
-                choose=choose,
-                choose_seed=choose_seed,
-                seeds=None if seeds is None else parse_seeds(seeds),
-                baseline_seeds=None if baseline_seeds is None else parse_seeds(baseline_seeds, "--baseline-seeds"),
-                baseline_from=baseline_from,
-                sequential=sequential,
-                shard=None if shard is None else shard_in(shard),
-                budget_s=None if budget_s is None else number(budget_s, "budget_s", 0.0, 1e9),
-            )
-            options = RunOptions(
-                executor=_executor(executor, jobs, cluster_security),
-                share=CAN_FORK and share,
-                max_invalid=max_invalid,
-                same_platform=same_platform,
-            )
-            shown = progress_of(progress)
-            study = self._study
-            flown = fly(planned_run(study, request), campaign_folder(study, self.name), options, progress=shown)
-            return CampaignScore(scored_run(flown, self.name))
+        request = Request(
+            mutants=several(mutants, "mutants"),
+            situations=several(situations, "situations"),
+            choose=choose,
+            choose_seed=choose_seed,
+            seeds=None if seeds is None else parse_seeds(seeds),
+            baseline_seeds=None if baseline_seeds is None else parse_seeds(baseline_seeds, "--baseline-seeds"),
+            baseline_from=baseline_from,
+            sequential=sequential,
+            shard=None if shard is None else shard_in(shard),
+            budget_s=None if budget_s is None else number(budget_s, "budget_s", 0.0, 1e9),
+        )
+        options = RunOptions(
+            executor=_executor(executor, jobs, cluster_security),
+            share=CAN_FORK and share,
+            max_invalid=max_invalid,
+            same_platform=same_platform,
+        )
+        shown = progress_of(progress)
+        study = self._study
+        flown = fly(planned_run(study, request), campaign_folder(study, self.name), options, progress=shown)
+        return CampaignScore(scored_run(flown, self.name))
 
     @described
     def replay(self, mutant: str, situation: str, seed: FlightSeed = 0, *, same_platform: bool = False) -> FlownFlight:
@@ -431,10 +425,9 @@ class OpenCampaign:
             GateError: the flight differs from that of the campaign.
             InputError: there is no such mutant or situation, or the study cannot be flown.
         """
-        with in_python():
-            study = self._study
-            flown = fly_with_log(study, ready_to_fly(study, mutant, situation, seed, lambda _text: None))
-            return FlownFlight(flown, comparison(flown, self.name, same_platform=same_platform).passed())
+        study = self._study
+        flown = fly_with_log(study, ready_to_fly(study, mutant, situation, seed, lambda _text: None))
+        return FlownFlight(flown, comparison(flown, self.name, same_platform=same_platform).passed())
 
     @described
     def margin(
@@ -459,19 +452,18 @@ class OpenCampaign:
             InputError: an argument is not allowed, a fault has no order, or the study cannot be flown.
             Interrupted: the user stopped the search; every flight that ended is saved.
         """
-        with in_python():
-            progress_of(progress)
-            return margin.margin(
-                self._study,
-                self.name,
-                several(mutants, "mutants"),
-                _options(jobs, same_platform),
-                situations=several(situations, "situations"),
-                seeds=parse_seeds(seeds),
-                tolerance=None if tolerance is None else number(tolerance, "tolerance", LEAST_TOLERANCE, 1e9),
-                operability=operability,
-                progress=lambda: progress_of(progress),
-            )
+        progress_of(progress)
+        return margin.margin(
+            self._study,
+            self.name,
+            several(mutants, "mutants"),
+            _options(jobs, same_platform),
+            situations=several(situations, "situations"),
+            seeds=parse_seeds(seeds),
+            tolerance=None if tolerance is None else number(tolerance, "tolerance", LEAST_TOLERANCE, 1e9),
+            operability=operability,
+            progress=lambda: progress_of(progress),
+        )
 
     @described
     def propose(
@@ -491,9 +483,8 @@ class OpenCampaign:
         Raises:
             InputError: an argument is not allowed, a mutant was not flown, or the study cannot be flown.
         """
-        with in_python():
-            asked, how, size = several(mutants, "mutants"), progress_of(progress), proposing.Size(seeds, most)
-            return proposing.proposed(self._study, self.name, asked, size, _jobs(jobs), how, started_clean).answer
+        asked, how, size = several(mutants, "mutants"), progress_of(progress), proposing.Size(seeds, most)
+        return proposing.proposed(self._study, self.name, asked, size, _jobs(jobs), how, started_clean).answer
 
     @described
     def seek(
@@ -542,12 +533,11 @@ class OpenCampaign:
             GateError: a flight has other digests on one platform, or other facts on two; nothing is written.
             InputError: there is no such campaign, two have different grids, or the campaign cannot be written.
         """
-        with in_python():
-            sources = several(others, "others")
-            if not sources:
-                raise InputError("others=() must name a campaign")
-            study = study_of_all(self.study_folder, [*sources, self.name])
-            return campaigns.merge(study, self.name, sources, same_platform=same_platform)
+        sources = several(others, "others")
+        if not sources:
+            raise InputError("others=() must name a campaign")
+        study = study_of_all(self.study_folder, [*sources, self.name])
+        return campaigns.merge(study, self.name, sources, same_platform=same_platform)
 
     @property
     def _study(self) -> Study:
@@ -665,10 +655,9 @@ class OpenStudy:
         Raises:
             InputError: the campaign was flown over another grid.
         """
-        with in_python():
-            chosen = name if name is not None else self.grid or CAMPAIGN
-            study_of(self.folder, chosen, self.grid)
-            return OpenCampaign(self.folder, chosen, self.grid)
+        chosen = name if name is not None else self.grid or CAMPAIGN
+        study_of(self.folder, chosen, self.grid)
+        return OpenCampaign(self.folder, chosen, self.grid)
 
     @described
     def fly(self, mutant: str, situation: str, seed: FlightSeed = 0) -> FlownFlight:
@@ -683,12 +672,11 @@ class OpenStudy:
         Raises:
             InputError: there is no such mutant or situation, or the study cannot be flown.
         """
-        with in_python():
-            with injecting(mutant, BASELINE) as (subject, tell):
-                study = self.definition
-                flown = fly_with_log(study, ready_to_fly(study, subject, situation, seed, lambda _text: None))
-                tell(flown.log.counts)
-            return FlownFlight(flown)
+        with injecting(mutant, BASELINE) as (subject, tell):
+            study = self.definition
+            flown = fly_with_log(study, ready_to_fly(study, subject, situation, seed, lambda _text: None))
+            tell(flown.log.counts)
+        return FlownFlight(flown)
 
     @described
     def map(self, situation: str | None = None) -> Figure:
@@ -700,11 +688,10 @@ class OpenStudy:
         Raises:
             InputError: there is no such situation, or the study cannot be read.
         """
-        with in_python():
-            study = self.definition
-            one = study.grid.situation(situation) if situation else study.grid.situations[0]
-            titles = ", ".join(study.grid.titles(one))
-            return Figure(f"map of {one.key}", draw_plan(plan_of(study, one), title=one.key, subtitle=titles))
+        study = self.definition
+        one = study.grid.situation(situation) if situation else study.grid.situations[0]
+        titles = ", ".join(study.grid.titles(one))
+        return Figure(f"map of {one.key}", draw_plan(plan_of(study, one), title=one.key, subtitle=titles))
 
     @described
     def suite(
@@ -727,12 +714,11 @@ class OpenStudy:
             InputError: the file or an argument is not allowed, or a command says nothing.
             Interrupted: the user stopped the run; every run that ended is saved.
         """
-        with in_python():
-            study, place, how = self.definition, Path(file), _options(jobs, same_platform=False)
-            asked, name = testing.asked_mutants(study, several(mutants, "mutants"), shard), campaign or place.stem
-            opened = testing.opened(study, place, name)
-            suite = opened.look(opened.suite.tests, time.monotonic)
-            return testing.tested(suite, asked, name, how, progress_of(progress)).answer()
+        study, place, how = self.definition, Path(file), _options(jobs, same_platform=False)
+        asked, name = testing.asked_mutants(study, several(mutants, "mutants"), shard), campaign or place.stem
+        opened = testing.opened(study, place, name)
+        suite = opened.look(opened.suite.tests, time.monotonic)
+        return testing.tested(suite, asked, name, how, progress_of(progress)).answer()
 
     @described
     def judge(self, files: JudgedFiles, *, record: RecordMapping = None, situation: RecordedIn = None) -> Answer:
@@ -741,8 +727,7 @@ class OpenStudy:
         Raises:
             InputError: a file cannot be read, or there is no such situation.
         """
-        with in_python():
-            return judge(self.definition, files, record=record, situation=situation)
+        return judge(self.definition, files, record=record, situation=situation)
 
     @described
     def check(self, *, fly: bool = False) -> Columns:
@@ -751,8 +736,7 @@ class OpenStudy:
         Args:
             fly: whether to fly one baseline flight too, which shows the seams that the stack polls.
         """
-        with in_python():
-            return checked(check_study(self.folder, fly=fly))["findings"]
+        return checked(check_study(self.folder, fly=fly))["findings"]
 
     def _repr_html_(self) -> str:
         study = self.definition
@@ -782,5 +766,4 @@ def open_study(study: Path | str | None = None, grid: str | None = None) -> Open
     >>> study.requirements["requirement"].tolist()
     ['SR1', 'SR2', 'SR2-literal', 'OP1']
     """
-    with in_python():
-        return OpenStudy(Study.open(study, grid).folder, grid)
+    return OpenStudy(Study.open(study, grid).folder, grid)
