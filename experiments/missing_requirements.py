@@ -26,7 +26,7 @@ from scaloft_fi.campaign.runs.propose import Sought, propose
 from scaloft_fi.campaign.store.archive import study_of
 from scaloft_fi.output import write_whole
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.propose import PROPOSE, Proposals, drawn, fresh_seeds, sought_in
+from scaloft_fi.verbs.propose import PROPOSE, drawn, fresh_seeds, sought_in
 from scaloft_fi.verbs.snapshot import snapshot
 
 NAME = "missing_requirements"
@@ -58,7 +58,7 @@ def found(jobs: int) -> dict[str, Any]:
     arms: tuple[Sequence[Sought], ...] = (survivors, redraws)
     for part, sought in zip(PARTS, arms, strict=True):
         progress = Progress()
-        told[part] = PROPOSE.record(Proposals.of(propose(study, sought, seeds, jobs, progress)))
+        told[part] = PROPOSE.record(propose(study, sought, seeds, jobs, progress))
         progress.close()
     return told
 

@@ -231,7 +231,7 @@ class Choice:
     Attributes:
         candidate: the candidate.
         limit: in its unit.
-        margin: from what the unmutated drone reaches to the limit, in spreads of what it reaches.
+        margin: from what the unmutated drone reaches to the limit, in spreads of what it reaches, on the first seeds.
     """
 
     candidate: Candidate

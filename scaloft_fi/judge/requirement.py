@@ -93,7 +93,7 @@ class Requirement:
         kind: what a violation means.
         text: always( ... ), inside it a formula over the present and the past: historically, once, since, mean, not,
             and, or, implies, iff, comparisons, + - * /; `scaloft-fi signals` lists the signals.
-        trigger: condition under which it applies; a flight without it is vacuous.
+        trigger: condition under which it applies, without one always; a flight in which it never holds is vacuous.
         definitions: name and formula of each definition that the formula or the trigger uses, in order.
         unit: unit of the robustness.
         title: the requirement in a sentence.

@@ -484,7 +484,8 @@ class OpenCampaign:
             InputError: an argument is not allowed, a mutant was not flown, or the study cannot be flown.
         """
         asked, how, size = several(mutants, "mutants"), progress_of(progress), proposing.Size(seeds, most)
-        return proposing.proposed(self._study, self.name, asked, size, _jobs(jobs), how, started_clean).answer
+        found = proposing.proposed(self._study, self.name, asked, size, _jobs(jobs), how, started_clean)
+        return proposing.answer_of(found)
 
     @described
     def seek(

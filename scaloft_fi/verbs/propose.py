@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import click
 
-from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.campaign.processes import Start, cores, forked, one_thread_each
 from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.campaign.runs.propose import Found, Seeds, Sought, Tested, propose
 from scaloft_fi.campaign.store.archive import study_of
 from scaloft_fi.errors import InputError
-from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.output import in_campaign, write_own
 from scaloft_fi.streams import key_words
@@ -38,90 +35,23 @@ class Size(NamedTuple):
     situations: int = 8
 
 
-@dataclass(frozen=True)
-class Proposal:
-    """A requirement that shows a fault which violates none of the study's.
-
-    Attributes:
-        mutant: id of the fault.
-        title: the requirement in a sentence.
-        trigger: when it applies; "" for always.
-        formula: the formula.
-        unit: of its limit.
-        margin: from what the unmutated drone reaches to the limit, in spreads of what it reaches, on the first seeds.
-        shown: fresh flights of the mutant that violate it.
-        alarms: fresh flights of the unmutated drone that violate it, in any situation.
-        p: by the exact test on fresh seeds, after Bonferroni over the requirements tested.
-        confirmed: whether p is at most alpha.
-        firm: whether it is confirmed without any one seed too.
-        others: the other mutants that it shows on fresh seeds, each after Bonferroni over requirements and mutants.
-    """
-
-    mutant: str
-    title: str
-    trigger: str
-    formula: str
-    unit: str
-    margin: float
-    shown: Ratio
-    alarms: Ratio
-    p: Annotated[float, About("p (0..1)")]
-    confirmed: bool
-    firm: bool
-    others: tuple[str, ...]
-
-    @classmethod
-    def of(cls, tested: Tested) -> Proposal:
-        """The proposal of a tested requirement."""
-        made = tested.requirement
-        return cls(
-            tested.mutant, made.title, made.trigger, made.text, made.unit, tested.choice.margin, tested.shown,
-            tested.alarms, tested.p, tested.confirmed, tested.firm, tested.others,
-        )  # fmt: skip
-
-    @property
-    def yaml(self) -> str:
-        """The entry for `sim/requirements.yaml`; a person decides whether it is a hazard."""
-        where = f"violated by {self.shown.short} of its fresh flights, {self.alarms.short} of the unmutated drone's"
-        lines = [
-            f"  {_key(self.mutant)}:",
-            f"    title: {_quoted(self.title)}",
-            "    kind: reported             # safety, once a person has decided that its violation is a hazard",
-            *([f"    trigger: {self.trigger}"] if self.trigger else []),
-            f"    formula: {self.formula}",
-            *([f"    unit: {self.unit}"] if self.unit else []),
-            f"    source: proposed from {self.mutant}; {where}",
-        ]
-        return "\n".join(lines) + "\n"
+PROPOSE = Output("propose", "1.0", Found, rows="proposals")
 
 
-@dataclass(frozen=True)
-class Proposals:
-    """The requirements that are missing.
-
-    Attributes:
-        proposals: one for each fault for which a requirement separates its flights from the unmutated drone's.
-        same: faults of which every flight equals the unmutated drone's to the bit.
-        none: faults that leave a trace for which no requirement of the templates separates the flights.
-    """
-
-    proposals: tuple[Proposal, ...]
-    same: tuple[str, ...]
-    none: tuple[str, ...]
-
-    @classmethod
-    def of(cls, found: Found) -> Proposals:
-        """What a search found, the confirmed ones first."""
-        proposals = sorted(map(Proposal.of, found.tested), key=lambda one: not one.confirmed)
-        return cls(tuple(proposals), found.same, found.apart)
-
-    @property
-    def answer(self) -> Answer:
-        """The answer of the verb."""
-        return Answer(PROPOSE, lambda: self, lambda: tables(self))
-
-
-PROPOSE = Output("propose", "1.0", Proposals, rows="proposals")
+def entry(proposal: Tested) -> str:
+    """The entry for `sim/requirements.yaml`; a person decides whether it is a hazard."""
+    made, alarms = proposal.requirement, proposal.alarms.short
+    where = f"violated by {proposal.shown.short} of its fresh flights, {alarms} of the unmutated drone's"
+    lines = [
+        f"  {_key(proposal.mutant)}:",
+        f"    title: {_quoted(made.title)}",
+        "    kind: reported             # safety, once a person has decided that its violation is a hazard",
+        *([f"    trigger: {made.trigger}"] if made.trigger else []),
+        f"    formula: {made.text}",
+        *([f"    unit: {made.unit}"] if made.unit else []),
+        f"    source: proposed from {proposal.mutant}; {where}",
+    ]
+    return "\n".join(lines) + "\n"
 
 
 def _key(mutant: str) -> str:
@@ -179,21 +109,26 @@ def fresh_seeds(now: Snapshot, count: int) -> Seeds:
     return Seeds(range(count), range(KEPT), range(first, first + count), range(first, first + KEPT))
 
 
-def tables(answer: Proposals) -> tuple[Table, ...]:
+def answer_of(found: Found) -> Answer:
+    """The answer of the verb."""
+    return Answer(PROPOSE, lambda: found, lambda: tables(found))
+
+
+def tables(answer: Found) -> tuple[Table, ...]:
     """The proposals for people, the confirmed ones first, and what was not found."""
     rows = tuple(
         (
             one.mutant,
-            one.title,
+            one.requirement.title,
             one.shown.short,
             one.alarms.short,
             f"{one.p:.2g}{', not confirmed' if not one.confirmed else '' if one.firm else ', not firm'}",
             len(one.others),
         )
-        for one in answer.proposals
+        for one in answer.tested
     )
     lists = (
-        ("No requirement of the templates separates its flights", answer.none),
+        ("No requirement of the templates separates its flights", answer.apart),
         ("Every flight equals the unmutated drone's to the bit", answer.same),
     )
     notes = (
@@ -282,8 +217,8 @@ def propose_command(
     asked, size = several(mutants, "mutants"), Size(seeds, most)
     told = proposed(study, campaign, asked, size, jobs or cores(), Silence() if quiet else Progress())
     if output is not None:
-        write_own(output, "".join(one.yaml + "\n" for one in told.proposals if one.confirmed).encode())
-    return told.answer
+        write_own(output, "".join(entry(one) + "\n" for one in told.tested if one.confirmed).encode())
+    return answer_of(told)
 
 
 def proposed(
@@ -294,7 +229,7 @@ def proposed(
     jobs: int,
     progress: Progress,
     start: Start = forked,
-) -> Proposals:
+) -> Found:
     """Propose the requirements that are missing.
 
     Raises:
@@ -305,6 +240,6 @@ def proposed(
     with snapshot(study, campaign) as now:
         sought, planned, study = sought_in(now, mutants, size.situations), fresh_seeds(now, size.seeds), now.study
     try:
-        return Proposals.of(propose(study, sought, planned, jobs, progress, start))
+        return propose(study, sought, planned, jobs, progress, start)
     finally:
         progress.close()

@@ -15,12 +15,13 @@ import scaloft_fi
 from scaloft_fi.analysis.proposal import Candidate, Choice, Condition, Shape
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.campaign.flights.fly import Flight
+from scaloft_fi.campaign.runs.propose import Tested as Proposal
 from scaloft_fi.campaign.runs.propose import Told, _tested, candidates_of
 from scaloft_fi.document import load
 from scaloft_fi.judge.requirement import load_requirements
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.propose import Proposal, drawn, fresh_seeds
+from scaloft_fi.verbs.propose import drawn, entry, fresh_seeds
 
 FAULT = "LATE-velcmd@0.5s"
 
@@ -74,9 +75,9 @@ def test_an_entry_of_each_template_reads_back(study: Path, tmp_path: Path):
         one for one in candidates.listed if one.term == "abs(est_z_m - z_m)" and one.above
     ):
         trigger, formula = candidate.formula(0.25)
-        told = (candidate.sentence(0.25), trigger, formula, "m", 1.0, none, none, 0.0, True, True, ())
-        entry, texts[f"P-{number}"] = Proposal(str(number), *told), (formula, trigger)
-        entries += entry.yaml
+        choice, texts[f"P-{number}"] = Choice(candidate, 0.25, 1.0), (formula, trigger)
+        made = choice.requirement(f"P-{number}", candidates.definitions)
+        entries += entry(Proposal(str(number), choice, made, none, none, 0.0, True, True, ()))
     pasted = tmp_path / "requirements.yaml"
     pasted.write_text((study / "sim" / "requirements.yaml").read_text() + entries)
     read = {one.name: (one.text, one.trigger) for one in load_requirements(pasted, here.signals)}

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Annotated
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.requirement import Requirement, judge
+from scaloft_fi.marks import About
 from scaloft_fi.mutants.mutant import Mutant
 from scaloft_fi.sim.log import belief_signals, truth_signals
 from scaloft_fi.study import Study
@@ -83,26 +85,31 @@ class Seeds:
 
 @dataclass(frozen=True)
 class Tested:
-    """A chosen requirement on fresh seeds.
+    """A requirement that shows a fault which violates none of the study's.
 
     Attributes:
-        mutant: id of the mutant that it was chosen for.
+        mutant: id of the fault.
         choice: the choice.
         requirement: as it is judged.
-        shown: fresh flights of the mutant that violate it, of all.
-        alarms: fresh flights of the unmutated drone that violate it, in any situation, of all.
-        p: chance of as many violations more if the mutant did nothing, times the number of requirements tested.
-        confirmed: whether that is at most alpha.
-        firm: whether it is so too without any one seed of the mutant's, and without any one of the unmutated drone's.
-        others: the other mutants that it shows in the same way, each by itself.
+        shown: fresh flights of the mutant that violate it.
+        alarms: fresh flights of the unmutated drone that violate it, in any situation.
+        p: by the exact test on fresh seeds, after Bonferroni over the requirements tested.
+        confirmed: whether p is at most alpha.
+        firm: whether it is confirmed without any one seed too, of the mutant's or of the unmutated drone's.
+        others: the other mutants that it shows on fresh seeds, each after Bonferroni over requirements and mutants.
     """
+
+    KEYS = (
+        "mutant", "requirement.title", "requirement.trigger", "requirement.text", "requirement.unit", "choice.margin",
+        "shown", "alarms", "p", "confirmed", "firm", "others",
+    )  # fmt: skip
 
     mutant: str
     choice: Choice
     requirement: Requirement
     shown: Ratio
     alarms: Ratio
-    p: float
+    p: Annotated[float, About("p (0..1)")]
     confirmed: bool
     firm: bool
     others: tuple[str, ...]
@@ -110,13 +117,16 @@ class Tested:
 
 @dataclass(frozen=True)
 class Found:
-    """What a search for requirements found.
+    """The requirements that are missing.
 
     Attributes:
-        tested: the chosen requirements, in the order of the mutants.
-        same: mutants of which every flight equals the unmutated drone's to the bit.
-        apart: the other mutants for which no candidate separates the flights.
+        tested: one for each fault for which a requirement separates its flights from the unmutated drone's, the
+            confirmed ones first.
+        same: faults of which every flight equals the unmutated drone's to the bit.
+        apart: faults that leave a trace for which no requirement of the templates separates the flights.
     """
+
+    KEYS = ("proposals=tested", "same", "none=apart")
 
     tested: tuple[Tested, ...]
     same: tuple[str, ...]
@@ -176,7 +186,7 @@ def propose(
         fresh = fly([*clean, *(f for flights in own.values() for f in flights)], tuple(requirements.values()))
     violated = {id_: [fresh[flight.name] for flight in flights] for id_, flights in own.items()}
     tested = _tested(chosen, requirements, violated, [fresh[flight.name] for flight in clean], study.alpha)
-    return Found(tuple(tested), tuple(same), tuple(apart))
+    return Found(tuple(sorted(tested, key=lambda one: not one.confirmed)), tuple(same), tuple(apart))
 
 
 def _tested(
