@@ -52,7 +52,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Violation
-from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
+from scaloft_fi.judge.requirement import Compliance, Kind, Reading
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import baselines_of
 from scaloft_fi.marks import About
@@ -286,7 +286,7 @@ def _tally(name: str, readings: list[Reading]) -> Tally:
         kind=readings[0].kind,
         compliances=tuple((compliance, compliances.count(compliance)) for compliance in Compliance),
         triggered=sum(reading.triggered for reading in readings),
-        least_rho=min((rho for r in readings if (rho := measured_rho(r)) is not None), default=None),
+        least_rho=min((rho for r in readings if (rho := r.robustness) is not None), default=None),
     )
 
 
@@ -700,7 +700,7 @@ def _noise(name: str, pairs: Sequence[tuple[Outcome, Outcome]], baselines: Seque
 
 def _rho(name: str, outcome: Outcome) -> float | None:
     reading = outcome.reading(name)
-    measured = measured_rho(reading) if reading else None
+    measured = reading.robustness if reading else None
     return measured if measured is not None and math.isfinite(measured) else None
 
 

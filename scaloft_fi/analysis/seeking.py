@@ -39,7 +39,7 @@ from typing import TYPE_CHECKING, Any
 from scaloft_fi.analysis.detection import LEAST, Pool, Sample, Spending, adjusted, detect, holm, reaches
 from scaloft_fi.errors import InputError, ScaloftError
 from scaloft_fi.judge.outcome import Outcome, Violation
-from scaloft_fi.judge.requirement import Kind, Requirement, measured_rho
+from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.judge.stl import tokenize
 from scaloft_fi.sim.grid import Again, Evidence, Find
 from scaloft_fi.sim.log import SAMPLE_HZ
@@ -111,7 +111,7 @@ def breaking(baseline: Outcome | None, requirement: str) -> float:
         requirement: its name.
     """
     reading = baseline.reading(requirement) if baseline is not None and not baseline.invalid else None
-    rho = measured_rho(reading) if reading is not None and not reading.open else None
+    rho = reading.robustness if reading is not None and not reading.open else None
     return WORST if rho is None else max(-WORST, min(WORST, rho))
 
 
@@ -133,7 +133,7 @@ def _fits(baseline: Outcome | None) -> bool:
 def _distances(mutant: Outcome | None, baseline: Outcome | None) -> Iterator[tuple[str, float]]:
     """The distance by each safety requirement that the baseline puts to the test."""
     for theirs in baseline.readings if baseline is not None and not baseline.invalid else ():
-        held = measured_rho(theirs)
+        held = theirs.robustness
         if theirs.kind is not Kind.SAFETY or theirs.open or held is None:
             continue
         left = _left(mutant, theirs.requirement)
@@ -148,7 +148,7 @@ def _left(mutant: Outcome | None, requirement: str) -> float | None:
     if mutant is None or mutant.invalid or not mutant.altered:
         return None
     reading = mutant.reading(requirement)
-    return measured_rho(reading) if reading else None
+    return reading.robustness if reading else None
 
 
 FEWEST, MOST = 3, 20

@@ -24,7 +24,7 @@ from scaloft_fi.analysis.score import MutantScore, Result, Score, condition
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.matrix import Fault, Matrix, Name, Worse, mild_to_strong, parse, split_magnitude, worse
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, unpack_track
-from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
+from scaloft_fi.judge.requirement import Compliance, Kind, Reading
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import JudgedFlight, Status, apart, flights_of
 from scaloft_fi.marks import About, Bounds, ByName
@@ -296,7 +296,7 @@ def _tried(
     rho: dict[str, float] = {}
     for outcome in flights:
         for reading in outcome.readings:
-            measured = measured_rho(reading)
+            measured = reading.robustness
             if measured is not None:
                 rho[reading.requirement] = min(measured, rho.get(reading.requirement, math.inf))
     return Tried(

@@ -124,16 +124,20 @@ class Outcome:
     """The outcome of one flight.
 
     Attributes:
-        subject, situation, seed: subject, key of the situation and seed of the flight.
+        subject: subject of the flight.
+        situation: key of the situation.
+        seed: seed of the flight.
         ending: how the flight ended; empty when invalid.
         invalid: why the harness failed; empty for a valid flight.
-        readings: one reading per requirement, in the study's order.
+        readings: what each requirement says of it, in the study's order.
         violations: first violation of each violated requirement.
-        carried, altered: number of samples that crossed the patched seams, and that the fault altered there.
-        infected_at_s: time of the first altered sample [s].
+        carried: number of samples that crossed the patched seams.
+        altered: number of samples that the fault altered.
+        infected_at_s: first altered sample [s from take-off]; null: no sample was altered.
         struck: body of the contact that ended the flight.
-        duration_s: simulated time [s].
-        digest, perceived_digest: digests of the log's ground truth and of the stack's beliefs.
+        duration_s: how long it lasted in simulated time [s].
+        digest: SHA-256 over the ground truth of the log.
+        perceived_digest: digest of the stack's beliefs.
         stack_error: exception of the stack, after which the fail-safe flew.
         realised: for a baseline, by axis whether the flight met the situation's value.
         track: trajectory at 5 Hz, packed by `pack_track`.
@@ -159,7 +163,7 @@ class Outcome:
 
     @property
     def mutant(self) -> str:
-        """Id of the subject."""
+        """`baseline`, `PLACEBO` or the id of the mutant."""
         return self.subject.id
 
     @property

@@ -35,16 +35,6 @@ if TYPE_CHECKING:
     from scaloft_fi.stack.declaration import Belief
 
 
-def measured_rho(reading: Reading) -> float | None:
-    """The robustness of a reading in the requirement's unit; None where the flight did not test the requirement.
-
-    Without a trigger and without a violation the number measures the distance to the trigger, or the cap of a signal,
-    in another unit.  This holds for vacuous readings, and for `open` readings of a flight that was cut short before its
-    first trigger.
-    """
-    return reading.rho if reading.triggered or reading.violated else None
-
-
 def rho_text(rho: float | None) -> str:
     """Format a robustness for tables.
 
@@ -115,13 +105,15 @@ class Reading:
     """The result of a requirement in a flight.
 
     Attributes:
-        requirement, kind: name and kind of the requirement.
+        requirement: name of the requirement.
+        kind: of the requirement.
         rho: robustness of the flight in the requirement's unit; below 0 the flight violates the requirement.
-        violated_at_s: time of the first violation [s from take-off]; None without one.
+        violated_at_s: first violation [s from take-off]; null: it is not violated.
         triggered: number of episodes in which the trigger was true; 1 for a requirement without a trigger.
         open: whether the flight was cut short without a violation.
     """
 
+    KEYS = ("requirement", "kind", "compliance", "robustness", "violated_at_s")
     requirement: str
     kind: Kind
     rho: float
@@ -142,6 +134,16 @@ class Reading:
         if self.open:
             return Compliance.OPEN
         return Compliance.HELD if self.triggered else Compliance.VACUOUS
+
+    @property
+    def robustness(self) -> float | None:
+        """Distance to a violation, in the requirement's own unit; below 0 it is violated; null: not put to the test.
+
+        Without a trigger and without a violation `rho` measures the distance to the trigger, or the cap of a signal,
+        in another unit.  This holds for vacuous readings, and for `open` readings of a flight that was cut short before
+        its first trigger.
+        """
+        return self.rho if self.triggered or self.violated else None
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,6 @@ import click
 from numpy.typing import NDArray
 
 from scaloft_fi.errors import InputError, ScaloftError
-from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.status import baseline_status
 from scaloft_fi.output import write_named
 from scaloft_fi.verbs.options import marked
@@ -357,7 +356,7 @@ class FlownFlight:
     @property
     def robustness(self) -> Mapping[str, float]:
         """Robustness of each requirement, in its unit; below 0 it is violated, NaN where it was not put to the test."""
-        measured = {reading.requirement: measured_rho(reading) for reading in self._flown.outcome.readings}
+        measured = {reading.requirement: reading.robustness for reading in self._flown.outcome.readings}
         return {name: math.nan if rho is None else rho for name, rho in measured.items()}
 
     @property

@@ -12,7 +12,7 @@ import click
 
 from scaloft_fi.campaign.flights.command import JudgedRecord, JudgedRequirement, judged_record, known_of, mapping_of
 from scaloft_fi.errors import InputError
-from scaloft_fi.judge.requirement import Compliance, measured_rho
+from scaloft_fi.judge.requirement import Compliance
 from scaloft_fi.outside.records import READY, Gap, Loss, Lost, draft, fields_of
 from scaloft_fi.registry import grouped
 from scaloft_fi.sim.log import Ending
@@ -72,7 +72,7 @@ class RecordReading:
         x, y, z = (None, None, None) if finding.place is None else (round(value, 3) for value in finding.place)
         if unknown:
             return cls(file, one.requirement, RecordVerdict.UNKNOWN, *(None,) * 5, unknown, finding.between_s)
-        verdict, rho = RecordVerdict(one.compliance.value), rounded(measured_rho(one))
+        verdict, rho = RecordVerdict(one.compliance.value), rounded(one.robustness)
         return cls(file, one.requirement, verdict, rho, one.violated_at_s, x, y, z, unknown, finding.between_s)
 
 

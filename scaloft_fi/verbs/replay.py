@@ -22,7 +22,7 @@ from scaloft_fi.campaign.store.held import Keys, flight_named
 from scaloft_fi.campaign.store.platforms import Platforms, differences, fingerprint
 from scaloft_fi.errors import GateError, InputError, needed
 from scaloft_fi.judge.outcome import BASELINE, Outcome
-from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
+from scaloft_fi.judge.requirement import Reading
 from scaloft_fi.judge.status import APART_M, JudgedFlight, agreement, digests, flight_of, in_step, parting_s
 from scaloft_fi.output import json_text, say, tell, tell_line
 from scaloft_fi.sim.log import Ending, FlightLog
@@ -142,7 +142,7 @@ def with_log(study: Study, flight: Flight, log: FlightLog) -> LoggedFlight:
 def reading_text(reading: Reading) -> str:
     """A reading in words: `violated at 8.10 s, robustness -0.238`."""
     at = f" at {reading.violated_at_s:.2f} s" if reading.violated_at_s is not None else ""
-    rho = measured_rho(reading)
+    rho = reading.robustness
     told = "" if rho is None else f", robustness {rho:.3f}"
     return f"{reading.compliance.value}{at}{told}"
 
@@ -174,7 +174,12 @@ class Likeness(StrEnum):
 
 
 class Comparison(NamedTuple):
-    """How a flight compares with the campaign's, as a word and in a sentence."""
+    """How a flight compares with the campaign's.
+
+    Attributes:
+        likeness: how it is like the campaign's.
+        told: the same in a sentence.
+    """
 
     likeness: Likeness
     told: str
@@ -235,87 +240,35 @@ def comparison(flown: LoggedFlight, campaign: str, *, same_platform: bool) -> Co
 
 
 @dataclass(frozen=True)
-class ReplayedReading:
-    """A reading.
-
-    Attributes:
-        requirement: name of the requirement.
-        kind: of the requirement.
-        compliance: what it says.
-        robustness: distance to a violation, in the requirement's own unit; below 0 it is violated; null: the flight
-            does not put it to the test.
-        violated_at_s: first violation [s from take-off]; null: it is not violated.
-    """
-
-    requirement: str
-    kind: Kind
-    compliance: Compliance
-    robustness: float | None
-    violated_at_s: float | None
-
-
-@dataclass(frozen=True)
 class Replayed:
     """A flight that was flown again.
 
     Attributes:
-        mutant: `baseline`, `PLACEBO` or the id of the mutant.
-        situation: key of the situation.
-        words: the situation in words.
-        seed: seed of the flight.
-        ending: how it ended.
-        duration_s: how long it lasted [s].
-        infected_at_s: first altered sample [s from take-off]; null: no sample was altered.
-        altered: samples that the fault altered.
-        carried: samples that crossed its seam.
-        stack_error: the exception of the stack; null: there was none.
-        digest: SHA-256 over the ground truth.
-        readings: what each requirement says of it.
-        likeness: how it is like the campaign's.
-        compared: the same in a sentence.
+        flown: the flight.
+        comparison: how it compares with the campaign's.
         written: path of the file of --output; null: none was asked for.
     """
 
-    mutant: str
-    situation: str
-    words: tuple[str, ...]
-    seed: int
-    ending: Ending
-    duration_s: float
-    infected_at_s: float | None
-    altered: int
-    carried: int
-    stack_error: str | None
-    digest: str
-    readings: tuple[ReplayedReading, ...]
-    likeness: Likeness
-    compared: str
+    flown: LoggedFlight
+    comparison: Comparison
     written: Path | None
 
-    @classmethod
-    def of(cls, flown: LoggedFlight, compared: Comparison, written: Path | None) -> Replayed:
-        """What is told of a flight; `written` is the path of the file that was written."""
-        one = flown.outcome
-        return cls(
-            mutant=one.mutant,
-            situation=one.situation,
-            words=tuple(flown.study.grid.titles(flown.flight.situation)),
-            seed=one.seed,
-            ending=Ending(one.ending),
-            duration_s=one.duration_s,
-            infected_at_s=one.infected_at_s,
-            altered=one.altered,
-            carried=one.carried,
-            stack_error=one.stack_error or None,
-            digest=one.digest,
-            readings=tuple(
-                ReplayedReading(each.requirement, each.kind, each.compliance, measured_rho(each), each.violated_at_s)
-                for each in one.readings
-            ),
-            likeness=compared.likeness,
-            compared=compared.told,
-            written=written,
-        )
+    KEYS = (
+        *("flown.outcome.mutant", "flown.outcome.situation", "words", "flown.outcome.seed", "flown.log.ending"),
+        *("flown.outcome.duration_s", "flown.outcome.infected_at_s", "flown.outcome.altered", "flown.outcome.carried"),
+        *("stack_error", "flown.outcome.digest", "flown.outcome.readings"),
+        *("comparison.likeness", "compared=comparison.told", "written"),
+    )
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The situation in words."""
+        return tuple(self.flown.study.grid.titles(self.flown.flight.situation))
+
+    @property
+    def stack_error(self) -> str | None:
+        """The exception of the stack; null: there was none."""
+        return self.flown.outcome.stack_error or None
 
 
 REPLAY = Output("replay", "1.0", Replayed, rows="readings")
@@ -464,7 +417,7 @@ def replay_command(
         tell_line(f"{'recording' if end in RECORDINGS else 'map'}: {output}")
     found = comparison(flown, campaign, same_platform=same_platform)
     if style == "json":
-        tell(REPLAY.json(Replayed.of(flown, found, output)))
+        tell(REPLAY.json(Replayed(flown, found, output)))
     told = found.passed()
     if style != "json":
         tell_line(told)

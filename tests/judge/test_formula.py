@@ -27,7 +27,7 @@ from scaloft_fi.analysis.margin import margins
 from scaloft_fi.analysis.score import score
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.judge.outcome import Outcome
-from scaloft_fi.judge.requirement import Compliance, Kind, Reading, measured_rho
+from scaloft_fi.judge.requirement import Compliance, Kind, Reading
 from scaloft_fi.judge.stl import (
     BINDING,
     LARGEST,
@@ -346,7 +346,7 @@ def test_robustness_is_told_of_what_was_put_to_the_test_or_violated(
     reading: Reading, compliance: Compliance, told: float | None
 ):
     assert reading.compliance is compliance
-    assert measured_rho(reading) == told
+    assert reading.robustness == told
 
 
 def test_a_row_of_the_export_has_nothing_there_in_every_format():

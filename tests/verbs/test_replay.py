@@ -63,7 +63,7 @@ def test_json_has_the_facts_and_how_the_flight_compares():
     readings = (Reading("SR2", Kind.SAFETY, 24.0, None, 0, open=False),)
     flown = Outcome(flight.subject, "T0O0W0D0H0", 0, ending="landed", readings=readings, digest="abc")
     found = Comparison(Likeness.SAME_BITS, "bit for bit the flight in there")
-    told = of_form("replay", REPLAY.json(Replayed.of(LoggedFlight(study, flight, LOG, flown), found, None)))
+    told = of_form("replay", REPLAY.json(Replayed(LoggedFlight(study, flight, LOG, flown), found, None)))
     assert (told["likeness"], told["infected_at_s"], told["written"]) == ("same_bits", None, None)
     assert [(one["compliance"], one["robustness"]) for one in told["readings"]] == [("vacuous", None)]
 

@@ -33,7 +33,7 @@ from scaloft_fi.defaults import SEARCHED, __version__
 from scaloft_fi.document import is_there, read_bytes, read_text
 from scaloft_fi.hazop.matrix import Cell, Matrix, cell_of, worst_first
 from scaloft_fi.judge.outcome import BASELINE, TRACK_COLUMNS, Outcome, track_values
-from scaloft_fi.judge.requirement import Kind, Requirement, measured_rho
+from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import JudgedFlight, Status, apart, baseline_status, each_flight, flights_of
 from scaloft_fi.marks import About, Choices
@@ -181,7 +181,7 @@ def _each(listed: Sequence[Outcome], names: Sequence[str]) -> Iterator[tuple[_Fl
     clean = {(outcome.situation, outcome.seed) for outcome in baselines}
     for one in listed:
         flight = None if one.mutant == BASELINE else next(flights)
-        rho = {reading.requirement: measured_rho(reading) for reading in one.readings}
+        rho = {reading.requirement: reading.robustness for reading in one.readings}
         yield _row(one, flight, (one.situation, one.seed) in clean), [rho.get(name) for name in names]
 
 
@@ -470,7 +470,7 @@ def telling(flights: Iterable[JudgedFlight]) -> JudgedFlight | None:
     """The flight that says most: where the fault got furthest, and of these the one nearest to a safety violation."""
 
     def rank(flight: JudgedFlight) -> tuple[int, float]:
-        measured = [measured_rho(one) for one in flight.outcome.readings if one.kind is Kind.SAFETY]
+        measured = [one.robustness for one in flight.outcome.readings if one.kind is Kind.SAFETY]
         return flight.status.stage, -min((rho for rho in measured if rho is not None), default=float("inf"))
 
     return max(flights, key=rank, default=None)

@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, TRACK, TRACK_COLUMNS, TRACK_EVERY, Outcome, unpack_track
-from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.judge.status import baseline_status, flight_of
 from scaloft_fi.output import all_printable
 from scaloft_fi.registry import grouped
@@ -295,7 +294,7 @@ def record(outcome: Outcome, baseline: Outcome | None, requirements: Sequence[st
     flight = flight_of(outcome, baseline) if outcome.mutant != BASELINE else None
     # robustness (none of what was never triggered), moment of the violation, compliance, episodes of the trigger
     readings = {
-        one.requirement: [_short(measured_rho(one), 4), _short(one.violated_at_s), one.compliance.value, one.triggered]
+        one.requirement: [_short(one.robustness, 4), _short(one.violated_at_s), one.compliance.value, one.triggered]
         for one in outcome.readings
     }
     return {

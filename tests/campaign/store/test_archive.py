@@ -34,7 +34,6 @@ from scaloft_fi.campaign.store.record import MOST_FLIGHTS
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, track_values
-from scaloft_fi.judge.requirement import measured_rho
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.export.dossier import archive_files, outcome_file, track_file, unzipped, zipped
 
@@ -244,7 +243,7 @@ def flown(one: Outcome) -> Outcome:
     order = list(KINDS)
     return replace(
         one,
-        readings=tuple(replace(r, rho=r.rho if measured_rho(r) is not None else 0.0) for r in one.readings),
+        readings=tuple(replace(r, rho=r.rho if r.robustness is not None else 0.0) for r in one.readings),
         violations=tuple(sorted(one.violations, key=lambda violation: order.index(violation.requirement))),
     )
 
