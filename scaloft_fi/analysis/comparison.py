@@ -69,7 +69,7 @@ class ComparedMutant(OfSubject):
     """
 
     KEYS = (
-        *("id", "guideword", "parameter", "magnitude", "severity=severity_id", "change", "first", "second"),
+        *("subject.*", "severity=severity_id", "change", "first", "second"),
         *("first_firm", "second_firm", "situations", "lost_p", "gained_p", "least_p"),
         *("requirement", "first_violated", "second_violated"),
     )

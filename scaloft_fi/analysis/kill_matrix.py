@@ -177,10 +177,7 @@ class KillRow(OfSubject):
         firmness: what remains of the verdict when one seed is left out; null: it is not detected.
     """
 
-    KEYS = (
-        *("id", "guideword", "parameter", "magnitude", "kind", "counted", "status", "verdict", "firm=firmness"),
-        "kill_rate",
-    )
+    KEYS = ("subject.*", "kind", "counted", "status", "verdict", "firm=firmness", "kill_rate")
     subject: Subject
     kind: MutantKind
     counted: bool

@@ -53,21 +53,6 @@ class OfSubject:
         """Canonical id."""
         return self.subject.id
 
-    @property
-    def guideword(self) -> str:
-        """Its guideword; empty where it has none, as PLACEBO."""
-        return self.subject.guideword
-
-    @property
-    def parameter(self) -> str:
-        """Its parameter; empty where it has none."""
-        return self.subject.parameter
-
-    @property
-    def magnitude(self) -> str:
-        """Its magnitude with the unit, as in the id; empty where there is none."""
-        return self.subject.magnitude
-
 
 @dataclass(frozen=True)
 class Roster:

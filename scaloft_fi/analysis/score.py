@@ -369,7 +369,7 @@ class MutantScore(OfSubject):
     revealed: tuple[str, ...] = ()
     struck: tuple[str, ...] = ()
     KEYS = (
-        *("id", "guideword", "parameter", "magnitude", "severity=severity_id", "status", "verdict", "firm=firmness"),
+        *("subject.*", "severity=severity_id", "status", "verdict", "firm=firmness"),
         *("p=safety.p", "kill_rate", "kill_rate_flown", "kills", "requirements", "first", "decided_at=safety"),
         "operability=by_operability",
     )

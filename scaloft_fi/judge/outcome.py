@@ -91,7 +91,14 @@ BASELINE, PLACEBO_ID = "baseline", "PLACEBO"
 
 @dataclass(frozen=True)
 class Subject:
-    """The subject of a flight: the baseline, PLACEBO or a mutant.  id: canonical; magnitude: as written in the id."""
+    """The subject of a flight: the baseline, PLACEBO or a mutant.
+
+    Attributes:
+        id: canonical id.
+        guideword: its guideword; empty where it has none, as PLACEBO.
+        parameter: its parameter; empty where it has none.
+        magnitude: its magnitude with the unit, as in the id; empty where there is none.
+    """
 
     id: str
     guideword: str = ""

@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 from scaloft_fi.analysis.coverage import SHARES, Coverage, coverage_of
 from scaloft_fi.analysis.detection import LEAST, State
+from scaloft_fi.campaign.store.held import Remembered
 from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.space import Space
@@ -235,35 +236,6 @@ def axes_command(names: Names = (), *, study_folder: options.StudyFolder, grid: 
     return axis_list(Study.open(study_folder, grid).grid).answer(names)
 
 
-class TestCase(NamedTuple):
-    """One test case.
-
-    Attributes:
-        situation: key of the situation.
-        seed: seed of the flight.
-    """
-
-    situation: str
-    seed: int
-
-
-@dataclass(frozen=True)
-class Choice:
-    """One choice.
-
-    Attributes:
-        choose: value of --choose, such as `draws:40`.
-        seed: value of --choose-seed.
-        pool: situations to choose from.
-        draws: the test cases, in the order of the choice.
-    """
-
-    choose: str
-    seed: int
-    pool: int
-    draws: tuple[TestCase, ...]
-
-
 @dataclass(frozen=True)
 class CampaignCoverage:
     """How much of the situations a campaign covers.
@@ -275,7 +247,7 @@ class CampaignCoverage:
     """
 
     coverage: Coverage
-    choices: tuple[Choice, ...]
+    choices: tuple[Remembered, ...]
     stale: Stale
 
 
@@ -291,7 +263,7 @@ MEANINGS = {
 }
 
 
-def coverage_tables(covered: Coverage, space: Space, choices: Sequence[Choice] = ()) -> tuple[Table, ...]:
+def coverage_tables(covered: Coverage, space: Space, choices: Sequence[Remembered] = ()) -> tuple[Table, ...]:
     """Every number of the coverage.
 
     Args:
@@ -318,7 +290,7 @@ def coverage_tables(covered: Coverage, space: Space, choices: Sequence[Choice] =
     ]
     if choices:
         headers = ("--choose", "--choose-seed", "test cases", "distinct situations")
-        cases = [(one.choose, one.seed, len(one.draws), len({case.situation for case in one.draws})) for one in choices]
+        cases = [(one.text, one.seed, len(one.draws), len({case.situation for case in one.draws})) for one in choices]
         tables.append(Table("How situations were chosen", headers, tuple(cases)))
     return tuple(tables)
 
@@ -351,9 +323,8 @@ def coverage(study: Study, campaign: options.Campaign) -> Answer:
     with snapshot(study, campaign) as now:
         space, rulings, remembered, stale = now.study.space, now.rulings, now.choices, now.stale
     covered = coverage_of(rulings.baselines, rulings.draws, space)
-    drawn = ((one, tuple(TestCase(*each) for each in one.draws)) for one in remembered)
-    told = CampaignCoverage(covered, tuple(Choice(one.text, one.seed, one.pool, draws) for one, draws in drawn), stale)
-    tables = [said(one, of_tests=space.of_tests) for one in coverage_tables(covered, space, told.choices)]
+    told = CampaignCoverage(covered, tuple(remembered), stale)
+    tables = [said(one, of_tests=space.of_tests) for one in coverage_tables(covered, space, remembered)]
     return Answer(COVERAGE, lambda: told, lambda: tables, warnings=stale.sentences)
 
 

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.store.record import Origin, Planned
@@ -367,14 +367,34 @@ def _asked(store: Store) -> dict[str, set[frozenset[int]]]:
     return asked
 
 
+class TestCase(NamedTuple):
+    """One test case.
+
+    Attributes:
+        situation: key of the situation.
+        seed: seed of the flight.
+    """
+
+    situation: str
+    seed: int
+
+
 @dataclass(frozen=True)
 class Remembered:
-    """A recorded choice of a campaign.  draws: situation key and seed of each test case, in the order of the choice."""
+    """One choice.
 
+    Attributes:
+        text: value of --choose, such as `draws:40`.
+        seed: value of --choose-seed.
+        pool: situations to choose from.
+        draws: the test cases, in the order of the choice.
+    """
+
+    KEYS = ("choose=text", "seed", "pool", "draws")
     text: str
     seed: int
     pool: int
-    draws: tuple[tuple[str, int], ...]
+    draws: tuple[TestCase, ...]
 
 
 def remembered(store: Store) -> tuple[Remembered, ...]:
@@ -387,5 +407,5 @@ def remembered(store: Store) -> tuple[Remembered, ...]:
 
 
 def _read(content: Any) -> Remembered:
-    draws = tuple((str(key), int(number)) for key, number in content["draws"])
+    draws = tuple(TestCase(str(key), int(number)) for key, number in content["draws"])
     return Remembered(str(content["choose"]), int(content["seed"]), int(content["pool"]), draws)
