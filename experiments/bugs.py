@@ -16,7 +16,6 @@ import experiments.published_kernels  # noqa: F401 - it must be imported before 
 # isort: split
 
 import math
-from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
@@ -33,6 +32,7 @@ from scaloft_fi.analysis.detection import Detection, Pool, Sample, Spending, det
 from scaloft_fi.analysis.score import MutantScore, score
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Kind
+from scaloft_fi.registry import grouped
 from scaloft_fi.streams import generator
 from scaloft_fi.study import Study
 
@@ -263,10 +263,8 @@ def _answer(counted: Sequence[Coupling], seen: Published) -> Iterator[str]:
         else:
             yield f"The easier comparison: mean excess {told}."
     yield from _without_the_greatest(counted, seen.tested)
-    alike = defaultdict[object, list[str]](list)
-    for key in seen.tested:
-        alike[tuple(seen.pool.steady(key, Kind.SAFETY))].append(key)
-    strata = sorted(map(sorted, alike.values()), key=len, reverse=True)
+    alike = grouped(sorted(seen.tested), lambda key: seen.pool.steady(key, Kind.SAFETY))
+    strata = sorted(alike.values(), key=len, reverse=True)
     sizes = " and ".join(str(len(keys)) for keys in strata)
     yield (
         "Not registered: with names permuted only among situations that put the same safety requirements to the test "
