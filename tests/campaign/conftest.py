@@ -94,6 +94,10 @@ class FakeStudy:
     again: str = "scaloft-fi run"
     most_wall_s: float = 0.0
 
+    @property
+    def operator_modules(self) -> dict[str, str]:
+        return {name: operator.make.__module__ for name, operator in OPERATORS.items()}
+
     def runner(self, situation: FakeSituation) -> str:
         return situation.key
 

@@ -36,7 +36,6 @@ from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.mutant import PLACEBO
-from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import json_text, write_own
 from scaloft_fi.registry import grouped
 from scaloft_fi.sim.situation import Situation
@@ -364,10 +363,11 @@ class Run:
 
     def altered_by_plugins(self, flights: Iterable[Flight]) -> list[list[Flight]]:
         """The stored `flights` that an operator of a plugin altered, by operator, most altered samples first."""
+        foreign = {name for name, module in self.study.operator_modules.items() if not module.startswith(f"{PACKAGE}.")}
         theirs = {
             flight.name: (flight.mutant.operator, flight)
             for flight in flights
-            if flight.mutant and not OPERATORS[flight.mutant.operator].make.__module__.startswith(f"{PACKAGE}.")
+            if flight.mutant and flight.mutant.operator in foreign
         }
         altered = filter(infects, self.outcomes(flight for _, flight in theirs.values()))
         found = defaultdict[str, list[Flight]](list)
