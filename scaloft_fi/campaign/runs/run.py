@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import InitVar, dataclass, field
@@ -363,18 +363,12 @@ class Run:
 
     def altered_by_plugins(self, flights: Iterable[Flight]) -> list[list[Flight]]:
         """The stored `flights` that an operator of a plugin altered, by operator, most altered samples first."""
-        foreign = {name for name, module in self.study.operator_modules.items() if not module.startswith(f"{PACKAGE}.")}
-        theirs = {
-            flight.name: (flight.mutant.operator, flight)
-            for flight in flights
-            if flight.mutant and flight.mutant.operator in foreign
-        }
-        altered = filter(infects, self.outcomes(flight for _, flight in theirs.values()))
-        found = defaultdict[str, list[Flight]](list)
-        for outcome in sorted(altered, key=lambda outcome: outcome.altered, reverse=True):
-            operator, flight = theirs[outcome.name]
-            found[operator].append(flight)
-        return list(found.values())
+        modules = self.study.operator_modules.items()
+        theirs = {name for name, module in modules if not module.startswith(f"{PACKAGE}.")}
+        flown = {flight.name: flight for flight in flights if flight.mutant and flight.mutant.operator in theirs}
+        altered = sorted(filter(infects, self.outcomes(flown.values())), key=lambda one: one.altered, reverse=True)
+        again = (flown[outcome.name] for outcome in altered)
+        return list(grouped(again, lambda flight: flight.mutant and flight.mutant.operator).values())
 
     def outcomes(self, flights: Iterable[Flight]) -> tuple[Outcome, ...]:
         """The stored outcomes of `flights`."""
