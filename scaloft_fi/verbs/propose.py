@@ -11,7 +11,7 @@ import click
 from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.campaign.processes import Start, cores, forked, one_thread_each
 from scaloft_fi.campaign.progress import Progress, Silence
-from scaloft_fi.campaign.runs.propose import Found, Seeds, Sought, Tested, propose
+from scaloft_fi.campaign.runs.propose import Few, Found, Seeds, Sought, Tested, propose
 from scaloft_fi.campaign.store.archive import study_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.catalogue import select
@@ -35,7 +35,7 @@ class Size(NamedTuple):
     situations: int = 8
 
 
-PROPOSE = Output("propose", "1.0", Found, rows="proposals")
+PROPOSE = Output("propose", "1.1", Found, rows="proposals")
 
 
 def entry(proposal: Tested) -> str:
@@ -130,6 +130,7 @@ def tables(answer: Found) -> tuple[Table, ...]:
     lists = (
         ("No requirement of the templates separates its flights", answer.apart),
         ("Every flight equals the unmutated drone's to the bit", answer.same),
+        ("Too few flights leave a trace, so no requirement was sought", [_few(one) for one in answer.few]),
     )
     notes = (
         *(f"{words}: {', '.join(ids)}." for words, ids in lists if ids),
@@ -139,6 +140,11 @@ def tables(answer: Found) -> tuple[Table, ...]:
     )
     head = ("mutant", "requirement", "shown in", "alarms", "p", "others")
     return (Table("Requirements that are missing", head, rows, notes),)
+
+
+def _few(one: Few) -> str:
+    more = f"`--seeds {one.seeds}`" if one.seeds <= KEPT else "a greater `--most`"
+    return f"{one.mutant} ({one.traces.short}, {one.needed} needed; try {more})"
 
 
 MissingMutants = Annotated[

@@ -58,6 +58,22 @@ def test_a_fault_that_violates_nothing_gets_a_requirement_that_fresh_flights_con
     assert read[name].kind == "reported"
 
 
+@pytest.mark.flight
+def test_of_too_few_flights_no_requirement_is_sought_and_the_seeds_that_do_are_told(
+    study: Path, capsys: pytest.CaptureFixture[str]
+):
+    capsys.readouterr()
+    words = ("propose", "--study", study, "--seeds", "1", "--quiet", "--jobs", "2")
+    assert run(*words, "--format", "json") == 0
+    told = of_form("propose", capsys.readouterr().out)
+    few = {"mutant": FAULT, "traces": {"part": 1, "whole": 1}, "needed": 3, "seeds": 3}
+    assert (told["few"], told["none"], told["proposals"]) == ([few], [], [])
+    assert run(*words) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert f"no requirement was sought: {FAULT} (1/1, 3 needed; try `--seeds 3`)." in said
+    assert "separates" not in said
+
+
 @pytest.mark.release
 @pytest.mark.flight
 def test_python_proposes_in_new_processes_what_the_verb_proposes(study: Path, capsys: pytest.CaptureFixture[str]):

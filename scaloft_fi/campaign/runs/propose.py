@@ -116,6 +116,23 @@ class Tested:
 
 
 @dataclass(frozen=True)
+class Few:
+    """A fault for which no requirement was sought.
+
+    Attributes:
+        mutant: id of the fault.
+        traces: flights that leave a trace, of those flown for the choice.
+        needed: how many of them a choice needs.
+        seeds: seeds of the mutant that give as many, if as large a share of their flights leaves a trace.
+    """
+
+    mutant: str
+    traces: Ratio
+    needed: int
+    seeds: int
+
+
+@dataclass(frozen=True)
 class Found:
     """The requirements that are missing.
 
@@ -124,13 +141,15 @@ class Found:
             confirmed ones first.
         same: faults of which every flight equals the unmutated drone's to the bit.
         apart: faults that leave a trace for which no requirement of the templates separates the flights.
+        few: faults of which too few flights leave a trace, so that no requirement was sought.
     """
 
-    KEYS = ("proposals=tested", "same", "none=apart")
+    KEYS = ("proposals=tested", "same", "none=apart", "few")
 
     tested: tuple[Tested, ...]
     same: tuple[str, ...]
     apart: tuple[str, ...]
+    few: tuple[Few, ...]
 
 
 def candidates_of(study: Study) -> Candidates:
@@ -170,15 +189,18 @@ def propose(
         first = fly([*clean, *beside, *(flight for flights in own.values() for flight in flights)], ())
         same_seed = {flight.pair: first[flight.name].digest for flight in beside}
         reached = np.array([first[name].reaches for name in dict.fromkeys(f.name for f in (*clean, *beside))])
-        chosen, same, apart = dict[str, Choice](), list[str](), list[str]()
+        chosen, same, apart, few = dict[str, Choice](), list[str](), list[str](), list[Few]()
         for one in sought:
             told = [first[flight.name] for flight in own[one.id]]
             traces = [t.reaches for t in told if t.digest != same_seed.get(t.flight.pair)]
-            choice = choose(candidates.listed, reached, np.array(traces), LEAST) if len(traces) >= LEAST else None
-            if choice is not None:
+            if not traces:
+                same.append(one.id)
+            elif (count := len(traces)) < LEAST:
+                few.append(Few(one.id, Ratio(count, len(told)), LEAST, -(-LEAST * len(seeds.chosen) // count)))
+            elif choice := choose(candidates.listed, reached, np.array(traces), LEAST):
                 chosen[one.id] = choice
             else:
-                (apart if traces else same).append(one.id)
+                apart.append(one.id)
         progress.stage = "testing"
         requirements = {id_: choice.requirement(f"P-{id_}", candidates.definitions) for id_, choice in chosen.items()}
         own = {one.id: one.flights(study, seeds.fresh) for one in sought} if chosen else {}
@@ -186,7 +208,7 @@ def propose(
         fresh = fly([*clean, *(f for flights in own.values() for f in flights)], tuple(requirements.values()))
     violated = {id_: [fresh[flight.name] for flight in flights] for id_, flights in own.items()}
     tested = _tested(chosen, requirements, violated, [fresh[flight.name] for flight in clean], study.alpha)
-    return Found(tuple(sorted(tested, key=lambda one: not one.confirmed)), tuple(same), tuple(apart))
+    return Found(tuple(sorted(tested, key=lambda one: not one.confirmed)), tuple(same), tuple(apart), tuple(few))
 
 
 def _tested(
