@@ -144,7 +144,8 @@ def _allowed(forms: Sequence[Any], span: Any, metavar: str) -> str:
     words = {form: _words(form) for form in forms if not (form is str and Path in forms)}
     if span is not None:
         least = f"{'above' if span.min_open else 'from'} {span.min:.12g}"
-        words[forms[0]] += f" {least}" + ("" if span.max is None else f" to {span.max:.12g}")
+        unbounded = ", and finite" * isinstance(span, click.FloatRange)
+        words[forms[0]] += f" {least}" + (unbounded if span.max is None else f" to {span.max:.12g}")
     elif str in words and metavar:
         words[str] += f" {metavar.strip('[.]')}"
     *others, last = words.values()
@@ -177,7 +178,7 @@ def _is_of(value: Any, form: Any) -> bool:
 
 def _within(value: float, span: Any) -> bool:
     least = value > span.min if span.min_open else value >= span.min
-    return least and (span.max is None or value <= span.max)
+    return least and (value < math.inf if span.max is None else value <= span.max)
 
 
 def _words(form: Any) -> str:

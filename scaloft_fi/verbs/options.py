@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import re
 import shlex
@@ -179,7 +180,7 @@ def _asked(name: str, hint: Any, option: Option, default: Any, otherwise: str) -
     given: dict[str, Any] = {
         "type": option.type or (click.Path(path_type=Path) if bare is Path else bare),
         "metavar": option.metavar,
-        "callback": option.check,
+        "callback": option.check or (_finite if bare is float else None),
         "shell_complete": option.complete,
     }
     if option.flag == "":
@@ -191,6 +192,12 @@ def _asked(name: str, hint: Any, option: Option, default: Any, otherwise: str) -
     value = option.default if default in (Parameter.empty, None, ()) else default
     shown: dict[str, Any] = {} if value is None else {"default": value, "show_default": True}
     return click.Option(names, multiple=bool(sequence), help=about, **shown, **given)
+
+
+def _finite(_context: click.Context, _option: click.Parameter, number: float | None) -> float | None:
+    if number is not None and not math.isfinite(number):  # nan is beyond no bound of click's
+        raise click.BadParameter(f"{number} is not a finite number")
+    return number
 
 
 def _day(_context: click.Context, _option: click.Parameter, text: str | None) -> date | None:

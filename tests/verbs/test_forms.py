@@ -118,6 +118,10 @@ def test_a_script_merges(folder: Path, tmp_path: Path):
         (lambda campaign: campaign.when("LATE-human"), "has no phases"),
         (lambda campaign: campaign.margin("LATE-humna"), "did you mean 'LATE-human'"),
         (lambda campaign: campaign.margin("LATE-human", tolerance=0), "^tolerance=0 must be"),
+        (
+            lambda campaign: campaign.margin("LATE-human", tolerance=float("inf")),
+            "^tolerance=inf must be .*, and finite",
+        ),
         (lambda campaign: campaign.margin("LATE-human", seeds=0), "^seeds=0 must be"),
         (lambda campaign: campaign.seek("LATE-human", budget="1"), "^budget='1' must be"),
         (lambda campaign: campaign.seek("LATE-human", seed=-1), "^seed=-1 must be"),
