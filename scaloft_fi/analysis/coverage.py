@@ -24,7 +24,7 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.errors import InputError, needed
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import Compliance, Kind
-from scaloft_fi.judge.space import Point, Space
+from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import apart
 from scaloft_fi.marks import About, ByName, Called, Choices
 from scaloft_fi.streams import generator
@@ -86,8 +86,8 @@ def t_way(flown: Iterable[str], space: Space, strength: int) -> TWay:
 
 def t_ways(flown: Iterable[str], space: Space, strengths: Iterable[int]) -> tuple[TWay, ...]:
     """The same for several strengths."""
-    chosen, complete = levels_of(flown, space), len(space.points) == prod(map(len, space.values))
-    whole = None if complete else levels_of((key for key, _ in space.points), space)
+    chosen, points = levels_of(flown, space), len({point for _, point in space.points})
+    whole = None if points == prod(map(len, space.values)) else levels_of((key for key, _ in space.points), space)
 
     def of(axes: tuple[int, ...], size: int) -> Ratio:
         possible = size if whole is None else _distinct(ids(whole, space, axes), size)
@@ -319,17 +319,17 @@ def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], sp
     """The same of the baselines `clean` and of the `draws` in which mutants were flown."""
     valid = [outcome for outcome in clean if not outcome.invalid]
     keys = {outcome.situation for outcome in valid} | {situation for situation, _ in draws}
-    point = {key: place for key in keys if (place := space.point.get(key))}
+    covered = {key: place for key in keys if (place := space.rank(key)[0]) < len(space.points)}
     baselines = list(
-        {(outcome.situation, outcome.seed): outcome for outcome in valid if outcome.situation in point}.values()
+        {(outcome.situation, outcome.seed): outcome for outcome in valid if outcome.situation in covered}.values()
     )
-    beside = {draw for draw in draws if draw[0] in point}
+    beside = {draw for draw in draws if draw[0] in covered}
     alone = {(outcome.situation, outcome.seed) for outcome in baselines} - beside
-    judged = {point[outcome.situation] for outcome in baselines}
-    flown = set(point.values())
-    came_true = {(point[outcome.situation], axis) for outcome in baselines for axis, true in outcome.realised if true}
+    judged = {covered[outcome.situation] for outcome in baselines}
+    flown = set(covered.values())
+    came_true = {(covered[outcome.situation], axis) for outcome in baselines for axis, true in outcome.realised if true}
     whole = {
-        point[outcome.situation]
+        covered[outcome.situation]
         for outcome in baselines
         if outcome.realised and all(true for _, true in outcome.realised)
     }
@@ -337,13 +337,13 @@ def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], sp
         situations=Ratio(len(flown), len(space.points)),
         draws=len(beside) + len(alone),
         pool=len(alone),
-        combinations=t_ways(point, space, STRENGTHS),
+        combinations=t_ways(covered, space, STRENGTHS),
         realised=Ratio(len(whole), len(space.points)),
-        states=_states(Pool.of(baselines), point),
+        states=_states(Pool.of(baselines), covered),
         by_axis=tuple(
             (axis, Ratio(sum((place, axis) in came_true for place in judged), len(judged))) for axis in space.axes
         ),
-        requirements=_requirements(baselines, point, len(judged)),
+        requirements=_requirements(baselines, covered, len(judged)),
     )
 
 
@@ -354,12 +354,12 @@ def _states(pool: Pool, flown: Iterable[str]) -> dict[State, int]:
 
 
 def _requirements(
-    baselines: Iterable[Outcome], point: Mapping[str, Point], judged: int
+    baselines: Iterable[Outcome], covered: Mapping[str, int], judged: int
 ) -> tuple[tuple[str, Ratio], ...]:
-    triggered: dict[str, set[Point]] = {}
+    triggered: dict[str, set[int]] = {}
     for outcome in baselines:
         for reading in outcome.readings:
-            points = triggered.setdefault(reading.requirement, set())
+            situations = triggered.setdefault(reading.requirement, set())
             if reading.compliance in (Compliance.HELD, Compliance.VIOLATED):
-                points.add(point[outcome.situation])
-    return tuple((name, Ratio(len(points), judged)) for name, points in triggered.items())
+                situations.add(covered[outcome.situation])
+    return tuple((name, Ratio(len(situations), judged)) for name, situations in triggered.items())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -57,6 +58,14 @@ def test_two_numbers_of_a_bin_cover_one_situation_in_two_draws():
     keys = [drawn(KEYS[1], share) for share in (0.1, 0.9)]
     found = coverage([outcome(situation=key) for key in keys], RANGED)
     assert (found.situations, found.draws, found.realised) == (Ratio(1, 32), 2, Ratio(1, 32))
+
+
+def test_a_found_situation_beside_that_of_its_point_counts_as_one_of_its_own():
+    found = f"{KEYS[1]}Cs=0.8"
+    space = replace(GRID, points=(*GRID.points, (found, GRID.point[KEYS[1]])))
+    whole = coverage([outcome(situation=key) for key in (*KEYS, found)], space)
+    assert (whole.situations, whole.realised, whole.t_way[1][1]) == (Ratio(33, 33), Ratio(33, 33), Ratio(40, 40))
+    assert coverage([outcome(situation=key) for key in KEYS], space).situations == Ratio(32, 33)
 
 
 def by_hand(keys: list[str], space: Space, strength: int) -> list[int]:
