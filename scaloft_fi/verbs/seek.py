@@ -96,13 +96,14 @@ def seek_tables(report: finds.SeekReport, own: str) -> tuple[Table, Table]:
         for mutant, evidence in find.shows.items()
     )
     headers = ("mutant", "violates", "flights", "p", "baseline", "margin", "mission", "others", "find")
+    written = any(find.mutant != PLACEBO.id for find in report.finds)
     notes = (
         *(f"{find.name}: {find.situation}: {words(find)}." for find in report.finds),
         "Confirmed on seeds that the search never flew.  others: more sought mutants that the situation shows.",
         spending(report),
         "baseline: flights that hold the requirement by more than their spread; margin: what nine in ten reach.",
         "mission: baselines that hold every operability requirement and meet the value of every axis.",
-        f"`scaloft-fi run --grid {own}+found` flies the situations.",
+        *([f"`scaloft-fi run --grid {own}+found` flies the situations."] if written else []),
     )
     left = [one for one in report.sought if not one.shown_in]
     lacking = tuple((one.mutant, one.effort.situations, why_not(one)) for one in left)
@@ -121,7 +122,8 @@ def _flights(report: finds.SeekReport) -> str:
 
 
 def _ended(report: finds.SeekReport) -> str:
-    return "the budget ended the search" if report.spent else "the search came to its end"
+    unflown = f" before its first flights; `--budget {report.needed}flights` is the least" if report.needed else ""
+    return f"the budget ended the search{unflown * (not report.used)}" if report.spent else "the search came to its end"
 
 
 def replica_table(report: finds.SeekReport) -> Table:
@@ -152,23 +154,25 @@ def replica_table(report: finds.SeekReport) -> Table:
 
 
 def spending(report: finds.SeekReport) -> str:
-    """How many candidates a search tested, and what they spent of alpha."""
-    tested = [one for one in report.sought if one.candidates]
+    """How many candidates a search tested or began to test, and what they spent of alpha."""
+    tested = [one for one in report.sought if one.spent]
     if not tested:
         return f"Tested on fresh seeds: no candidate; nothing of alpha={report.alpha:g} is spent."
     candidates, spent = sum(one.candidates for one in tested), [one.spent for one in tested]
+    begun = f" (and {left} not flown on all of them)" if (left := sum(one.untested for one in tested)) else ""
     return (
-        f"Tested on fresh seeds: {counted(candidates, 'candidate')} of {counted(len(tested), 'mutant')}, at alpha / 2, "
-        f"/ 4, ... for the first, second, ... of a mutant: at most {max(spent):.2g} of alpha={report.alpha:g} for one "
-        f"mutant, {sum(spent):.2g} summed over all."
+        f"Tested on fresh seeds: {counted(candidates, 'candidate')}{begun} of {counted(len(tested), 'mutant')}, at "
+        f"alpha / 2, / 4, ... for the first, second, ... of a mutant: at most {max(spent):.2g} of alpha="
+        f"{report.alpha:g} for one mutant, {sum(spent):.2g} summed over all."
     )
 
 
 def why_not(sought: finds.Sought) -> str:
     """Why nothing was found for a mutant: the stage at which the fault stopped, and how near it came."""
     effort = sought.effort
-    if sought.candidates:
-        return f"{counted(sought.candidates, 'candidate')} that fresh seeds did not confirm"
+    ends = {"that fresh seeds did not confirm": sought.candidates, "not flown on all fresh seeds": sought.untested}
+    if told := [f"{counted(number, 'candidate')} {end}" for end, number in ends.items() if number]:
+        return ", ".join(told)
     if not effort.situations:
         return "not flown"
     if not effort.reached:
@@ -184,7 +188,7 @@ def why_not(sought: finds.Sought) -> str:
     return f"it kept {effort.nearest:.0%} of the robustness of {effort.requirement} in {effort.situation}"
 
 
-SEEK = Output("seek", "1.1", finds.SeekReport, rows="finds")
+SEEK = Output("seek", "1.2", finds.SeekReport, rows="finds")
 
 
 @dataclass(frozen=True)

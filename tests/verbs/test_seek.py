@@ -19,6 +19,7 @@ from scaloft_fi.analysis.seeking import Effort
 from scaloft_fi.campaign.seeking.finds import SeekReport, Sought, anew, interrupted, saver
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
+from scaloft_fi.judge.outcome import PLACEBO_ID
 from scaloft_fi.sim.grid import read_finds
 from scaloft_fi.verbs.seek import seek_tables, why_not
 from scaloft_fi.views.table import Format, render
@@ -194,6 +195,19 @@ def test_without_a_find_nothing_is_replicated(ruled: Ruled, call: Call, copy: Pa
         call("seek", "--replicate", "MORE-goal", study=copy)
     )
     assert not (copy / "sim" / "found.yaml").exists()
+
+
+def test_the_file_says_of_a_find_what_holds_of_any_though_it_stands_in_the_studys_own_grid(tmp_path: Path):
+    saver(tmp_path, "search")([found(LATE, "T0O0W0D0H1")])
+    head = (tmp_path / "found.yaml").read_text(encoding="utf-8").partition("\ngrid:")[0]
+    assert "finds: each shows mutants: the mutant violates a safety requirement there that" in head
+    assert "does not detect" not in head
+
+
+def test_what_flies_the_finds_is_advised_where_there_are_some():
+    for finds, advised in (((), False), ((found(PLACEBO_ID),), False), ((found(LATE),), True)):
+        tables = seek_tables(SeekReport(finds=finds, used=9, flown=9, alpha=0.01), "paper")
+        assert ("+found" in str(tables)) == advised
 
 
 NEAR = Effort(5, 4, 3, 2, 0, 0.83, "SR1", "T1O0W0D0H1")

@@ -214,6 +214,7 @@ class _Search:
             flown=self.campaign.flown,
             again=len(self.told),
             spent=spent,
+            needed=self.flights.needed,
         )
 
     def _tell_stage(self) -> None:
@@ -284,8 +285,8 @@ class _Search:
 
         None where most of them do not violate the requirement, or fewer than `ALIKE` have the signature.
         """
-        self.candidates += 1
         self.flights.fly(Flight(None, situation, seed) for seed in range(LEAST))
+        self.candidates += 1
         outcomes = [self._outcome(situation, seed) for seed in range(LEAST)]
         flights = sum(outcome is not None and not outcome.invalid for outcome in outcomes)
         violated = sum(signature.requirement in self._violated(situation, seed) for seed in range(LEAST))

@@ -11,7 +11,6 @@ again get other seeds.  An interrupted replication goes on with the seeds that i
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -188,8 +187,9 @@ class Sought:
         shown_in: key of the situation that shows it; empty where none was found.
         after: flights of the search, stored ones included, when it was found; 0 where it was not.
         candidates: situations that were tested on fresh seeds.
-        spent: what they spent of alpha (0..1).
+        spent: what these and the untested ones spent of alpha (0..1).
         effort: how far the search came, in flights with its first seed.
+        untested: situations that spent a share of alpha and whose fresh seeds the budget left unflown.
     """
 
     mutant: str
@@ -198,6 +198,7 @@ class Sought:
     candidates: int
     spent: float
     effort: Effort
+    untested: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,6 +218,7 @@ class SeekReport:
         used: flights of the search, stored ones and those flown again included.
         flown: flights that this run flew.
         spent: whether the budget ended the search.
+        needed: flights with which the search would have gone on; null: no budget of flights ended it.
         alpha: the study's, which the candidates of a mutant share; null: of `seek baseline`.
         anyhow: whether situations counted where the unmutated drone does not do its mission.
     """
@@ -233,6 +235,7 @@ class SeekReport:
     used: int
     flown: int
     spent: bool = False
+    needed: int | None = None
     alpha: float | None = None
     anyhow: bool = True
 
@@ -263,6 +266,7 @@ class SearchFlights:
     Attributes:
         used: number of different flights that the search asked for, stored ones and unstored ones included.
         anyhow: as the argument.
+        needed: flights with which the search would go on; None before a budget of flights ends it.
     """
 
     def __init__(self, campaign: Run, allowance: Allowance, *, anyhow: bool = False) -> None:
@@ -274,6 +278,7 @@ class SearchFlights:
         self._budget = Budget(allowance.seconds)
         self._known: dict[str, Outcome | None] = {}
         self._unstored = 0
+        self.needed: int | None = None
         campaign.reporter.progress.most_s = lambda: self._budget.left_s
 
     @property
@@ -299,14 +304,17 @@ class SearchFlights:
         self._campaign.plan(flown.values())
         self._campaign.fly(flown.values(), lambda flights: self._budget.while_it_lasts(self._campaign.arrange(flights)))
         self.raise_if_stopped()
-        if self._budget.left_s <= 0.0 and self._campaign.missing(flown.values()):
-            raise SpentError
+        late = {one.name for one in self._campaign.missing(flown.values())} if self._budget.left_s <= 0.0 else set()
         outcomes = {outcome.name: outcome for outcome in self._campaign.outcomes(flown.values())}
         for name, flight in new.items():
+            if flown[name].name in late:
+                continue
             outcome = outcomes.get(flown[name].name)
             if outcome is not None and flight.mutant == PLACEBO:  # as if it were a flight that altered something
                 outcome = replace(outcome, subject=flight.subject, seed=flight.seed, altered=1)
             self._known[name] = outcome
+        if late:
+            raise SpentError
 
     def take_turns(self, turn: Callable[[int], None], wanted: Callable[[], bool] = lambda: True) -> None:
         """Take turns, numbered from 1, as long as they are `wanted`, until `IDLE` of them bring no new flight.
@@ -338,8 +346,10 @@ class SearchFlights:
         self._campaign.raise_if_stopped("the flights of the search so far are")
 
     def _afford(self, count: int) -> None:
-        most = math.inf if self._allowance.flights is None else self._allowance.flights
-        if self.used + count > most or self._budget.left_s <= 0.0:
+        if self._allowance.flights is not None and self.used + count > self._allowance.flights:
+            self.needed = self.used + count
+            raise SpentError
+        if self._budget.left_s <= 0.0:
             raise SpentError
 
     def outcome(self, flight: Flight) -> Outcome | None:
@@ -407,9 +417,9 @@ class SearchFlights:
 HEADER = """\
 # Situations that `scaloft-fi seek` found, named for the grid that was searched.
 #
-# finds: each shows mutants that the study's own grid does not detect: the mutant violates a safety requirement there
-# that the unmutated drone holds.  Evidence: flights with the seeds 0, 1, ..., which the search never flew, by the
-# score's own test; again: flights of `scaloft-fi seek --replicate`, with seeds that nothing before used.
+# finds: each shows mutants: the mutant violates a safety requirement there that the unmutated drone holds.  Evidence:
+# flights with the seeds 0, 1, ..., which the search never flew, by the score's own test; again: flights of
+# `scaloft-fi seek --replicate`, with seeds that nothing before used.
 # `scaloft-fi run --grid NAME+found` flies them, NAME being the study's own grid.  They were chosen because of verdicts:
 # a score that uses them is called selected.
 #

@@ -315,8 +315,9 @@ class Quest:
         mutant: the mutant.
         proposals: what is proposed for it.
         shrinks: whether a situation is shrunk before it is confirmed.
-        candidates: situations that spent a share of alpha, whether or not their pool was fit for the test.
-        spent: what they spent of alpha.
+        candidates: situations that were tested on fresh seeds, whether or not their pool was fit for the test.
+        untested: situations whose fresh seeds the budget left unflown.
+        spent: what both spent of alpha.
         shown_in: the situation that shows it; None before it is found.
         after: flights of the search when it was found.
         rejected: situations that are not tested again.
@@ -326,6 +327,7 @@ class Quest:
     proposals: Proposer
     shrinks: bool = True
     candidates: int = 0
+    untested: int = 0
     spent: float = 0.0
     shown_in: Situation | None = None
     after: int = 0
@@ -378,17 +380,22 @@ class Quest:
         share = seeking.share_of(alpha, number)
         self.candidates += 1
         self.spent += share
-        baselines = _flown(None, situation, LEAST, flights)
-        if not (flights.anyhow or seeking.does_mission(baselines)):
-            return None
-        pool = Pool.of(baselines)
-        steady = seeking.safely_held(pool, situation.key, names, baselines)
-        seeds = seeking.seeds_for(pool, situation.key, steady, share)
-        if seeds is None:
-            return None
-        if seeds > LEAST:
-            baselines = _flown(None, situation, seeds, flights)
-        evidence = seeking.confirmed(_flown(self.mutant, situation, seeds, flights), baselines, steady, number, share)
+        try:
+            baselines = _flown(None, situation, LEAST, flights)
+            if not (flights.anyhow or seeking.does_mission(baselines)):
+                return None
+            pool = Pool.of(baselines)
+            steady = seeking.safely_held(pool, situation.key, names, baselines)
+            seeds = seeking.seeds_for(pool, situation.key, steady, share)
+            if seeds is None:
+                return None
+            if seeds > LEAST:
+                baselines = _flown(None, situation, seeds, flights)
+            own = _flown(self.mutant, situation, seeds, flights)
+        except SpentError:
+            self.candidates, self.untested = self.candidates - 1, self.untested + 1
+            raise
+        evidence = seeking.confirmed(own, baselines, steady, number, share)
         if evidence is not None:
             self.shown_in, self.after = situation, flights.used
         return evidence
@@ -466,6 +473,7 @@ def seek(
             used=search.flights.used,
             flown=campaign.flown,
             spent=spent,
+            needed=search.flights.needed,
             alpha=study.alpha,
             anyhow=anyhow,
         )
@@ -589,6 +597,7 @@ class _Search:
                 quest.candidates,
                 quest.spent,
                 efforts.get(quest.mutant.id, seeking.Effort()),
+                quest.untested,
             )
             for quest in self.quests
         )

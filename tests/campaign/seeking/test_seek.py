@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -33,6 +33,7 @@ from scaloft_fi.sim.grid import Find, load_grid, read_finds
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
+from scaloft_fi.verbs.seek import seek_tables, spending, why_not
 
 STUDY = Study.open(Path(__file__).parents[3], "search")
 LATE, MORE, LESS = (realise(STUDY.matrix, name) for name in ("LATE-human@3s", "MORE-goal@1m", "LESS-depth"))
@@ -160,6 +161,30 @@ def test_a_budget_of_time_ends_among_the_flights_that_were_asked_for_together(
     report, _ = search(tmp_path, flyer, budget="5s")
     assert (report.spent, report.finds) == (True, ())
     assert 5 <= len(flyer.flown) < 10, "the opening asks for sixteen at once"
+    assert report.used == report.flown == len(flyer.flown), "flights that it let fly are of the search"
+
+
+def test_a_budget_below_the_first_flights_says_how_many_these_are(tmp_path: Path, flyer: Ruled):
+    report, _ = search(tmp_path, flyer, budget="15flights")
+    assert (report.used, report.flown, report.needed) == (0, 0, 16)
+    said = seek_tables(report, "paper")[1].notes[-1]
+    assert "the budget ended the search before its first flights; `--budget 16flights` is the least." in said
+    enough, _ = search(tmp_path, flyer, budget="16flights")
+    assert (enough.used, "first flights" in str(seek_tables(enough, "paper"))) == (16, False)
+    assert search(tmp_path, flyer)[0].needed is None
+
+
+@pytest.mark.parametrize("budget", ["29flights", "31flights"])
+def test_a_candidate_that_the_budget_ended_before_its_fresh_seeds_were_flown_is_not_one_that_these_refused(
+    tmp_path: Path, flyer: Ruled, budget: str
+):
+    flyer.rules = {LATE.id: everywhere}
+    report, _ = search(tmp_path, flyer, budget=budget, shrinks=False)
+    (sought,) = report.sought
+    assert (sought.candidates, sought.untested, sought.spent) == (0, 1, 0.005)
+    assert why_not(sought) == "1 candidate not flown on all fresh seeds"
+    assert why_not(replace(sought, candidates=2)).startswith("2 candidates that fresh seeds did not confirm, 1 cand")
+    assert "0 candidates (and 1 not flown on all of them) of 1 mutant, at" in spending(report)
 
 
 def test_a_find_shows_the_other_mutants_that_fail_there_too_on_the_same_seeds(tmp_path: Path, flyer: Ruled):
