@@ -34,7 +34,8 @@ class Registry(Mapping[str, T], Generic[T]):
         listed: the command that lists the entries, where there is one.
 
     Attributes:
-        declared_in: by name the module whose import declares an entry, through whatever function.
+        declared_in: by name the module whose import declares an entry, through whatever function; of a promised entry
+            the module that holds it.
     """
 
     def __init__(self, noun: str, listed: str = "") -> None:
@@ -61,6 +62,7 @@ class Registry(Mapping[str, T], Generic[T]):
         """
         self._refuse_taken(name)
         self._promised[name] = place
+        self.declared_in[name] = place.partition(":")[0]
 
     def __getitem__(self, name: str) -> T:
         if name in self._promised:

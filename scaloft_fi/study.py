@@ -445,7 +445,21 @@ class Study(Setup):
             *(_module_of(SIGNALS, name, SIGNALS[name].make) for name in self.grid.recorded.signals),
             *(_module_of(HAPPENINGS, name, HAPPENINGS[name].effect) for name in self._happenings if name in HAPPENINGS),
         ]
-        return *FLYING, *(COMMANDED if self.command else ()), *dict.fromkeys(modules)
+        return *FLYING, *(COMMANDED if self.command else ()), *dict.fromkeys([*modules, *self._looked_up])
+
+    @property
+    def _looked_up(self) -> Iterator[str]:
+        """The modules that a flight looks up by name: those of its borders, and of the reader of a command's record."""
+        documents = [load(self.folder / "sim" / "stack.yaml").plain(), *self._command_documents().values()]
+        if borders := {name for document in documents for name in _values(document, "border")}:
+            from scaloft_fi.outside.border import BORDERS
+
+            yield from (BORDERS.declared_in[name] for name in sorted(borders) if name in BORDERS)
+        if self.command and self.command.record:
+            from scaloft_fi.outside.records import FOLDER, RECORDS
+
+            ending = Path(self.command.record).suffix.lower() or FOLDER
+            yield from [RECORDS.declared_in[ending]] if ending in RECORDS else []
 
     @property
     def operator_modules(self) -> Mapping[str, str]:
@@ -524,6 +538,15 @@ def _module_of(registry: Registry[Any], name: str, make: Any) -> str:
     declares = registry.declared_in.get(name, "")
     theirs = {plugin.module.partition(".")[0] for plugin in plugins()}
     return declares if declares.partition(".")[0] in theirs else str(make.__module__)
+
+
+def _values(document: Any, key: str) -> Iterator[str]:
+    """The texts under a key, wherever the key stands in a document."""
+    if isinstance(document, Mapping):
+        yield from (value for name, value in document.items() if name == key and isinstance(value, str))
+    inner = document.values() if isinstance(document, Mapping) else document if isinstance(document, list) else ()
+    for each in inner:
+        yield from _values(each, key)
 
 
 def _files(folder: Path) -> Iterator[Path]:

@@ -83,6 +83,15 @@ def test_another_program_in_the_study_means_other_flights(folder: Path):
     assert before["code"] == after["code"]
 
 
+def test_the_code_of_a_border_and_of_the_reader_of_a_record_enters_the_keys(folder: Path, tmp_path: Path):
+    assert "scaloft_fi.outside.lines" in Study.open(folder).flying_modules
+    commanded = example("own_simulator", tmp_path / "commanded")
+    with (commanded / "sim" / "flyer.yaml").open("a") as file:
+        file.write("clock: {topic: /clock, border: ros2}\n")
+    modules = Study.open(commanded).flying_modules
+    assert modules[-2:] == ("scaloft_fi.outside.ros2", "scaloft_fi.outside.readers")
+
+
 def test_a_false_contact_comes_with_each_period_and_leaves_a_true_one():
     operator = OPERATORS["false_contact"]
     example = operator.example
