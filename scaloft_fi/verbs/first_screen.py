@@ -126,6 +126,10 @@ def _least_to_most(numbers: Collection[int], noun: str) -> str:
     return f"{least} to " * (least < most) + counted(most, noun)
 
 
+BEFOREHAND = "for situations and a pool fixed beforehand"
+"""Only further seeds spend alpha: who adds situations or baselines until a verdict comes out tests more than once."""
+
+
 def false_detections(alpha: float, tested: int) -> str:
     """What the test would do to faults without effect: no probability of being wrong about one that is shown.
 
@@ -136,10 +140,11 @@ def false_detections(alpha: float, tested: int) -> str:
     if not tested:
         return "No fault was put to the test, so there is nothing to be sure of."
     if tested == 1:
-        return f"A fault without effect would be called shown with a probability of {alpha:g} at most."
+        return f"A fault without effect would be called shown with a probability of {alpha:g} at most, {BEFOREHAND}."
     return (
         f"If none of the {tested} faults put to the test had any effect, {alpha * tested:.2g} at most would be called "
-        f"shown, on average ({alpha:g} x {tested}).  As mutants share seeds, then several at once."
+        f"shown, on average ({alpha:g} x {tested}).  As mutants share seeds, then several at once.  "
+        f"That holds {BEFOREHAND}."
     )
 
 
@@ -524,7 +529,7 @@ class Screen:
             yield from (Line("Unmutated drone", told) for told in mostly_red(self.scored.pool, self.campaign))
         yield from self._accepted
         everything = f"`scaloft-fi score{in_campaign(self.campaign)} --all`"
-        yield Line("More", f"{everything}: what next for each fault, controls, coverage, baseline.")
+        yield Line("More", f"{everything}: each fault's next step, all tables.")
 
     @property
     def _flown(self) -> Line:

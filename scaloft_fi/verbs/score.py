@@ -19,7 +19,7 @@ from scaloft_fi.analysis.score import By, Group, Score, groups, score_of
 from scaloft_fi.analysis.survivor import Disposition, Judged, Standing, accepted_survivors, judge, score_without
 from scaloft_fi.campaign.store.archive import borrowed
 from scaloft_fi.defaults import CAMPAIGN
-from scaloft_fi.errors import ExitCode, InputError
+from scaloft_fi.errors import ExitCode, GateError, InputError
 from scaloft_fi.hazop.matrix import CellStatus
 from scaloft_fi.hazop.render import signs_grid
 from scaloft_fi.judge.outcome import Outcome
@@ -545,6 +545,8 @@ def score_command(
     scored = scored_campaign(Study.open(study_folder), campaign, baseline_from, today)
     scored = replace(scored, by=By(grouping) if grouping else None)
     bars = bars_of(fail_under, fail_under_firm)
+    for option in (*bars, *(["--ratchet"] if ratcheting else ())) if scored.stale.invalid else ():
+        raise GateError(f"{option}: {scored.stale.invalid[0]}")
     code = report(scored, SCORE, everything=everything, style=style, tables=tables_folder, bars=bars)
     return (ratchet(scored.study, scored.score, today) if ratcheting else 0) or code
 

@@ -96,22 +96,21 @@ class Stale:
         reasons: why they no longer count, the commonest reason first.
         command: what flies them again; null: there are none that the study still has.
         differed: flights that count although their repetition had other bits; no score with them is valid.
+        invalid: why no score of the campaign is valid, each reason in a sentence; often none.
     """
 
     flights: int = 0
     reasons: tuple[Reason, ...] = ()
     command: str | None = None
     differed: tuple[str, ...] = ()
+    invalid: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, why: Mapping[str, int], command: str, differed: tuple[str, ...] = ()) -> Stale:
+    def of(cls, why: Mapping[str, int], command: str, now: holding.Now | None = None) -> Stale:
         """The flights by reason, with the command that flies them again; empty where the study has none any more."""
-        return cls(sum(why.values()), tuple(Reason(*each) for each in why.items()), command or None, differed)
-
-    @property
-    def invalid(self) -> tuple[str, ...]:
-        """Why no score of the campaign is valid, in a sentence; empty when it may be."""
-        return (f"no score is valid, because {NOT_REPEATED}: {', '.join(self.differed)}",) if self.differed else ()
+        reasons, flights = tuple(Reason(*each) for each in why.items()), sum(why.values())
+        differed = holding.differed_in(now) if now else ()
+        return cls(flights, reasons, command or None, differed, tuple(_invalid(now, differed)) if now else ())
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -130,6 +129,20 @@ them again',)
         again = f"`{self.command}` flies {'them' if flights != 1 else 'it'} again"
         ends = again if self.command else "the study has no such flight any more"
         return (*self.invalid, f"{told}: {', '.join([*reasons[:REASONS], *rest])}; {ends}")
+
+
+def _invalid(now: holding.Now, differed: Collection[str]) -> Iterator[str]:
+    """Why no score of a campaign is valid, each reason in a sentence."""
+    if holding.searched(now.store):
+        yield (
+            "no score is valid, because a search chose what to fly by what it saw; `seek` says what fresh seeds "
+            "confirm, and `run --grid NAME+found` flies it for a score"
+        )
+    gates = holding.gates_in(now)
+    if gates and gates.failed:
+        yield f"no score is valid, because the last run ended with: {gates.failed}"
+    elif differed:
+        yield f"no score is valid, because {NOT_REPEATED}: {', '.join(differed)}"
 
 
 NONE = Stale()
@@ -203,7 +216,7 @@ class Snapshot:
         again = ""
         if found.flown:
             again = study.again if study.tests_of else _again(study, self.now, self.name, found.flown)
-        return Stale.of(found.why, again, holding.differed_in(self.now))
+        return Stale.of(found.why, again, self.now)
 
     @cached_property
     def latest(self) -> tuple[Outcome, ...]:

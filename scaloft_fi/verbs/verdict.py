@@ -38,6 +38,7 @@ def command(
     defaults: Collection[str] = (),
     grid: str = "",
     situations: int = 0,
+    where: Collection[str] = (),
 ) -> str:
     """The `run` that flies these mutants, and no others; drawn numbers are of no grid, so their situations are named.
 
@@ -50,12 +51,13 @@ def command(
         defaults: ids of the mutants that `run` flies when none is named; exactly these need no name.
         grid: the further grid of a campaign that is still to be made.
         situations: number of situations of the grid.
+        where: in which situations; by default in those that they flew.
     """
     words = [f"scaloft-fi run{in_campaign(campaign)}", *([f"--grid {grid}"] if grid else [])]
     ids = [mutant.subject.id for mutant in mutants]
     if len(ids) <= MOST_NAMED or set(ids) != set(defaults):
         words += [f"--mutant {id_}" for id_ in ids]
-    flown = dict.fromkeys(result.situation for mutant in mutants for result in mutant.results)
+    flown = dict.fromkeys(where or (result.situation for mutant in mutants for result in mutant.results))
     drawn = any((situation := Situation.parse(key)) and situation.numbers for key in flown)
     if drawn or (len(flown) <= MOST_NAMED and len(flown) < situations):
         words += [f"--situation {key}" for key in flown]
@@ -97,8 +99,10 @@ def next_step(scored: Score, study: Study, campaign: str) -> str:
         return f"write a test; `{study.again}{in_campaign(campaign)}` lists below its score what each test has to see."
     if scored.lacking:
         seeds = max((result.flown for mutant in faults for result in mutant.results), default=1)
-        run = command(campaign, faults, seeds, defaults)
-        return f"`{run}` flies the baseline pool that is missing in {counted(len(scored.lacking), 'situation')}."
+        run = command(campaign, faults, seeds, defaults, "", every, scored.lacking)
+        lacking, flown = len(scored.lacking), len({result.situation for one in faults for result in one.results})
+        missing = f"`{run}` flies the baseline pool that is missing in {counted(lacking, 'situation')}"
+        return missing + _beyond(lacking, every, flown) + "."
     missed_first = sorted(faults, key=lambda mutant: mutant.verdict is not Verdict.NOT_DETECTED)
     worst = worst_first(missed_first, lambda mutant: mutant.severity)
     found = [(mutant.subject.id, find) for mutant in worst if (find := next_find(mutant, finds))]
@@ -113,8 +117,8 @@ def next_step(scored: Score, study: Study, campaign: str) -> str:
     if looks:
         flown = len({result.situation for mutant in looks for result in mutant.results})
         run = command(campaign, looks, max(mutant.safety.needed or 0 for mutant in looks), defaults, "", every)
-        where = f"; it flies all {every} situations, of which {flown} were flown" if MOST_NAMED < flown < every else ""
-        return f"`{run}` would decide {len(looks)} of the {len(undecided)} undecided{where}."
+        decides = f"`{run}` would decide {len(looks)} of the {len(undecided)} undecided"
+        return decides + _beyond(flown, every, flown) + "."
     if any(not mutant.detected for mutant in faults):
         return f"{survivors} says of each fault not shown where it stopped, and what to change."
     if faults:
@@ -122,6 +126,12 @@ def next_step(scored: Score, study: Study, campaign: str) -> str:
         return f"{margin} finds the smallest magnitude that is still shown."
     option = STUDY_OPTION.get()
     return f"`scaloft-fi run{option} --mutant ID` flies a mutant; `scaloft-fi mutants{option}` lists them."
+
+
+def _beyond(needed: int, every: int, flown: int) -> str:
+    """That a command flies more situations than it needs, because it names none of them."""
+    more = f"; it flies all {every} situations, of which {flown} were flown"
+    return more if MOST_NAMED < needed < every else ""
 
 
 NO_POOL = (

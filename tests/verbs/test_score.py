@@ -24,6 +24,9 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import By, groups, score, score_of
 from scaloft_fi.analysis.survivor import Disposition, Judged, Standing
 from scaloft_fi.campaign.flights.fly import Flight
+from scaloft_fi.campaign.store.archive import STORE_NAME
+from scaloft_fi.campaign.store.held import Gates, remember_gates
+from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.output import PIPED
@@ -207,6 +210,21 @@ def test_below_the_asked_score_the_exit_code_is_3(call: Call):
     below = call("run", "--mutant", "MORE-goal", "--quiet", "--fail-under", "0.1", *empty, campaign=False)
     assert below.exit_code == 3
     assert "below --fail-under 0.1" in below.stderr
+
+
+def test_after_a_failed_gate_no_screen_and_no_export_passes_for_a_valid_score(call: Call, tmp_path: Path):
+    words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--seeds", "3", "--quiet")
+    assert call("run", *words, "--max-invalid", "0.9").exit_code == 0
+    assert call("score", "--fail-under", "1").exit_code == 0
+    with Store(tmp_path / "campaign" / STORE_NAME) as store:
+        remember_gates(store, Gates(0, "gate failed: 3 of 16 flights are invalid", 1, 0.1))
+    said = "no score is valid, because the last run ended with: gate failed: 3 of 16 flights are invalid"
+    for option in (("--fail-under", "0"), ("--ratchet",)):
+        failed = call("score", *option)
+        assert (failed.exit_code, f"{option[0]}: {said}" in failed.stderr) == (4, True)
+    assert said in call("score").stderr
+    for style in ("markdown", "gsn", "sace", "junit", "sarif"):
+        assert said[1:] in " ".join(call("export", "--format", style).stdout.split())
 
 
 def test_a_mutant_with_too_few_seeds_counts_for_the_bar_of_detected_mutants_and_not_for_that_of_firm_ones(call: Call):

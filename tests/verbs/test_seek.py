@@ -58,6 +58,9 @@ def test_a_find_is_printed_written_and_flown_beside_the_papers_situations(sought
     again = call("seek", "LATE-human", "--jobs", "1", "--quiet", study=copy)
     table = " ".join(again.stdout.split())
     assert "Found: 1 of 1 mutants, 1 situations" in table
+    of_search = call("score", "--campaign", "search", "--format", "json", study=copy, campaign=False)
+    (invalid,) = json.loads(of_search.stdout)["stale"]["invalid"]
+    assert "a search chose what to fly by what it saw" in invalid
     assert f"shows-{LATE}: {find['situation']}: human, cruise speed" in table
     assert " 0 of them flown now; the search came to its end." in table
     asked = scaloft_fi.open(copy).campaign("mine").seek("LATE-human", jobs=1)

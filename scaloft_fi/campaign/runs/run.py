@@ -31,7 +31,7 @@ from scaloft_fi.campaign.store.held import Keys, counting_flights, current_in, f
 from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim, fingerprint
 from scaloft_fi.campaign.store.store import Store, read_store
 from scaloft_fi.campaign.workers import Interrupted, Local, Workers, interruptible
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
@@ -399,17 +399,23 @@ class Run:
         def tracked(baseline: Outcome) -> Outcome:
             return self.store.get(self._keys.key(self._flight_of(baseline))) or baseline
 
-        gates.check_gates(
-            [tracked(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
-            self.study.roster,
-            canary=asked.canary.id if asked.canary else None,
-            whole_grid={flight.situation.key for flight in asked.baselines} == self.study.space.point.keys(),
-            part=part or self.options.part,
-            differed=held.differed_in(held.Now(self.study, self.store)),
-            max_invalid=self.options.max_invalid,
-            deterministic=self.study.stack.deterministic,
-            spending=self.spending,
-        )
+        said = held.Gates(0, "", len(outcomes), self.options.max_invalid)
+        try:
+            gates.check_gates(
+                [tracked(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
+                self.study.roster,
+                canary=asked.canary.id if asked.canary else None,
+                whole_grid={flight.situation.key for flight in asked.baselines} == self.study.space.point.keys(),
+                part=part or self.options.part,
+                differed=held.differed_in(held.Now(self.study, self.store)),
+                max_invalid=self.options.max_invalid,
+                deterministic=self.study.stack.deterministic,
+                spending=self.spending,
+            )
+        except GateError as error:
+            held.remember_gates(self.store, said._replace(failed=str(error)))
+            raise
+        held.remember_gates(self.store, said)
 
     def _flight_of(self, outcome: Outcome) -> Flight:
         return flight_named(self.study, outcome.mutant, outcome.situation, outcome.seed)

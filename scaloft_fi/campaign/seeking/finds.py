@@ -29,7 +29,7 @@ from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import ONE_PROCESS, RunOptions
 from scaloft_fi.campaign.runs.run import Budget, Run, budget_s, opened, write_log
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.campaign.store.held import current_in
+from scaloft_fi.campaign.store.held import current_in, remember_search
 from scaloft_fi.campaign.store.store import Store, read_store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
@@ -127,6 +127,7 @@ def searching(
 ) -> Iterator[Run]:
     """Open the campaign of a search as `opened` does; however the search ends, its mission log is written."""
     with opened(study, folder, options, progress=progress, flyer=flyer, first=first) as campaign:
+        remember_search(campaign.store)
         try:
             yield campaign
         finally:

@@ -310,8 +310,9 @@ def with_tracks(
     return tuple(tracked(outcome) for outcome in outcomes)
 
 
-ASKED, CHOICE, DIFFERED = "asked", "choice", "differed"
-"""Prefixes of the names of the notes that runs leave: mutants with seeds, choices of situations, repeated flights."""
+ASKED, CHOICE, DIFFERED, GATES, SOUGHT = "asked", "choice", "differed", "gates", "sought"
+"""Prefixes of the names of the notes that runs leave: mutants with seeds, choices of situations, repeated flights, what
+the gates said, and that a search flew."""
 
 NOT_REPEATED = "a repeated flight differs from the first"
 """What is said of a campaign with such a flight."""
@@ -356,6 +357,72 @@ def differed_in(now: Now) -> tuple[str, ...]:
 
     flights = now.store.records(DIFFERED, read)
     return tuple(f"{flight.mutant}/{flight.situation}/{flight.seed}" for flight in flights if now.stands(flight))
+
+
+def remember_search(store: Store) -> None:
+    """Record that a search flies in the campaign.
+
+    Raises:
+        InputError: the store cannot be written.
+    """
+    store.remember(SOUGHT, True, "flown")
+
+
+def searched(store: Store) -> bool:
+    """Whether a search flew in the campaign.
+
+    Raises:
+        InputError: a record is damaged.
+    """
+    return bool(store.records(SOUGHT, bool))
+
+
+class Gates(NamedTuple):
+    """What the gates of a run said.
+
+    Attributes:
+        number: of runs of the campaign that came to their gates before.
+        failed: in a sentence; empty where all held.
+        flights: how many flights the run judged.
+        max_invalid: greatest share 0..1 of invalid flights that it allowed.
+    """
+
+    number: int
+    failed: str
+    flights: int
+    max_invalid: float
+
+
+def remember_gates(store: Store, gates: Gates) -> None:
+    """Record what the gates of a run said; gates that held over fewer flights than failed before prove nothing.
+
+    Raises:
+        InputError: the store cannot be written.
+    """
+    before = _last_gates(store)
+    numbered = gates._replace(number=before.number + 1 if before else 0)
+    if before and before[1:] == gates[1:]:
+        return
+    if gates.failed or before is None or not before.failed or gates.flights >= before.flights:
+        store.remember(GATES, numbered._asdict())
+
+
+def gates_in(now: Now) -> Gates | None:
+    """What the gates said last; None where no run came to its end, or most flights that it judged count no more.
+
+    Raises:
+        InputError: a record is none of gates.
+    """
+    known = _last_gates(now.store)
+    gone = known and known.failed and sum(map(now.stands, now.flights)) < known.flights
+    return None if gone else known
+
+
+def _last_gates(store: Store) -> Gates | None:
+    def read(one: Any) -> Gates:
+        return Gates(int(one["number"]), str(one["failed"]), int(one["flights"]), float(one["max_invalid"]))
+
+    return max(store.records(GATES, read), default=None)
 
 
 def _asked(store: Store) -> dict[str, set[frozenset[int]]]:

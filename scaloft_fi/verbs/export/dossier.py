@@ -325,6 +325,7 @@ class Dossier:
         dispositions: the survivors that somebody accepted.
         today: the day by which dispositions expire; None = none does.
         archive: reads the files of the campaign's archive, by their paths.
+        invalid: why no score of the campaign is valid, each reason in a sentence; often none.
     """
 
     study: str
@@ -345,6 +346,7 @@ class Dossier:
     dispositions: tuple[Disposition, ...] = ()
     today: date | None = None
     archive: Callable[[], Mapping[str, bytes]] = dict
+    invalid: tuple[str, ...] = ()
 
     @cached_property
     def score(self) -> Score:
@@ -379,11 +381,11 @@ class Dossier:
         return coverage(self.outcomes, self.space)
 
     def of(self, *verdicts: Verdict) -> tuple[MutantScore, ...]:
-        """The mutants that the ratios count, of each credible cell flown its default, with one of these verdicts.
+        """The mutants with one of these verdicts, those of the worst class of severity first.
 
-        Those of the worst class of severity stand first.
+        Of each credible cell flown it is the default; where no default was flown, every mutant that was.
         """
-        members = (mutant for mutant in self.score.counted if mutant.verdict in verdicts)
+        members = (mutant for mutant in self.score.faults if mutant.verdict in verdicts)
         return tuple(worst_first(members, lambda mutant: mutant.severity))
 
     @cached_property
@@ -634,7 +636,7 @@ def dossier(study: Study, campaign: str, today: date | None = None) -> Dossier:
     """
     with snapshot(study, campaign) as now:
         study = now.study
-        outcomes, platform, spending = now.outcomes, now.platform, now.spending
+        outcomes, platform, spending, invalid = now.outcomes, now.platform, now.spending, now.stale.invalid
     item, cells = study.grid.item, sorted((study.folder / "hazop").rglob("*.yaml"))
     return Dossier(
         study=study.name,
@@ -655,4 +657,5 @@ def dossier(study: Study, campaign: str, today: date | None = None) -> Dossier:
         searchable=not study.packaged and is_there(study.folder / "sim" / FOLDER / f"{SEARCHED}.yaml"),
         dispositions=study.dispositions,
         today=today or date.today(),  # noqa: DTZ011 - the user's own day
+        invalid=invalid,
     )

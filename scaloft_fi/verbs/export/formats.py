@@ -68,6 +68,10 @@ def junit(dossier: Dossier) -> str:
     root = ET.Element("testsuites", name=line(f"scaloft-fi {dossier.campaign}"))
     controls = {CONTROLS: list(dossier.score.controls)} if dossier.score.controls else {}
     suites = grouped(dossier.score.mutants, lambda mutant: mutant.subject.parameter)
+    if dossier.invalid:
+        suite = ET.SubElement(root, "testsuite", name="gates", tests="1", failures="0", errors="1", skipped="0")
+        case = ET.SubElement(suite, "testcase", classname="scaloft-fi.gates", name="score")
+        ET.SubElement(case, "error", message=line("; ".join(dossier.invalid)))
     for name, mutants in (*suites.items(), *controls.items()):
         suite = ET.SubElement(root, "testsuite", name=line(name))
         kinds = [_kind(dossier, mutant, control=name in controls) for mutant in mutants]
@@ -114,8 +118,10 @@ def sarif(dossier: Dossier) -> dict[str, Any]:
     by_cell = grouped(mutants, lambda mutant: dossier.cell(mutant).name)
     cells, rules = list(by_cell), [_rule(dossier, name, members) for name, members in by_cell.items()]
     driver = {"name": "scaloft-fi", "version": dossier.version, "rules": rules}
+    told = [{"level": "error", "message": {"text": sentence}} for sentence in dossier.invalid]
     run = {
         "tool": {"driver": driver},
+        **({"invocations": [{"executionSuccessful": False, "toolExecutionNotifications": told}]} if told else {}),
         "columnKind": "unicodeCodePoints",
         "results": [_result(dossier, mutant, cells.index(dossier.cell(mutant).name)) for mutant in mutants],
     }
@@ -241,11 +247,11 @@ def _ratios(dossier: Dossier) -> Table:
     if not scored.pooled:
         return Table(title, headers, (exercised, flown), (f"No score: {NO_POOL}.",))
     rows = (
-        ("mutation score", str(scored.mutation_score), "mutants detected by safety requirements, of those flown"),
-        ("firm", str(scored.firm), "mutants detected whichever one seed is left out, of those flown"),
+        ("mutation score", str(scored.mutation_score), "default mutants that safety requirements detect, of all flown"),
+        ("firm", str(scored.firm), "default mutants detected whichever one seed is left out, of those flown"),
         *([others] if dossier.accepted else []),
-        ("tested", str(scored.tested), "mutants put to the test, of those flown"),
-        ("operability", str(scored.operability), "mutants detected by operability requirements, of those flown"),
+        ("tested", str(scored.tested), "default mutants put to the test, of those flown"),
+        ("operability", str(scored.operability), "default mutants that operability requirements detect"),
         exercised,
         flown,
     )
@@ -258,7 +264,12 @@ def _ratios(dossier: Dossier) -> Table:
         "steadily, in nine tenths of its flights there or more; a detected mutant is killed there if most of its "
         "flights violate that requirement."
     )
-    return Table(title, headers, rows, (detected, killed))
+    return Table(title, headers, rows, (*map(_sentence, dossier.invalid), detected, killed))
+
+
+def _sentence(reason: str) -> str:
+    """A reason as a sentence of a page."""
+    return f"{reason[0].upper()}{reason[1:]}."
 
 
 def _of(dossier: Dossier, verdict: Verdict) -> Table:
@@ -301,7 +312,8 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
     """The argument's nodes by id, the module's head among them."""
     names = ", ".join(requirement.name for requirement in dossier.requirements)
     mutants = dossier.score.mutants
-    faults = f"{counted(len(mutants), 'mutant')} from a HAZOP deviation matrix"
+    default = f"{len(dossier.score.counted)} of them the defaults of their cells"
+    faults = f"{counted(len(mutants), 'mutant')} from a HAZOP deviation matrix, {default}"
     size = f"{len(dossier.space.axes)} axes, {len(dossier.space.points)} situations"
     argument: dict[str, Any] = {
         "module": {"name": "situation_coverage_and_fault_detection", "brief": f"Campaign {dossier.campaign}"},
@@ -323,10 +335,10 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
         **_detection(dossier),
     }
     missed = dossier.of(*COUNTER)
-    if missed or not dossier.score.pooled:
+    if missed or dossier.invalid or not (dossier.score.pooled and dossier.score.counted):
         argument |= _justified(dossier, missed)
     else:
-        argument["G4"] = {"text": "Every mutant flown is detected", "supportedBy": ["Sn3"]}
+        argument["G4"] = {"text": "Every default mutant flown is detected", "supportedBy": ["Sn3"]}
         argument["Sn3"] = {"text": "Verdict on every mutant: scaloft-fi score"}
     for number, mutant in enumerate(missed, start=1):
         severity = f" (severity: {mutant.severity.id}, {mutant.severity.title})" if mutant.severity else ""
@@ -367,13 +379,14 @@ def _coverage(dossier: Dossier) -> str:
 
 
 def _detection(dossier: Dossier) -> dict[str, Any]:
-    """The claim over the mutants, and what it rests on; nothing where there is no pool to decide by."""
+    """The claim over the default mutants, and what it rests on; nothing where none was flown or decided."""
     scored = dossier.score
-    if not scored.pooled:
-        return {"G3": {"text": f"The suite detects faults (no verdict: {NO_POOL})", "undeveloped": True}}
-    claim = (
-        f"The suite detects {scored.mutation_score} of the mutants flown, {scored.firm.part} without any one seed too"
-    )
+    if dossier.invalid or not (scored.pooled and scored.counted):
+        flown = "no default mutant of a cell was flown" if scored.pooled else f"no verdict: {NO_POOL}"
+        why = "; ".join(dossier.invalid) or flown
+        return {"G3": {"text": f"The suite detects faults ({why})", "undeveloped": True}}
+    flown = f"{scored.mutation_score} of the default mutants flown"
+    claim = f"The suite detects {flown}, {scored.firm.part} without any one seed too"
     rule = "more violations of a safety requirement than chance explains, beside the unmutated drone's own flights"
     return {
         "G3": {"text": claim, "supportedBy": ["Sn2"], "inContextOf": ["C4", "C5"]},
@@ -470,18 +483,19 @@ def _by_requirement(dossier: Dossier) -> Table:
 
     def row(name: str) -> tuple[str, int, str, str]:
         able = [mutant for mutant in dossier.score.counted if name in mutant.tests]
-        detected = Ratio(sum(name in (*m.safety.by, *m.operability.by) for m in able), len(able))
+        detected = Ratio(sum(name in m.safety.by for m in able), len(able))
         tally = tested.get(name)
         return name, tally.triggered if tally else 0, str(detected), rho_text(tally.least_rho) if tally else "n/a"
 
-    rows = tuple(row(r.name) for r in dossier.requirements if r.kind is not Kind.REPORTED)
-    detected = "mutants detected by it, of those that it put to the test"
+    rows = tuple(row(r.name) for r in dossier.requirements if r.kind is Kind.SAFETY)
+    detected = "default mutants detected by it, of those that it put to the test"
     headers = ("requirement", "times triggered", detected, "least robustness")
     fates = Counter(mutant.verdict for mutant in dossier.score.counted)
     verdicts = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
     firm = f"  Detected whichever one seed is left out: {dossier.score.firm.part}."
-    told = f"Mutants flown, by safety requirements: {verdicts}.{firm}"
-    notes = "Triggered, robustness: flights of the unmutated drone.", told if dossier.score.pooled else NO_VERDICTS
+    told = f"Default mutants flown, by safety requirements: {verdicts}.{firm}"
+    verdict = told if dossier.score.pooled else NO_VERDICTS
+    notes = ("Triggered, robustness: flights of the unmutated drone.", verdict, *map(_sentence, dossier.invalid))
     return Table("Sufficiency of coverage (1): safety requirements", headers, rows, notes)
 
 
@@ -492,7 +506,7 @@ def _accepted(dossier: Dossier) -> tuple[Table, ...]:
         for one in judge(dossier.score, dossier.roster, dossier.dispositions, dossier.today)
         if (known := one.disposition) is not None and dossier.score.pooled
     )
-    notes = (f"Without accepted survivors the tests detect {dossier.without_accepted} of the mutants flown.",)
+    notes = (f"Without accepted survivors the tests detect {dossier.without_accepted} of the default mutants flown.",)
     headers = ("mutant", "state", "owner", "reason", "expires")
     return (Table("Accepted survivors", headers, rows, notes),) if rows else ()
 
@@ -509,7 +523,12 @@ def _scenarios(dossier: Dossier) -> Table:
         return key, ", ".join(often) or "nothing", ", ".join(vacuous), str(killed)
 
     rows = tuple(row(one.situation, one.vacuous) for one in findings(dossier.outcomes, dossier.space))
-    headers = ("situation", "the unmutated drone violates", "never tests", "mutants killed, of those put to the test")
+    headers = (
+        "situation",
+        "the unmutated drone violates",
+        "never tests",
+        "default mutants killed, of those tested",
+    )
     return Table("Sufficiency of coverage (3): operating scenarios", headers, rows)
 
 

@@ -26,7 +26,7 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.output import all_printable, in_campaign
 from scaloft_fi.sim.log import Ending
-from scaloft_fi.verbs.first_screen import NOT_COMPARED, answers, coverage_line, ratios_of
+from scaloft_fi.verbs.first_screen import BEFOREHAND, NOT_COMPARED, answers, coverage_line, ratios_of
 from scaloft_fi.verbs.report import analyses
 from scaloft_fi.verbs.report.analyses import Evidence
 from scaloft_fi.verbs.report.flights import DETAILS, FAR, broken, columns, found, packs, scenes
@@ -69,10 +69,13 @@ def _answer(scored: Score) -> str:
     faults = scored.faults
     if not scored.pooled:
         return NO_POOL
+    if not faults:
+        return "No fault was flown."
     shown = sum(mutant.detected for mutant in faults)
     missed = [one for one in faults if one.verdict is Verdict.NOT_DETECTED and not one.without_effect]
-    missing = len(missed) or "none of those put to the test"
-    said = f"Your safety requirements show {shown} of {counted(len(faults), 'fault')} and miss {missing}"
+    said = f"Your safety requirements show {shown} of {counted(len(faults), 'fault')} and miss {len(missed) or 'none'}"
+    if not missed and (open_ := sum(one.verdict is Verdict.UNDECIDED for one in faults)):
+        said += f"; {open_} {'is' if open_ == 1 else 'are'} undecided"
     ranked = worst_first([one for one in missed if one.severity], lambda one: one.severity)
     if not ranked:
         return f"{said}."
@@ -86,6 +89,8 @@ def _sure(scored: Score) -> str:
     """How sure the answer is."""
     if not scored.pooled:
         return "not at all, so nothing is called shown."
+    if not any(mutant.tested for mutant in scored.faults):
+        return "of nothing: no fault was put to the test."
     shown = [mutant for mutant in scored.faults if mutant.detected]
     firm = sum(mutant.firm for mutant in shown)
     alone = sum(mutant.firmness is Firmness.FIRM_BY_POOL for mutant in shown)
@@ -93,7 +98,7 @@ def _sure(scored: Score) -> str:
     kept = f"  Of the {len(shown)} shown, {stay}" if shown else ""
     kept += f" ({alone} by the baseline's alone, as they have one seed)" if alone else ""
     missed = "  A missed fault may show in other situations." if len(shown) < len(scored.faults) else ""
-    chance = f"a fault that does nothing is called shown with a chance of at most {scored.alpha:g}."
+    chance = f"a fault that does nothing is called shown with a chance of at most {scored.alpha:g}, {BEFOREHAND}."
     return f"{chance}{kept}{'.' * bool(kept)}{missed}"
 
 
@@ -225,10 +230,11 @@ def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any
             canary=None,
             whole_grid=whole,
             differed=evidence.stale.differed,
+            max_invalid=evidence.max_invalid,
             deterministic=same,
             spending=spending,
         )
-        failed = ""
+        failed = "; ".join(evidence.stale.invalid)
     except GateError as error:
         failed = str(error)
     placebo = sum(count for _, count in scored.placebo.statuses) if scored.placebo else 0

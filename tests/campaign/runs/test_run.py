@@ -26,7 +26,7 @@ from scaloft_fi.campaign.runs.gates import RISE_M, check_gates
 from scaloft_fi.campaign.runs.merge import merge
 from scaloft_fi.campaign.runs.run import Report, mission_log, run
 from scaloft_fi.campaign.store.archive import LOG_NAME, STORE_NAME
-from scaloft_fi.campaign.store.held import Now, differed_in
+from scaloft_fi.campaign.store.held import Now, differed_in, gates_in
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers import Interrupted
 from scaloft_fi.errors import GateError, InputError
@@ -333,8 +333,27 @@ def test_a_repeat_that_differed_fails_the_gate_of_each_later_run_that_the_flight
             fly(asked(study, names=names))
     with Store(study.folder / "c" / STORE_NAME, create=False) as store:
         differed = differed_in(Now(study, store))
+        (told,) = Stale.of({}, "", Now(study, store)).sentences
     assert differed == ("baseline/D0H1/0",)
-    assert Stale.of({}, "", differed).sentences == (f"no score is valid, because {said}",)
+    assert told == f"no score is valid, because the last run ended with: gate failed: {said}"
+
+
+def test_a_failed_gate_stands_until_a_run_over_as_many_flights_passes(study: Any, log: Any, fly: Runs):
+    def stands() -> bool:
+        with Store(study.folder / "c" / STORE_NAME, create=False) as store:
+            now = Now(study, store)
+            gates = gates_in(now)
+            assert bool(gates and gates.failed) == any("more than 10%" in one for one in Stale.of({}, "", now).invalid)
+        return bool(gates and gates.failed)
+
+    log.change = lambda flight, outcome: replace(outcome, invalid="no memory") if flight.seed == 1 else outcome
+    with pytest.raises(GateError, match="more than 10%"):
+        fly(asked(study, (0, 1), names=THREE))
+    log.change = same
+    fly()
+    assert stands()
+    fly(asked(study, (0, 1), names=THREE))
+    assert not stands()
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@ function cellSheet(name) {
   const cell = CELLS.get(name);
   if (!cell) return { title: name, lead: "", body: [h("p", { class: "notice" }, `The study has no cell ${name}.`)] };
   const mutants = cell.mutants.map((id) => MUTANTS.get(id));
-  const main = mutants.find((mutant) => mutant.id === cell.default) ?? mutants[0];
+  const main = mutants.find((mutant) => mutant.id === cell.default);
   const others = mutants.filter((mutant) => mutant !== main);
   return {
     title: name, walk: main && walk(main, (one) => cellHash(one.cell)), lead: { credible: "A credible deviation.", control: "A crude control: it must show itself, and enters no ratio.", not_meaningful: "Not meaningful.", to_do: "A draft that nobody has finished: it has no mutant." }[cell.status],

@@ -44,7 +44,7 @@ function survivors() {
       return h("details", { open: members.length <= 12, class: "fold" }, h("summary", {}, h("h3", { class: "inline" }, `${capital(spaced(verdict))} (${countText(members)})`), h("span", {}, ` ${VERDICTS[verdict][1]}`)),
         table(["mutant", ...(DATA.severities.length ? ["severity"] : []), "stopped at", "next", "why", "accepted"], members.map((entry) => survivor(MUTANTS.get(entry.mutant), entry))));
     }),
-    !found.length && h("p", {}, "Every mutant flown is detected."));
+    !found.length && h("p", {}, DATA.mutants.some((mutant) => !mutant.control) ? "Every mutant flown is detected." : "No mutant was flown."));
 }
 
 /** How many mutants a list has, and how many of these the score counts. */
