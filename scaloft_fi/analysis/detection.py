@@ -476,7 +476,8 @@ def detect(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spendin
         if by:
             return Detection(Verdict.DETECTED, p, by, seeds, share)
     seen = any(sample.count(name) for sample in tested for name in pool.steady(sample.situation, kind))
-    able = reaches(min(adjusted(at_worst(tested, pool, kind), pool, names).values()), share)
+    looked = [sample.at(seeds) for sample in tested]  # flights after the last look count at the next one
+    able = reaches(min(adjusted(at_worst(looked, pool, kind), pool, names).values()), share)
     if able and not seen and not lacking:
         return Detection(Verdict.NOT_DETECTED, p, (), seeds, share)
     needed, anew = _needed(tested if seen else at_worst(tested, pool, kind), pool, names, spending.alpha)

@@ -71,7 +71,7 @@ def _shown(scored: Score, faults: Sequence[MutantScore]) -> str:
         shown += f"; operability {operability}, either {either}"
     if found := len(scored.selected):
         were = "situation was" if found == 1 else "situations were"
-        return f"{shown}.  Selected: {found} {were} found by a search for faults that were not shown."
+        return f"{shown}.  Selected: {found} {were} found by a search, because of what flew there."
     return f"{shown}."
 
 

@@ -92,6 +92,9 @@ def test_a_fault_put_to_the_test_without_a_trace_is_not_detected_once_a_trace_co
     assert safety([seen(key, 0) for key in KEYS]).verdict is Verdict.NOT_DETECTED
     too_few = safety([seen(key, 0) for key in KEYS[:2]])
     assert (too_few.verdict, too_few.needed) == (Verdict.UNDECIDED, 3)
+    between_looks = [seen(key, 0, 2) for key in KEYS[:2]]  # only the look at one seed was reached
+    assert safety(between_looks, spending=GROWN).verdict is Verdict.UNDECIDED
+    assert safety(between_looks).verdict is Verdict.NOT_DETECTED
 
 
 def test_without_a_pool_nothing_is_decided():

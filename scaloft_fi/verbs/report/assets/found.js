@@ -5,7 +5,7 @@ const findHash = (name) => `#find-${DATA.found.finds.findIndex((find) => find.na
 function foundSituations() {
   const { finds, misfits, grid } = DATA.found;
   if (!finds.length && !misfits.length) return null;
-  return part("found", "Found situations", "A search flew situations around the grid for faults that were not shown, and confirmed these on seeds that it never flew.  They were chosen because of verdicts: a score that uses them is selected.",
+  return part("found", "Found situations", "A search flew situations around the grid for the faults that it was given, and confirmed these on seeds that it never flew.  They were chosen because of verdicts: a score that uses them is selected.",
     finds.length > 0 && h("p", {}, `${plural(finds.length, "situation")} of `, h("code", {}, "sim/found.yaml"), `; this campaign flew ${finds.filter((find) => find.flights).length}.  The figures are those of the search: where the study has changed since, flights over the grid `, h("code", {}, grid), " say what holds."),
     misfits.length > 0 && h("p", { class: "notice" }, `Left out, because ${misfits.length === 1 ? "it does" : "they do"} not fit the study any more: ${listed(misfits)}.  `, h("code", {}, "scaloft-fi seek ID"), " seeks anew."),
     h("div", { class: "cards" }, finds.map(foundOne)),
