@@ -253,7 +253,7 @@ def ratio_table(scored: Score) -> Table:
             f"Of {drawn.safety.whole} redraws of the unmutated drone ({drawn.seeds} seeds beside ten) "
             f"{drawn.safety.part} are called detected by safety, {drawn.operability.part} by operability requirements."
         )
-    notes = false_detections(scored.alpha, scored.tested.part), redraws
+    notes = false_detections(scored.alpha, sum(mutant.tested for mutant in scored.faults)), redraws
     return Table("Mutation score", ("ratio", "part/whole", "population"), rows, notes)
 
 

@@ -257,7 +257,7 @@ def _ratios(dossier: Dossier) -> Table:
     )
     detected = (
         "Detected: it violates safety requirements more often than chance explains, beside the unmutated drone's own "
-        f"flights.  {false_detections(scored.alpha, scored.tested.part)}"
+        f"flights.  {false_detections(scored.alpha, sum(mutant.tested for mutant in scored.faults))}"
     )
     killed = (
         "A situation tests a mutant that changes a sample there, if the unmutated drone holds a safety requirement "

@@ -3,7 +3,7 @@ function cellState(cell) {
   if (cell.status === "not_meaningful") return { state: "not_meaningful", text: "", said: `not meaningful: ${cell.reason}` };
   if (cell.status === "to_do") return { state: "not_flown", text: "to do", said: `to do: ${cell.deviation}` };
   const mutant = MUTANTS.get(cell.default);
-  if (!mutant) return { state: "not_flown", text: "not flown", said: `${cell.mutants.length ? `only ${listed(cell.mutants)} flown` : "not flown"}: ${cell.deviation}` };
+  if (!mutant) return { state: "not_flown", text: cell.mutants.length ? "not default" : "not flown", said: `${cell.mutants.length ? `only ${listed(cell.mutants)} flown` : "not flown"}: ${cell.deviation}` };
   if (mutant.control) return { state: mutant.shows.length ? "shows" : "silent", text: mutant.shows.join(" ") || "silent", said: `${mutant.id}: ${showsText(mutant)}` };
   const told = { sure: mutant.certainty, operable: mutant.by.some((name) => !SAFETY.includes(name)), said: `${mutant.id}: ${verdictText(mutant)}; ${killsText(mutant)}` };
   const idle = mutant.verdict === "not_tested" ? SIGNS[stopped(mutant)][0] : "same";
