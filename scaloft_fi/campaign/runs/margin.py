@@ -203,8 +203,13 @@ def find(
             known = {outcome.name: outcome for outcome in current_in(study, store)}
             spending = Spending(study.alpha, grown_in(store))
     cells, wanted, pooled = {target.subject.cell for target in targets}, frozenset(seeds), set[Situation]()
+    places = {situation.key: situation for situation in situations}
     while True:
-        judged = [one for one in known.values() if one.mutant == BASELINE or cell_of(one.mutant) in cells]
+        judged = [
+            one
+            for one in known.values()
+            if one.situation in places and (one.mutant == BASELINE or cell_of(one.mutant) in cells)
+        ]
         scored = score(judged, study.roster, study.space, spending)
         tried = {  # the magnitudes that were flown with every seed
             place: {entry.magnitude: entry for entry in entries if entry.seeds >= wanted}
@@ -229,12 +234,7 @@ def find(
         planned = plan(situations, seeds, [], canary(study)).with_pool()
         pool = [flight for situation in lacking for flight in planned.pool(situation, LEAST)]
         # with all baselines that the campaign has, so that the gates see every steady pair
-        places = {situation.key: situation for situation in situations}
-        held = [
-            Flight(None, places[one.situation], one.seed)
-            for one in judged
-            if one.mutant == BASELINE and one.situation in places
-        ]
+        held = [Flight(None, places[one.situation], one.seed) for one in judged if one.mutant == BASELINE]
         planned = replace(
             planned,
             baselines=tuple(dict.fromkeys((*planned.baselines, *held, *pool))),

@@ -63,7 +63,8 @@ def search(study: Any, flyer: Any, *texts: str, seeds: tuple[int, ...] = (0,), *
         return quiet()
 
     options = RunOptions(jobs=1)
-    found = find(study, targets, study.grid, seeds, study.folder / "c", options, progress=say, flyer=flyer)
+    where, folder = more.get("situations", study.grid), study.folder / more.get("folder", "c")
+    found = find(study, targets, where, seeds, folder, options, progress=say, flyer=flyer)
     return {margin.situations[0]: margin for margin in found[targets[0].subject]}
 
 
@@ -100,6 +101,13 @@ def test_what_another_verb_has_flown_is_not_flown_again(study: Any, late: Any):
     Runs(study, late)(asked(study, canary=""))
     search(study, late)
     assert late.flown.count("LATE-human@3s/D0H1/0") == 1
+
+
+def test_a_search_in_one_situation_answers_the_same_whatever_the_campaign_holds_of_others(study: Any, late: Any):
+    one = [study.grid.situation("D0H1")]
+    alone = search(study, late, situations=one, folder="alone")
+    search(study, late, folder="all")
+    assert search(study, late, situations=one, folder="all") == alone
 
 
 def test_a_search_that_dies_goes_on_where_it_stopped(study: Any, late: Any):
