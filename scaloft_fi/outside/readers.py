@@ -24,6 +24,7 @@ import numpy as np
 from scaloft_fi.document import is_folder, lacks_room, opened, read_text
 from scaloft_fi.errors import InputError, did_you_mean, needed
 from scaloft_fi.outside.records import (
+    CHECKSUM,
     MOST_MESSAGES,
     TIME_COLUMN,
     TIME_UNITS,
@@ -103,7 +104,7 @@ def until_cut(path: Path, messages: Iterable[Message], losses: list[Loss]) -> It
     """The messages that can be read; what ends them before the end of the record is a loss.
 
     Raises:
-        InputError: none can be read, or there is no room for what one unpacks to.
+        InputError: none can be read, there is no room for what one unpacks to, or a checksum says that bytes changed.
     """
     count = 0
     try:
@@ -112,7 +113,7 @@ def until_cut(path: Path, messages: Iterable[Message], losses: list[Loss]) -> It
     except (InputError, MemoryError):
         raise
     except Exception as error:
-        if not count or lacks_room(error):
+        if not count or lacks_room(error) or type(error).__name__ == CHECKSUM:
             raise damaged(path, error) from error
         losses.append(Loss(Lost.CUT, why=said_by(error)))
 
@@ -389,7 +390,7 @@ def _opened(path: Path, losses: list[Loss]) -> tuple[list[str], Iterator[tuple[i
 
 def _parsed(path: Path, source: MappedSignal, line: int, cell: str) -> float:
     try:
-        value = float(cell)
+        value = float(cell if cell.isascii() and "_" not in cell else "")  # Python alone reads 1_0
     except ValueError:
         words = {"true": 1.0, "false": 0.0}
         if cell.strip().lower() not in words:
@@ -507,7 +508,7 @@ def _mcap(path: Path) -> Iterator[MessageLog]:
     mcap = _library(path, "mcap.reader", "an .mcap file needs mcap")
     with opened(path) as file:
         try:
-            reader = mcap.make_reader(file)
+            reader = mcap.make_reader(file, validate_crcs=True)
         except Exception as error:
             raise damaged(path, error) from error
         try:
@@ -523,6 +524,8 @@ def _mcap(path: Path) -> Iterator[MessageLog]:
             raise InputError(f"{path}: a chunk of the record must have at most {CHUNK_BYTES:,} bytes")
 
         def messages(topics: Sequence[str]) -> Iterator[Message]:
+            if not summary.chunk_indexes:  # its reader would leave out the checksum
+                return _without_summary(path, file).messages(topics)
             return _messages_of_mcap(path, reader.iter_messages(topics=list(topics)))
 
         yield MessageLog([channel.topic for channel in summary.channels.values()], messages)
@@ -535,7 +538,7 @@ def _without_summary(path: Path, file: BufferedReader) -> MessageLog:
     def found(topics: Sequence[str] | None) -> Iterator[tuple[Any, Any, Any]]:
         schemas, channels = dict[int, Any](), dict[int, Any]()
         file.seek(0)
-        for record in stream.StreamReader(file, record_size_limit=CHUNK_BYTES).records:
+        for record in stream.StreamReader(file, validate_crcs=True, record_size_limit=CHUNK_BYTES).records:
             if isinstance(record, made.Schema):
                 schemas[record.id] = record
             elif isinstance(record, made.Channel):

@@ -26,6 +26,7 @@ from scaloft_fi.model import read, schema_of, value_of
 from scaloft_fi.mutants.wire import SeamCount
 from scaloft_fi.registry import Registry
 from scaloft_fi.sim.log import NEVER_S, SAMPLE_HZ, Ending, FlightLog, clearance_name
+from scaloft_fi.stack.declaration import unit_of
 from scaloft_fi.stack.messages import Array, Point
 
 SAID = 200
@@ -136,10 +137,14 @@ def damaged(path: Path, error: Exception, remedy: str = "") -> InputError:
 
 def said_by(error: Exception) -> str:
     """What a library says, in one line of at most `SAID` characters."""
-    said = " ".join(str(error).split()).rstrip(".") or type(error).__name__
+    name = type(error).__name__
+    said = _SAID.get(name) or " ".join(str(error).split()).rstrip(".") or name
     return said if len(said) <= SAID else f"{said[:SAID]}…"
 
 
+CHECKSUM = "CRCValidationError"
+_SAID = {"EndOfFile": "the file ends too early", CHECKSUM: "bytes of it have changed, as a checksum says"}
+"""What errors of libraries say that say no sentence, by name."""
 _PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
 
 
@@ -337,10 +342,14 @@ class _Converted:
     gap_s: Held | None = None
 
     def contradictions(self, item: Item) -> Iterator[InputError]:
-        """Refuse a unit beside a factor or an offset."""
+        """Refuse a unit beside a factor or an offset, and a conversion to another unit than the signal's."""
         unit = item.get("unit")
         if unit and (item.get("factor") or item.get("offset")):
             yield InputError(f"{unit.place}: {item.name} must have a unit, or a factor and an offset, not both")
+        own = unit_of(item.name)
+        if unit and own and not self.unit.endswith(f" to {own}"):
+            allowed = ", ".join(repr(one) for one in UNITS if one.endswith(f" to {own}")) or "factor and offset"
+            yield unit.error(f"a conversion to {own}, the unit of {item.name}: {allowed}")
 
 
 @dataclass(frozen=True, kw_only=True)

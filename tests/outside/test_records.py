@@ -4,6 +4,7 @@ import math
 import struct
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 
@@ -213,6 +214,22 @@ def test_an_mcap_without_a_summary_is_read(tmp_path: Path):
     path = records.mcap_of_many_chunks(tmp_path, summary=False)
     flight = _read(path, records.mapping(tmp_path, "", *JSON))
     assert (flight.log.duration_s, flight.losses) == (4.0, ())
+
+
+@pytest.mark.parametrize("summary", [True, False])
+def test_an_mcap_of_which_a_byte_has_changed_is_refused(summary: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    from mcap import writer
+
+    plain = partial(writer.Writer, compression=writer.CompressionType.NONE)
+    monkeypatch.setattr("mcap.writer.Writer", plain)
+    path = records.mcap_of_many_chunks(tmp_path, summary=summary)
+    before, number, after = path.read_bytes().rpartition(b'{"data": 0.3}')
+    path.write_bytes(before + number.replace(b"3", b"7") + after)
+    with pytest.raises(InputError, match=r"own\.mcap: the record cannot be read: bytes of it have changed"):
+        _log(path, records.mapping(tmp_path, "", *JSON))
+    path.write_bytes(b"")
+    with pytest.raises(InputError, match=r"the record cannot be read: the file ends too early"):
+        _log(path, records.mapping(tmp_path, "", *JSON))
 
 
 def test_a_folder_of_rosbag2_with_files_of_mcap_is_read(tmp_path: Path):
