@@ -11,7 +11,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, dataclass, field, replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -512,7 +512,7 @@ class Report:
         flown: number of flights that this run flew.
         left: flights of the plan without an outcome, because the run ended early.
         spending: the campaign's spending of alpha on its mutants.
-        mixture: a sentence about the platforms of the outcomes; empty for one platform.
+        mixture: sentences about the platforms of the outcomes and a change of the study; empty for one, without any.
     """
 
     outcomes: tuple[Outcome, ...]
@@ -596,8 +596,19 @@ def finish(campaign: Run, planned: Plan, flights: Sequence[Flight], left: tuple[
     campaign.reporter.close()
     outcomes = campaign.outcomes((*flights, *([canary] if canary else [])))
     write_log(campaign.study, campaign.folder, current_in(campaign.study, campaign.store))
-    mixture = Platforms(campaign.store).mixture(outcomes)
+    mixture = "  ".join(filter(None, (Platforms(campaign.store).mixture(outcomes), changed_since(campaign.study))))
     return Report(outcomes, campaign.flown, left, campaign.spending, mixture)
+
+
+def changed_since(study: Study) -> str:
+    """A sentence about the parts of a study that differ from what it flew; empty where none does."""
+    try:
+        now = replace(study).inputs
+    except InputError:  # a file is being written, or cannot be read any more
+        now = {}
+    if parts := [part for part, value in study.inputs.items() if now.get(part) != value]:
+        return f"the study changed during the run ({', '.join(parts)}), so its flights do not count from now on"
+    return ""
 
 
 def fly_pool(planned: Plan, campaign: Run, budget: Budget) -> tuple[Flight, ...]:

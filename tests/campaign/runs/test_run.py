@@ -17,6 +17,7 @@ import pytest
 from builders import GRID, ROSTER, campaigns, outcome
 from hypothesis import given
 from running import CONTROL, LATE, MORE, Change, Runs, asked, changed, interrupting, red, same
+from studies import example
 
 from scaloft_fi.analysis.detection import Spending
 from scaloft_fi.campaign.flights.fly import Flight
@@ -24,7 +25,7 @@ from scaloft_fi.campaign.plan import plan
 from scaloft_fi.campaign.progress import FLIGHT_S, Progress, Reporter, violation_line
 from scaloft_fi.campaign.runs.gates import RISE_M, check_gates
 from scaloft_fi.campaign.runs.merge import merge
-from scaloft_fi.campaign.runs.run import Report, mission_log, run
+from scaloft_fi.campaign.runs.run import Report, changed_since, mission_log, run
 from scaloft_fi.campaign.store.archive import LOG_NAME, STORE_NAME
 from scaloft_fi.campaign.store.held import Now, differed_in, gates_in
 from scaloft_fi.campaign.store.store import Store
@@ -34,6 +35,7 @@ from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import json_text
 from scaloft_fi.sim import observer
+from scaloft_fi.study import Study
 from scaloft_fi.verbs.snapshot import Stale
 
 
@@ -54,6 +56,15 @@ def test_the_control_flies_where_its_baseline_holds(study: Any, fly: Runs):
     report = fly(plan(study.grid[::-1], (0,), [], asked(study).canary))
     (control,) = [o for o in report.outcomes if o.mutant == CONTROL]
     assert control.situation != "D1H1"
+
+
+def test_a_run_says_which_part_of_its_study_changed_while_it_flew(tmp_path: Path):
+    example("outside_planner", tmp_path / "planner")
+    study = Study.open(tmp_path / "planner")
+    assert study.inputs
+    assert changed_since(study) == ""
+    (tmp_path / "planner" / "sim" / "notes.txt").write_text("x")
+    assert changed_since(study).startswith("the study changed during the run (sim), so")
 
 
 def test_more_seeds_fly_only_what_is_new(study: Any, log: Any, fly: Runs):
