@@ -514,7 +514,10 @@ class Exchange:
         self._silent = 0 if heard else self._silent + waits
         if self._silent >= self.config.silent_ticks and not self.processes.ended(within_s=ENDS_S):
             topic = self.config.seams[self.config.answer].topic
-            waited = f"{self._silent} ticks in a row, for {self.config.answer_s:g} s each"
+            lost, waited = self.border.lacking(), f"{self._silent} ticks in a row"
+            waited += f": {lost}" if lost else f", for {self.config.answer_s:g} s each"
+            if waits > 1:
+                waited = f"{waits * self.config.answer_s:g} s of one tick, in which a process computed"
             before = f"; before that, {self.complaint}" if self.complaint else self._said()
             raise OutsideError(f"no answer on {topic} for {waited}{before}")
 

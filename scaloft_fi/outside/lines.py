@@ -92,7 +92,7 @@ class LinesBorder(TopicsBorder):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._by_name = {topic.name: self._inbox[topic.seam] for topic in self.topics if not topic.outward}
-        self._strange = ""
+        self._strange = self._gone = ""
 
     @staticmethod
     def misfit(topic: Topic) -> str:
@@ -134,7 +134,7 @@ class LinesBorder(TopicsBorder):
         named = self.named()
         missing = [box.topic.name for box in self._inbox.values() if box.topic.awaited and box.topic.name not in named]
         if missing:
-            return f"no process has connected that publishes {', '.join(missing)}"
+            return f"no process has connected that publishes {', '.join(missing)}{self._gone}"
         return "" if self._peers else "no process has connected"
 
     def named(self) -> frozenset[str]:
@@ -178,10 +178,13 @@ class LinesBorder(TopicsBorder):
         for peer in tuple(self._peers):
             try:
                 peer.socket.sendall(line)
-            except OSError:  # it has gone, or reads no more
+            except TimeoutError:
+                self._forget(peer, f"left its messages unread for {STALL_S:g} s")
+            except OSError:
                 self._forget(peer)
 
-    def _forget(self, peer: _Peer) -> None:
+    def _forget(self, peer: _Peer, why: str = "closed its end of the socket") -> None:
+        self._gone = f"; one that did {why}" if peer.publishes else self._gone
         peer.socket.close()
         self._peers.remove(peer)
 
@@ -221,7 +224,7 @@ class LinesBorder(TopicsBorder):
         *whole, peer.rest = (peer.rest + text).split(b"\n")
         if len(peer.rest) > LONGEST_LINE:
             self._strange = self._strange or f"a line of more than {LONGEST_LINE:,} bytes"
-            self._forget(peer)
+            self._forget(peer, "wrote a line that is too long")
         yield from whole
 
     def _deliver(self, peer: _Peer, line: bytes) -> None:

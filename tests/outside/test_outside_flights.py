@@ -208,8 +208,11 @@ class OfALoadedMachine:
         given_s: processor time that they are given with each look [s].
     """
 
-    def __init__(self, looks: int, given_s: float) -> None:
-        self.looks, self.given_s, self.spent_s = looks, given_s, 0.0
+    def __init__(self, looks: int, given_s: float, lacks: str = "") -> None:
+        self.looks, self.given_s, self.spent_s, self.lacks = looks, given_s, 0.0, lacks
+
+    def lacking(self) -> str:
+        return self.lacks
 
     def wait(self, seam: str, within_s: float) -> bool:
         return self.looks < 0
@@ -234,14 +237,20 @@ def test_an_answer_is_heard_however_late_a_loaded_machine_lets_it_come(planner: 
 
 
 def test_a_stack_that_computes_without_end_hangs(planner: Study):
-    with pytest.raises(OutsideError, match=r"no answer on /cmd_vel for 5 ticks in a row, for 0\.02 s each"):
+    with pytest.raises(OutsideError, match=r"no answer on /cmd_vel for 0\.1 s of one tick, in which a process"):
         awaited(planner, OfALoadedMachine(400, 0.01))
 
 
-def awaited(planner: Study, loaded: OfALoadedMachine) -> int:
-    """Wait for one answer; return the ticks in a row without one."""
+def test_a_stack_that_has_closed_its_socket_is_told_as_such(planner: Study):
+    with pytest.raises(OutsideError, match=r"no answer on /cmd_vel for 5 ticks in a row: one closed its socket"):
+        awaited(planner, OfALoadedMachine(0, 0.0, "one closed its socket"), silent=4, deterministic=False)
+
+
+def awaited(planner: Study, loaded: OfALoadedMachine, silent: int = 0, *, deterministic: bool = True) -> int:
+    """Wait for one answer, after some ticks without one; return the ticks in a row without one."""
     config = replace(planner.sim.stack.settings(planner.stack), answer_s=0.02, silent_ticks=5)
-    exchange = Exchange(config, cast(Any, None), cast(Any, loaded), cast(Any, loaded), cast(Any, None))
+    config = replace(config, deterministic=deterministic)
+    exchange = Exchange(config, cast(Any, None), cast(Any, loaded), cast(Any, loaded), cast(Any, None), "", silent)
     exchange._await_answer()
     return exchange._silent
 
