@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import shutil
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from importlib.metadata import entry_points
@@ -27,6 +26,7 @@ from scaloft_fi.model import value_of
 from scaloft_fi.mutants.operator import TapError
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.outside.border import BORDERS
+from scaloft_fi.outside.command import runs
 from scaloft_fi.outside.exchange import OutsideConfig
 from scaloft_fi.outside.records import load_record_map
 from scaloft_fi.registry import PLUGIN_GROUP, load_plugin, plugin_behind
@@ -231,9 +231,9 @@ def _check_processes(study: Study, document: Item, settings: OutsideConfig, find
     items = document.need("processes").items()
     for item, process in zip(items, settings.processes, strict=True):
         program, *words = process.run
-        folder = study.folder / process.folder
-        if "{" not in program and shutil.which(program) is None and not is_file(folder / program):
-            what = f"there is no program {program!r} on this machine"
+        place = program.replace("{study}", str(study.folder.absolute()))
+        if "{" not in place and not runs(place, study.folder / process.folder):
+            what = f"there is no program {program!r} on this machine that can be run"
             findings.note(item.place, what, "install it where flights run")
         for word in words:
             path = Path(word.replace("{study}", str(study.folder)))

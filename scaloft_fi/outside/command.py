@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -56,6 +57,11 @@ class Text:
             return given if isinstance(given, str) else json.dumps(given)
 
         return _PLACE.sub(value, self.text)
+
+
+def runs(program: str, folder: Path) -> bool:
+    """Whether a program can be started in a folder, below which it is looked for where it is a path."""
+    return shutil.which(str(folder / program) if "/" in program else program) is not None
 
 
 def _text(item: Item) -> Text:

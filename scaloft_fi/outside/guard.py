@@ -105,7 +105,11 @@ class Guard:
                     preexec_fn=lambda: prctl(PR_SET_PDEATHSIG, signal.SIGKILL),
                 )
             except OSError as error:
-                self.tell("failed", number, error.strerror or str(error))
+                program, why = command["run"][0], error.strerror or str(error)
+                missing = isinstance(error, FileNotFoundError) and error.filename == program and "/" in program
+                if missing and os.path.exists(os.path.join(command["folder"], program)):  # noqa: PTH110, PTH118
+                    why = "the file is there, and the interpreter that its first line names is not"
+                self.tell("failed", number, why)
                 break
         else:
             self.tell("started", 0, "")

@@ -109,6 +109,13 @@ def test_a_program_of_a_stage_outside_that_is_missing_is_told(tmp_path: Path):
     assert "stack.yaml:6: error: the study has no file 'sim/over_lines.py'; add it" in error
 
 
+def test_a_program_of_a_stage_outside_that_cannot_be_run_is_told(tmp_path: Path):
+    example("outside_planner", tmp_path / "planner")
+    edit_in(tmp_path / "planner" / "sim" / "stack.yaml", '"{python}", "{study}/sim', '"{study}/sim')
+    (told,) = [str(one) for one in check_study(tmp_path / "planner").findings if "can be run" in str(one)]
+    assert "there is no program '{study}/sim/over_lines.py' on this machine that can be run" in told
+
+
 @pytest.mark.release
 def test_the_examples_of_plugins_have_no_error_and_no_physics_is_imported(tmp_path: Path):
     assert invoked("new", str(tmp_path / "straight"), "--planner").exit_code == 0

@@ -96,6 +96,15 @@ def test_a_program_that_does_not_exist_is_named(tmp_path: Path):
     lost.stop()
 
 
+def test_an_interpreter_that_is_not_there_is_told_from_a_program_that_is_not_there(tmp_path: Path):
+    (tmp_path / "plan.py").write_text("#!/no/such/python\n")
+    (tmp_path / "plan.py").chmod(0o755)
+    lost = Processes([Command(("./plan.py",))], tmp_path, {}, tmp_path)
+    with pytest.raises(BorderError, match=r"plan\.py cannot be started: the file is there, and the interpreter"):
+        lost.start()
+    lost.stop()
+
+
 def test_output_without_end_fills_no_disk(tmp_path: Path):
     loud = processes(tmp_path, "while True: print('x' * 1000)")
     loud.start()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import shutil
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import closing
@@ -34,6 +33,7 @@ from scaloft_fi.outside.command import (
     Relays,
     Told,
     run_command,
+    runs,
 )
 from scaloft_fi.outside.exchange import FlightFolder
 from scaloft_fi.outside.records import (
@@ -196,8 +196,8 @@ def check_command(study: Study, command: FlightCommand, say: Callable[[str], Non
     program, *_ = [word.filled(values) for word in command.run]
     for text in command.env.values():
         text.filled(values)
-    if shutil.which(program) is None and not (study.folder / program).is_file():
-        raise InputError(f"{command.run[0].place}: there is no program {program!r} here")
+    if not runs(program, study.folder):
+        raise InputError(f"{command.run[0].place}: there is no program {program!r} here that can be run")
     if Path(command.record).suffix.lower() not in RECORDS and Path(command.record).suffix:
         kind_of(Path(command.record))
     mapping, known = mapping_of(study), known_in(study, command, first.situation)

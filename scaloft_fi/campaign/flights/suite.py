@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import shutil
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -24,6 +23,7 @@ from scaloft_fi.judge.space import Realisation
 from scaloft_fi.model import read
 from scaloft_fi.mutants.mutant import EVERY_SEAM, PLACEBO, Mutant
 from scaloft_fi.mutants.wire import contexts, wire_for
+from scaloft_fi.outside.command import runs
 from scaloft_fi.outside.suite import Colour, Ran, Suite, digest_of_inputs, run_tests
 from scaloft_fi.sim.grid import Grid
 from scaloft_fi.sim.situation import Axis, AxisValue, Situation
@@ -266,8 +266,8 @@ class Tester:
         study.check()
         for command in study.suite.tests.values():
             program = command.run[0].text
-            if "{" not in program and shutil.which(program) is None and not (study.place / program).is_file():
-                raise InputError(f"{command.run[0].place}: there is no program {program!r} here")
+            if "{" not in program and not runs(program, study.place):
+                raise InputError(f"{command.run[0].place}: there is no program {program!r} here that can be run")
 
     def __call__(self, study: Study, flight: Flight) -> Outcome:
         """Run the command of a test, unless it has just run for another test, and tell what it says of this one."""
