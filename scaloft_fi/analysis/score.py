@@ -648,7 +648,8 @@ class Score:
     @property
     def trivial(self) -> tuple[str, ...]:
         """Ids of counted mutants killed in nine tenths of the situations that test them, or within 5 s of take-off."""
-        return tuple(mutant.subject.id for mutant in self.counted if mutant.trivial)
+        found = (one for one in self.counted if (one.killed_broadly if self.of_tests else one.trivial))  # no take-off
+        return tuple(one.subject.id for one in found)
 
     @property
     def without_effect(self) -> tuple[Effectless, ...]:

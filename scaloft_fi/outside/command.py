@@ -16,7 +16,7 @@ from pathlib import Path, PurePath
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from scaloft_fi.document import Item, load
-from scaloft_fi.errors import InputError, ScaloftError, did_you_mean
+from scaloft_fi.errors import InputError, ScaloftError, did_you_mean, shown
 from scaloft_fi.marks import MOST, Bounds, Called, Choices, Examples, Given, MoreThanZero, Needed, Reads, Size
 from scaloft_fi.model import read
 from scaloft_fi.mutants.mutant import EVERY_SEAM
@@ -485,6 +485,6 @@ def told(last: str) -> Told:
         if number is None:
             continue
         if isinstance(number, bool) or not isinstance(number, int | kind) or not 0 <= number <= most:
-            raise CommandError(f"the last line says {name}={str(number)[:40]}, which must be {must}")
+            raise CommandError(f"the last line says {name}={shown(number)}, which must be {must}")
         numbers[name] = kind(number)
     return Told(**numbers, stack_error=line(str(said.get("stack_error") or ""))[:SHOWN])

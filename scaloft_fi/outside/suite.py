@@ -194,7 +194,11 @@ def run_tests(
             relays.close()
         counts, failed = _reached(reached)
         counts |= {seam: count for seam, count in getattr(wire, "counts", {}).items() if seam in suite.relays}
-        said = commands.told("".join(lines[-1:])) if own else commands.Told()
+        said = commands.Told()
+        try:
+            said = commands.told("".join(lines[-1:])) if own else said
+        except commands.CommandError as error:
+            failed = failed or str(error)
         if mutant is not None and said.altered is not None:
             counts[mutant.seam] = SeamCount(max(said.carried or 0, said.altered), said.altered, said.first_altered_s)
         results, why = ({}, failed) if failed else _results(name, command, how, junit, commands.said_last(lines))

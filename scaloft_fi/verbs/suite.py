@@ -132,7 +132,8 @@ class TestedSuite:
     def tests(self) -> tuple[OwnTest, ...]:
         """Every test, in the order of the suite."""
         pairs, smallest = {pair.situation: pair for pair in self.score.pairs}, set(self.smallest)
-        reached = Counter(result.situation for one in self.score.score.mutants for result in one.results)
+        results = (result for one in self.score.score.mutants for result in one.results)
+        reached = Counter(result.situation for result in results if result.reached)
         found = []
         for test, command in self.study.command_of.items():
             pair = pairs.get(test)
@@ -143,13 +144,22 @@ class TestedSuite:
         return tuple(found)
 
     @property
+    def unjudged(self) -> tuple[str, ...]:
+        """Tests whose runs with a fault are all invalid."""
+        faults = self.score.score.mutants
+        judged = {result.situation for one in faults for result in one.results}
+        run = {test for one in faults for test in self.score.rulings.mutants[one.subject]}
+        return tuple(test for test in self.study.command_of if test in run - judged)
+
+    @property
     def missed(self) -> tuple[Missed, ...]:
         """The faults that no test shows, the worst first."""
         matrix = self.study.matrix
         found = []
         for one in worst_first([one for one in self.score.score.faults if not one.detected], lambda one: one.severity):
             cell, seam = matrix.cell(cell_of(one.id)), realise(matrix, one.id).seam
-            told = (class_of(one.severity), str(one.verdict), seam, len(one.results), cell.deviation, cell.effect)
+            reached = sum(result.reached for result in one.results)
+            told = (class_of(one.severity), str(one.verdict), seam, reached, cell.deviation, cell.effect)
             found.append(Missed(one.id, *told))
         return tuple(found)
 
@@ -163,10 +173,12 @@ class TestedSuite:
             )
             for one in tests
         )
-        found, nothing = self._smallest, [one.test for one in tests if not one.shows]
+        found, unjudged = self._smallest, self.unjudged
+        nothing = [one.test for one in tests if not one.shows and one.test not in unjudged]
         how = "the smallest set with the same kills" if found.exact else "a small set with the same kills"
         lists = (
             (f"{len(nothing)} of {counted(len(tests), 'test')} show no fault", nothing),
+            (f"{len(unjudged)} could not be judged, as each run with a fault is invalid", unjudged),
             (f"{counted(len(self.unreached), 'fault')} reach no test", self.unreached),
         )
         notes = (

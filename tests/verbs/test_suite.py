@@ -27,8 +27,9 @@ from printed import of_form, run
 
 import scaloft_fi
 from scaloft_fi.analysis.detection import LEAST, Pool, Sample, Spending, State, detect
+from scaloft_fi.analysis.score import score
 from scaloft_fi.campaign.flights.fly import Flight
-from scaloft_fi.campaign.flights.suite import SuiteStudy, outcome_of
+from scaloft_fi.campaign.flights.suite import Looked, SuiteStudy, outcome_of
 from scaloft_fi.campaign.plan import canary
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.store import Store
@@ -487,12 +488,26 @@ with injecting("baseline", "baseline") as (subject, tell):
 FAULT = Mutant("NO-a", "NO", "a", "", 0.0, "a", "drop")
 
 
-def ran(mutant: Mutant | None, test: str, seed: int, *, red: bool) -> Any:
+def ran(mutant: Mutant | None, test: str, seed: int, *, red: bool = False, colour: Colour = Colour.GREEN) -> Any:
     situation = Situation(test, (("Test", 0),))
-    counts = {"a": SeamCount(9, 3, 1.0)} if mutant else {}
-    return outcome_of(
-        Flight(mutant, situation, seed), Ran({test: Result(Colour.RED if red else Colour.GREEN)}, "", counts)
-    )
+    counts = {mutant.seam: SeamCount(9, 3, 1.0)} if mutant else {}
+    return outcome_of(Flight(mutant, situation, seed), Ran({test: Result(Colour.RED if red else colour)}, "", counts))
+
+
+@pytest.mark.parametrize(("colour", "kills", "trivial"), [(Colour.SKIPPED, "1/1", True), (Colour.GREEN, "1/2", False)])
+def test_a_test_that_a_fault_skips_is_not_put_to_the_test_and_a_fault_that_half_the_tests_show_is_not_trivial(
+    tmp_path: Path, colour: Colour, kills: str, *, trivial: bool
+):
+    looked = {"a": Looked(("a", "b"), {}, 1.0)}
+    study = SuiteStudy(ROOT, None, "", tmp_path / "suite.yaml", "tests: {a: {run: [sh]}}", looked)
+    (late,) = asked_mutants(study, ["LATE-human@3s"])
+    pool = [ran(None, test, seed) for test in "ab" for seed in range(LEAST)]
+    faulty = [
+        ran(late, test, seed, colour=of) for test, of in {"a": Colour.RED, "b": colour}.items() for seed in range(5)
+    ]
+    scored = score([*pool, *faulty], study.roster, study.space)
+    (fault,) = scored.counted
+    assert (fault.detected, fault.kill_rate.short, scored.trivial) == (True, kills, (late.id,) * trivial)
 
 
 def test_flaky_tests_call_faults_without_effect_detected_at_most_as_often_as_alpha_says():
@@ -513,6 +528,29 @@ def test_a_flight_that_fails_in_the_harness_is_told_and_is_no_red_test(tmp_path:
     study = SuiteStudy(ROOT, None, "", tmp_path / "suite.yaml", (tmp_path / "suite.yaml").read_text())
     told = study.run("a", FAULT, "a", 0)
     assert (told.of("a").colour, told.of("a").why) == (Colour.UNKNOWN, "RuntimeError: no server")
+
+
+@pytest.mark.parametrize(("said", "why"), [('"5"', "altered='5', which"), ("-5", "altered=-5, which")])
+def test_a_last_line_with_a_wrong_count_makes_that_run_alone_invalid(tmp_path: Path, said: str, why: str):
+    line = json.dumps(f'{{"altered": {said}}}')
+    text = f"tests:\n  a: {{run: [echo, {line}], seams: [a]}}\n"
+    told = SuiteStudy(ROOT, None, "", tmp_path / "suite.yaml", text).run("a", FAULT, "a", 0).of("a")
+    assert told.colour is Colour.UNKNOWN
+    assert told.why == f"the last line says {why} must be a whole number >= 0"
+
+
+def test_a_test_whose_runs_with_faults_are_all_invalid_is_not_said_to_show_none(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    (tmp_path / "check.sh").write_text('echo "{\\"altered\\": 1}"; [ "$1" != NO-goal ] || exit $2\n')
+    (tmp_path / "suite.yaml").write_text(
+        'tests:\n  a: {run: [sh, check.sh, "{mutant}", 9], seams: [goal]}\n'
+        '  b: {run: [sh, check.sh, "{mutant}", 0], seams: [goal]}\n'
+    )
+    assert suite(tmp_path, "--mutant", "NO-goal") == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "1 of 2 tests show no fault: b." in out
+    assert "1 could not be judged, as each run with a fault is invalid: a." in out
 
 
 def test_a_command_that_has_ended_before_anybody_looked_was_started(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
