@@ -17,7 +17,7 @@ from scaloft_fi.campaign.runs.merge import Merged
 from scaloft_fi.campaign.runs.merge import merge as merged_into
 from scaloft_fi.campaign.store.archive import MANIFEST, campaign_folder, is_archive, study_of_all
 from scaloft_fi.campaign.store.held import nothing_to_show
-from scaloft_fi.errors import ExitCode, InputError, shown
+from scaloft_fi.errors import ExitCode, GateError, InputError, shown
 from scaloft_fi.hazop.load import nearest_study
 from scaloft_fi.hazop.matrix import Matrix, class_of
 from scaloft_fi.judge.outcome import BASELINE, Outcome
@@ -342,15 +342,17 @@ class CampaignComparison:
         scores: the two scores held against each other.
         redefined: names of the requirements that the two studies define otherwise.
         flights: the flights of which the campaigns do not say the same; null: nobody asked.
+        invalid: why no score of a campaign is valid, each reason in a sentence; often none.
     """
 
     scores: ComparedCampaigns
     redefined: tuple[str, ...] = ()
     flights: FlightDifferences | None = None
-    KEYS = ("scores.*", "redefined", "flights")
+    invalid: tuple[str, ...] = ()
+    KEYS = ("scores.*", "redefined", "flights", "invalid")
 
 
-COMPARE = Output("compare", "1.0", CampaignComparison, "mutants", "what only one of two campaigns shows")
+COMPARE = Output("compare", "1.1", CampaignComparison, "mutants", "what only one of two campaigns shows")
 MEANING = (
     "lost: firm in the first, put to the test and not detected in the second, and the flights differ by the exact test "
     "after Holm over all faults; gained: the other way round; unsure: one detects it, and the flights do not say more."
@@ -450,7 +452,8 @@ def compared_by(
             f"the two studies define {name} otherwise: {', '.join(words)}" for name, words in redefined.items()
         ]
         differ = _flights((campaign, other), here, there) if flights else None
-        return CampaignComparison(told, tuple(redefined), differ), matrix, warnings
+        invalid = (f"{name}: {text}" for name, now in ((campaign, here), (other, there)) for text in now.stale.invalid)
+        return CampaignComparison(told, tuple(redefined), differ, tuple(invalid)), matrix, warnings
 
 
 def _flown(name: str, now: Snapshot, warnings: list[str]) -> Flown:
@@ -560,6 +563,8 @@ def compare_command(
     """
     options.check_writable(output, *options.PAGE, what="HTML")
     told, matrix, warnings = compared_by(Study.open(study_folder), campaign, other, flights=flights)
+    if failing and told.invalid:
+        raise GateError(f"--fail-on-lost: {told.invalid[0]}")
     if failing and told.scores.could_be_lost.whole and not told.scores.could_be_lost.part:
         enough = f"the flights are too few to call any of the {told.scores.could_be_lost.whole} firm faults lost"
         raise InputError(f"--fail-on-lost could never fail here: {enough}; fly more seeds or situations in both")
