@@ -654,7 +654,8 @@ class Score:
     @property
     def without_effect(self) -> tuple[Effectless, ...]:
         """The counted mutants whose flights all equal the baseline's to the bit."""
-        return tuple(Effectless(mutant.subject.id, mutant.acted) for mutant in self.counted if mutant.without_effect)
+        idle = (mutant for mutant in self.counted if mutant.without_effect and not self.of_tests)  # runs have no bits
+        return tuple(Effectless(mutant.subject.id, mutant.acted) for mutant in idle)
 
     @property
     def expected_false(self) -> float:

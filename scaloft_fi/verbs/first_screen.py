@@ -55,7 +55,9 @@ def answers(scored: Score, study: Study, campaign: str) -> tuple[Line, ...]:
     """
     faults = scored.faults
     told = (
-        (_shown(scored, faults), _not_shown(faults), _how_sure(scored, faults)) if scored.pooled else _no_pool(faults)
+        (_shown(scored, faults), _not_shown(scored, faults), _how_sure(scored, faults))
+        if scored.pooled
+        else _no_pool(faults)
     )
     return tuple(map(Line, NAMES, (*told, next_step(scored, study, campaign))))
 
@@ -89,9 +91,9 @@ def _firmly(faults: Sequence[MutantScore]) -> str:
     return f", {firm} firmly{by_pool}"
 
 
-def _not_shown(faults: Sequence[MutantScore]) -> str:
-    idle = sum(mutant.without_effect for mutant in faults)
-    fates = Counter(mutant.verdict for mutant in faults if not mutant.without_effect)
+def _not_shown(scored: Score, faults: Sequence[MutantScore]) -> str:
+    others = [one for one in faults if scored.of_tests or not one.without_effect]
+    idle, fates = len(faults) - len(others), Counter(mutant.verdict for mutant in others)
     parts = {
         detection.Verdict.NOT_DETECTED: "put to the test, nothing seen",
         detection.Verdict.UNDECIDED: "undecided: seen or flown too seldom",

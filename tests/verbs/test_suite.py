@@ -42,6 +42,7 @@ from scaloft_fi.outside.exchange import Processes
 from scaloft_fi.outside.suite import Colour, Ran, Result
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
+from scaloft_fi.verbs.first_screen import answers
 from scaloft_fi.verbs.suite import STATES, asked_mutants
 from scaloft_fi.views.table import of_tests_words
 
@@ -508,6 +509,9 @@ def test_a_test_that_a_fault_skips_is_not_put_to_the_test_and_a_fault_that_half_
     scored = score([*pool, *faulty], study.roster, study.space)
     (fault,) = scored.counted
     assert (fault.detected, fault.kill_rate.short, scored.trivial) == (True, kills, (late.id,) * trivial)
+    skipped = score([*pool, ran(late, "a", 0, colour=Colour.SKIPPED)], study.roster, study.space)
+    assert answers(skipped, study, "c")[1].text == "1 never put to the test."
+    assert skipped.without_effect == ()
 
 
 def test_flaky_tests_call_faults_without_effect_detected_at_most_as_often_as_alpha_says():
