@@ -54,11 +54,8 @@ def answers(scored: Score, study: Study, campaign: str) -> tuple[Line, ...]:
         campaign: its name, for the commands.
     """
     faults = scored.faults
-    told = (
-        (_shown(scored, faults), _not_shown(scored, faults), _how_sure(scored, faults))
-        if scored.pooled
-        else _no_pool(faults)
-    )
+    ways = (_shown, _not_shown, _how_sure)
+    told = [way(scored, faults) for way in ways] if scored.pooled else _no_pool(faults)
     return tuple(map(Line, NAMES, (*told, next_step(scored, study, campaign))))
 
 
