@@ -140,7 +140,7 @@ def _invalid(now: holding.Now, differed: Collection[str]) -> Iterator[str]:
         )
     gates = holding.gates_in(now)
     if gates and gates.failed:
-        yield f"no score is valid, because the last run ended with: {gates.failed}"
+        yield f"no score is valid, because a run ended with: {gates.failed}"
     elif differed:
         yield f"no score is valid, because {NOT_REPEATED}: {', '.join(differed)}"
 

@@ -25,7 +25,7 @@ from scaloft_fi.analysis.score import By, groups, score, score_of
 from scaloft_fi.analysis.survivor import Disposition, Judged, Standing
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.campaign.store.held import Gates, remember_gates
+from scaloft_fi.campaign.store.held import Gates, Now, remember_gates
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import rulings_of
@@ -217,8 +217,8 @@ def test_after_a_failed_gate_no_screen_and_no_export_passes_for_a_valid_score(ca
     assert call("run", *words, "--max-invalid", "0.9").exit_code == 0
     assert call("score", "--fail-under", "1").exit_code == 0
     with Store(tmp_path / "campaign" / STORE_NAME) as store:
-        remember_gates(store, Gates(0, "gate failed: 3 of 16 flights are invalid", 1, 0.1))
-    said = "no score is valid, because the last run ended with: gate failed: 3 of 16 flights are invalid"
+        remember_gates(Now(Study.open(STUDY), store), Gates(0, "gate failed: 3 of 16 flights are invalid", 1, 0.1))
+    said = "no score is valid, because a run ended with: gate failed: 3 of 16 flights are invalid"
     for option in (("--fail-under", "0"), ("--ratchet",)):
         failed = call("score", *option)
         assert (failed.exit_code, f"{option[0]}: {said}" in failed.stderr) == (4, True)

@@ -399,7 +399,7 @@ class Run:
         def tracked(baseline: Outcome) -> Outcome:
             return self.store.get(self._keys.key(self._flight_of(baseline))) or baseline
 
-        said = held.Gates(0, "", len(outcomes), self.options.max_invalid)
+        now, said = held.Now(self.study, self.store), held.Gates(0, "", len(outcomes), self.options.max_invalid)
         try:
             gates.check_gates(
                 [tracked(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
@@ -407,15 +407,15 @@ class Run:
                 canary=asked.canary.id if asked.canary else None,
                 whole_grid={flight.situation.key for flight in asked.baselines} == self.study.space.point.keys(),
                 part=part or self.options.part,
-                differed=held.differed_in(held.Now(self.study, self.store)),
+                differed=held.differed_in(now),
                 max_invalid=self.options.max_invalid,
                 deterministic=self.study.stack.deterministic,
                 spending=self.spending,
             )
         except GateError as error:
-            held.remember_gates(self.store, said._replace(failed=str(error)))
+            held.remember_gates(now, said._replace(failed=str(error)))
             raise
-        held.remember_gates(self.store, said)
+        held.remember_gates(now, said)
 
     def _flight_of(self, outcome: Outcome) -> Flight:
         return flight_named(self.study, outcome.mutant, outcome.situation, outcome.seed)

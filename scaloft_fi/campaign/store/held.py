@@ -393,22 +393,21 @@ class Gates(NamedTuple):
     max_invalid: float
 
 
-def remember_gates(store: Store, gates: Gates) -> None:
+def remember_gates(now: Now, gates: Gates) -> None:
     """Record what the gates of a run said; gates that held over fewer flights than failed before prove nothing.
 
     Raises:
         InputError: the store cannot be written.
     """
-    before = _last_gates(store)
-    numbered = gates._replace(number=before.number + 1 if before else 0)
-    if before and before[1:] == gates[1:]:
+    last, counts = _last_gates(now.store), gates_in(now)
+    if last and last[1:] == gates[1:]:
         return
-    if gates.failed or before is None or not before.failed or gates.flights >= before.flights:
-        store.remember(GATES, numbered._asdict())
+    if gates.failed or counts is None or not counts.failed or gates.flights >= counts.flights:
+        now.store.remember(GATES, gates._replace(number=last.number + 1 if last else 0)._asdict())
 
 
 def gates_in(now: Now) -> Gates | None:
-    """What the gates said last; None where no run came to its end, or most flights that it judged count no more.
+    """What the gates said last; None where no run came to its gates, or fewer flights count now than failed then.
 
     Raises:
         InputError: a record is none of gates.

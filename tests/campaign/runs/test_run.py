@@ -346,7 +346,7 @@ def test_a_repeat_that_differed_fails_the_gate_of_each_later_run_that_the_flight
         differed = differed_in(Now(study, store))
         (told,) = Stale.of({}, "", Now(study, store)).sentences
     assert differed == ("baseline/D0H1/0",)
-    assert told == f"no score is valid, because the last run ended with: gate failed: {said}"
+    assert told == f"no score is valid, because a run ended with: gate failed: {said}"
 
 
 def test_a_failed_gate_stands_until_a_run_over_as_many_flights_passes(study: Any, log: Any, fly: Runs):
@@ -365,6 +365,22 @@ def test_a_failed_gate_stands_until_a_run_over_as_many_flights_passes(study: Any
     assert stands()
     fly(asked(study, (0, 1), names=THREE))
     assert not stands()
+
+
+def test_a_failed_gate_of_flights_that_count_no_more_does_not_come_back(study: Any, log: Any, fly: Runs):
+    log.change = lambda flight, outcome: replace(outcome, invalid="no memory") if flight.seed == 1 else outcome
+    with pytest.raises(GateError, match="more than 10%"):
+        fly(asked(study, (0, 1), names=THREE))
+    log.change = same
+    mended = replace(study, inputs={**study.inputs, "code": "mended"})
+    for names in ((LATE,), (MORE,), (THREE[2],)):
+        Runs(mended, log)(asked(mended, (0, 1), names=names))
+    with Store(study.folder / "c" / STORE_NAME, create=False) as store:
+        now = Now(mended, store)
+        gates, flights = gates_in(now), sum(map(now.stands, now.flights))
+    assert flights >= 41
+    assert gates is not None
+    assert not gates.failed
 
 
 @pytest.fixture
