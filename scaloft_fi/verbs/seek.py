@@ -162,8 +162,8 @@ def spending(report: finds.SeekReport) -> str:
     begun = f" (and {left} not flown on all of them)" if (left := sum(one.untested for one in tested)) else ""
     return (
         f"Tested on fresh seeds: {counted(candidates, 'candidate')}{begun} of {counted(len(tested), 'mutant')}, at "
-        f"alpha / 2, / 4, ... for the first, second, ... of a mutant: at most {max(spent):.2g} of alpha="
-        f"{report.alpha:g} for one mutant, {sum(spent):.2g} summed over all."
+        f"alpha / 2, / 4, ... for the first, second, ... of a mutant: at most {max(spent):g} of alpha="
+        f"{report.alpha:g} for one mutant, {sum(spent):g} summed over all."
     )
 
 

@@ -208,7 +208,7 @@ def _status(dossier: Dossier, mutant: MutantScore) -> str:
         return "Ignored"
     if not mutant.flown:
         return "RuntimeError"
-    if not dossier.score.pooled:
+    if dossier.invalid or not dossier.score.pooled:
         return "Pending"
     if mutant.detected:
         return "Killed"
@@ -218,7 +218,7 @@ def _status(dossier: Dossier, mutant: MutantScore) -> str:
 
 
 def _reason(dossier: Dossier, mutant: MutantScore) -> str:
-    reason = dossier.verdict(mutant) + dossier.find_told(mutant)
+    reason = "; ".join((*dossier.invalid, dossier.verdict(mutant) + dossier.find_told(mutant)))
     if dossier.roster.is_control(mutant.subject):
         by = shows_itself_by(mutant)
         return f"a control, in no ratio{f', shows itself by {by}' if by else ''}: {reason}"

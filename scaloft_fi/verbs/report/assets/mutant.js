@@ -50,7 +50,7 @@ function mutantBlock(mutant) {
     mutantFacts(mutant), flownList(mutant));
 }
 
-const TESTED = "Kills: of the situations where the requirement tests the fault.  Flights: those there that violate it, of the mutant and of the unmutated drone.  p, over all situations that can be judged: the chance of so many violations or more if the fault did nothing, adjusted for the number of requirements.";
+const TESTED = "Kills: of the situations where the requirement tests the fault.  Flights: those there that violate it, of the mutant and of the unmutated drone.  p, over all situations in which the unmutated drone violates in at most a tenth of its flights: the chance of so many violations or more if the fault did nothing, adjusted for the number of requirements.";
 
 const mutantFacts = (mutant) => [verdictLine(mutant, findOf(mutant) ?? needed(mutant)), ...figuresOf(mutant)];
 
