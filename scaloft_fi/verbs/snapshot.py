@@ -138,10 +138,9 @@ def _invalid(now: holding.Now, differed: Collection[str]) -> Iterator[str]:
             "no score is valid, because a search chose what to fly by what it saw; `seek` says what fresh seeds "
             "confirm, and `run --grid NAME+found` flies it for a score"
         )
-    gates = holding.gates_in(now)
-    if gates and gates.failed:
-        yield f"no score is valid, because a run ended with: {gates.failed}"
-    elif differed:
+    failed = holding.failed_gates(now)
+    yield from (f"no score is valid: {one}" for one in failed)
+    if differed and not any(NOT_REPEATED in one for one in failed):
         yield f"no score is valid, because {NOT_REPEATED}: {', '.join(differed)}"
 
 

@@ -359,6 +359,10 @@ CASES = {
     "a requirement that nothing puts to the test": (made(IDLE, pooled=()), ("sace",)),
     "no default was flown": (made(*flown("LATE-human@1s"), *flown(CONTROL)), ("gsn", "markdown", "sace", "sarif")),
     "a gate failed": (made(*THREE, invalid=("no score is valid, because 3 flights are invalid",)), ALL),
+    "a search, without a pool": (
+        made(outcome(LATE), pooled=(), invalid=("no score is valid: a search",)),
+        ("markdown",),
+    ),
     "an id that XML cannot carry": (made(*flown("LATE-human@\x003s")), ("junit",)),
 }
 

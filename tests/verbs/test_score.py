@@ -25,7 +25,7 @@ from scaloft_fi.analysis.score import By, groups, score, score_of
 from scaloft_fi.analysis.survivor import Disposition, Judged, Standing
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.campaign.store.held import Gates, Now, remember_gates
+from scaloft_fi.campaign.store.held import remember_gates
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import rulings_of
@@ -217,12 +217,13 @@ def test_after_a_failed_gate_no_screen_and_no_export_passes_for_a_valid_score(ca
     assert call("run", *words, "--max-invalid", "0.9").exit_code == 0
     assert call("score", "--fail-under", "1").exit_code == 0
     with Store(tmp_path / "campaign" / STORE_NAME) as store:
-        remember_gates(Now(Study.open(STUDY), store), Gates(0, "gate failed: 3 of 16 flights are invalid", 1, 0.1))
-    said = "no score is valid, because a run ended with: gate failed: 3 of 16 flights are invalid"
+        remember_gates(store, "gate failed: PLACEBO differs from the baseline", [])
+    said = "no score is valid: gate failed: PLACEBO differs from the baseline"
     for option in (("--fail-under", "0"), ("--ratchet",)):
         failed = call("score", *option)
         assert (failed.exit_code, f"{option[0]}: {said}" in failed.stderr) == (4, True)
     assert said in call("score").stderr
+    assert json.loads(call("score", "--format", "json").stdout)["stale"]["invalid"] == [said]
     for style in ("markdown", "gsn", "sace", "junit", "sarif"):
         assert said[1:] in " ".join(call("export", "--format", style).stdout.split())
 

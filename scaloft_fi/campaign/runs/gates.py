@@ -14,7 +14,7 @@ from scaloft_fi.campaign.flights.fly import CAN_FORK, Flyer
 from scaloft_fi.campaign.flights.physics import Physics
 from scaloft_fi.campaign.plan import alone
 from scaloft_fi.campaign.store import platforms
-from scaloft_fi.campaign.store.held import NOT_REPEATED, counting_flights, flight_named
+from scaloft_fi.campaign.store.held import MOST_INVALID, NOT_REPEATED, counting_flights, flight_named
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.campaign.workers import Executor, Workers
 from scaloft_fi.errors import GateError
@@ -25,9 +25,6 @@ from scaloft_fi.judge.requirement import Compliance, Kind
 from scaloft_fi.registry import grouped
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.study import PACKAGE, Study
-
-MOST_INVALID = 0.1
-"""Greatest share of invalid flights; a run with more gives no valid score."""
 
 
 @dataclass(frozen=True)

@@ -127,7 +127,6 @@ def searching(
 ) -> Iterator[Run]:
     """Open the campaign of a search as `opened` does; however the search ends, its mission log is written."""
     with opened(study, folder, options, progress=progress, flyer=flyer, first=first) as campaign:
-        remember_search(campaign.store)
         try:
             yield campaign
         finally:
@@ -302,6 +301,7 @@ class SearchFlights:
             name: Flight(None, one.situation, one.seed + OTHER_SEEDS) if one.mutant == PLACEBO else one
             for name, one in new.items()
         }
+        remember_search(self._campaign.store)
         self._campaign.plan(flown.values())
         self._campaign.fly(flown.values(), lambda flights: self._budget.while_it_lasts(self._campaign.arrange(flights)))
         self.raise_if_stopped()

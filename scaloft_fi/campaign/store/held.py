@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, partial
 from pathlib import Path
@@ -310,9 +310,12 @@ def with_tracks(
     return tuple(tracked(outcome) for outcome in outcomes)
 
 
-ASKED, CHOICE, DIFFERED, GATES, SOUGHT = "asked", "choice", "differed", "gates", "sought"
+ASKED, CHOICE, DIFFERED, GATES, ALLOWED, SOUGHT = "asked", "choice", "differed", "gates", "allowed", "sought"
 """Prefixes of the names of the notes that runs leave: mutants with seeds, choices of situations, repeated flights, what
-the gates said, and that a search flew."""
+the gates said, the share of invalid flights that is allowed, and that a search flew."""
+
+MOST_INVALID = 0.1
+"""Greatest share of invalid flights where a run says nothing else; a campaign with more gives no valid score."""
 
 NOT_REPEATED = "a repeated flight differs from the first"
 """What is said of a campaign with such a flight."""
@@ -377,51 +380,62 @@ def searched(store: Store) -> bool:
     return bool(store.records(SOUGHT, bool))
 
 
-class Gates(NamedTuple):
-    """What the gates of a run said.
-
-    Attributes:
-        number: of runs of the campaign that came to their gates before.
-        failed: in a sentence; empty where all held.
-        flights: how many flights the run judged.
-        max_invalid: greatest share 0..1 of invalid flights that it allowed.
-    """
-
-    number: int
-    failed: str
-    flights: int
-    max_invalid: float
-
-
-def remember_gates(now: Now, gates: Gates) -> None:
-    """Record what the gates of a run said; gates that held over fewer flights than failed before prove nothing.
+def remember_allowed(store: Store, max_invalid: float) -> None:
+    """Record the greatest share 0..1 of invalid flights that a run allows, where it is not that of the run before.
 
     Raises:
         InputError: the store cannot be written.
     """
-    last, counts = _last_gates(now.store), gates_in(now)
-    if last and last[1:] == gates[1:]:
-        return
-    if gates.failed or counts is None or not counts.failed or gates.flights >= counts.flights:
-        now.store.remember(GATES, gates._replace(number=last.number + 1 if last else 0)._asdict())
+    number, before = _allowed(store)
+    if max_invalid != before:
+        store.remember(ALLOWED, [number + 1, max_invalid])
 
 
-def gates_in(now: Now) -> Gates | None:
-    """What the gates said last; None where no run came to its gates, or fewer flights count now than failed then.
+def allowed_in(store: Store) -> float:
+    """The greatest share 0..1 of invalid flights that the last run allowed.
+
+    Raises:
+        InputError: a record is none of a share.
+    """
+    return _allowed(store)[1]
+
+
+def remember_gates(store: Store, failed: str, keys: Collection[str]) -> None:
+    """Record what the gates of a run said, but for invalid flights, which are counted whenever somebody asks.
+
+    Args:
+        store: of the campaign.
+        failed: in a sentence; empty where all held.
+        keys: of the flights of the unmutated drone and of PLACEBO that were judged.
+
+    Raises:
+        InputError: the store cannot be written.
+    """
+    store.remember(GATES, {"failed": failed, "keys": sorted(key[:16] for key in keys)})
+
+
+def failed_gates(now: Now) -> tuple[str, ...]:
+    """What fails of the gates on the flights that count, each in a sentence.
+
+    A failed gate stands as long as the flights without a fault that it judged count, until gates hold over these and
+    others.
 
     Raises:
         InputError: a record is none of gates.
     """
-    known = _last_gates(now.store)
-    gone = known and known.failed and sum(map(now.stands, now.flights)) < known.flights
-    return None if gone else known
+    noted = now.store.records(GATES, lambda one: (str(one["failed"]), frozenset(map(str, one["keys"]))))
+    held, failed = [keys for text, keys in noted if not text], [one for one in noted if one[0]]
+    known = {flight.key[:16] for flight in now.flights if now.stands(flight)} if failed else set[str]()
+    stand = [text for text, keys in failed if keys <= known and not any(keys <= others for others in held)]
+    broken = sum(map(now.stands, now.store.broken()))
+    if broken and broken > (allowed := allowed_in(now.store)) * (flights := sum(map(now.stands, now.flights))):
+        stand.append(f"gate failed: {broken} of {flights} flights are invalid, more than {allowed:.0%}")
+    return tuple(stand)
 
 
-def _last_gates(store: Store) -> Gates | None:
-    def read(one: Any) -> Gates:
-        return Gates(int(one["number"]), str(one["failed"]), int(one["flights"]), float(one["max_invalid"]))
-
-    return max(store.records(GATES, read), default=None)
+def _allowed(store: Store) -> tuple[int, float]:
+    """How often it was changed, and the last value."""
+    return max(store.records(ALLOWED, lambda one: (int(one[0]), float(one[1]))), default=(0, MOST_INVALID))
 
 
 def _asked(store: Store) -> dict[str, set[frozenset[int]]]:

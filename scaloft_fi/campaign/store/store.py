@@ -526,6 +526,12 @@ class Store:
                 for row in rows
             ]
 
+    def broken(self) -> list[FlownFlight]:
+        """The flights with an invalid outcome."""
+        query = f"SELECT {', '.join(FlownFlight._fields)} FROM outcomes WHERE invalid != ''"
+        with self._sentences():
+            return [FlownFlight(*row) for rows in self._chunks("outcomes", query, record.FLIGHT) for row in rows]
+
     def _chunks(
         self, table: str, query: str, cells: Mapping[str, record.Cell], of: Sequence[str] = ()
     ) -> Iterator[list[tuple[Any, ...]]]:

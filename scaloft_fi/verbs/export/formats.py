@@ -245,7 +245,7 @@ def _ratios(dossier: Dossier) -> Table:
     exercised = ("exercised", scored.exercised.short, credible)
     others = ("without accepted", str(dossier.without_accepted), "the same, of those that are no accepted survivors")
     if not scored.pooled:
-        return Table(title, headers, (exercised, flown), (f"No score: {NO_POOL}.",))
+        return Table(title, headers, (exercised, flown), (*map(_sentence, dossier.invalid), f"No score: {NO_POOL}."))
     rows = (
         ("mutation score", str(scored.mutation_score), "default mutants that safety requirements detect, of all flown"),
         ("firm", str(scored.firm), "default mutants detected whichever one seed is left out, of those flown"),

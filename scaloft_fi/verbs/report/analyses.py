@@ -22,9 +22,8 @@ from scaloft_fi.analysis.margin import Margin, Scale, lowest, margins, whens
 from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score, cover, term_text
 from scaloft_fi.analysis.survivor import FAILING, Disposition, Judged, PhasedFault, backgrounds, judge
-from scaloft_fi.campaign.runs.gates import MOST_INVALID
 from scaloft_fi.campaign.seeking.finds import words_of
-from scaloft_fi.campaign.store.held import gates_in
+from scaloft_fi.campaign.store.held import MOST_INVALID, allowed_in
 from scaloft_fi.hazop.matrix import Matrix, cell_of, class_of, parse, split_magnitude
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import TRIGGER, Kind, Requirement, comparisons
@@ -89,7 +88,7 @@ def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
             fingerprint=now.platform,
             today=today,
             spending=now.spending,
-            max_invalid=gates.max_invalid if (gates := gates_in(now.now)) else MOST_INVALID,
+            max_invalid=allowed_in(now.store),
         )
 
 

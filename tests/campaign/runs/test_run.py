@@ -27,11 +27,12 @@ from scaloft_fi.campaign.runs.gates import RISE_M, check_gates
 from scaloft_fi.campaign.runs.merge import merge
 from scaloft_fi.campaign.runs.run import Report, changed_since, mission_log, run
 from scaloft_fi.campaign.store.archive import LOG_NAME, STORE_NAME
-from scaloft_fi.campaign.store.held import Now, differed_in, gates_in
+from scaloft_fi.campaign.store.held import Now, differed_in, failed_gates
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.campaign.workers import Interrupted
 from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.judge.outcome import TRACK_COLUMNS, Outcome, pack_track
+from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.output import json_text
 from scaloft_fi.sim import observer
@@ -346,41 +347,65 @@ def test_a_repeat_that_differed_fails_the_gate_of_each_later_run_that_the_flight
         differed = differed_in(Now(study, store))
         (told,) = Stale.of({}, "", Now(study, store)).sentences
     assert differed == ("baseline/D0H1/0",)
-    assert told == f"no score is valid, because a run ended with: gate failed: {said}"
+    assert told == f"no score is valid: gate failed: {said}"
 
 
-def test_a_failed_gate_stands_until_a_run_over_as_many_flights_passes(study: Any, log: Any, fly: Runs):
-    def stands() -> bool:
-        with Store(study.folder / "c" / STORE_NAME, create=False) as store:
-            now = Now(study, store)
-            gates = gates_in(now)
-            assert bool(gates and gates.failed) == any("more than 10%" in one for one in Stale.of({}, "", now).invalid)
-        return bool(gates and gates.failed)
-
-    log.change = lambda flight, outcome: replace(outcome, invalid="no memory") if flight.seed == 1 else outcome
-    with pytest.raises(GateError, match="more than 10%"):
-        fly(asked(study, (0, 1), names=THREE))
-    log.change = same
-    fly()
-    assert stands()
-    fly(asked(study, (0, 1), names=THREE))
-    assert not stands()
-
-
-def test_a_failed_gate_of_flights_that_count_no_more_does_not_come_back(study: Any, log: Any, fly: Runs):
-    log.change = lambda flight, outcome: replace(outcome, invalid="no memory") if flight.seed == 1 else outcome
-    with pytest.raises(GateError, match="more than 10%"):
-        fly(asked(study, (0, 1), names=THREE))
-    log.change = same
-    mended = replace(study, inputs={**study.inputs, "code": "mended"})
-    for names in ((LATE,), (MORE,), (THREE[2],)):
-        Runs(mended, log)(asked(mended, (0, 1), names=names))
+def failed(study: Any) -> list[str]:
+    """What fails of the gates on the flights of the campaign that count."""
     with Store(study.folder / "c" / STORE_NAME, create=False) as store:
-        now = Now(mended, store)
-        gates, flights = gates_in(now), sum(map(now.stands, now.flights))
-    assert flights >= 41
-    assert gates is not None
-    assert not gates.failed
+        told = failed_gates(Now(study, store))
+        assert [f"no score is valid: {one}" for one in told] == [*Stale.of({}, "", Now(study, store)).invalid]
+    return [one.removeprefix("gate failed: ").partition(":")[0] for one in told]
+
+
+def test_too_many_invalid_flights_fail_the_gate_of_a_campaign_until_they_are_flown_again(
+    study: Any, log: Any, fly: Runs
+):
+    log.change = lambda flight, outcome: replace(outcome, invalid="no memory") if flight.seed == 1 else outcome
+    with pytest.raises(GateError, match="more than 10%"):
+        fly(asked(study, (0, 1), names=THREE))
+    assert failed(study) == ["20 of 41 flights are invalid, more than 10%"]
+    log.change = same
+    fly(asked(study, (0, 1), names=(LATE,)))
+    assert failed(study) == ["8 of 41 flights are invalid, more than 10%"]
+    fly(asked(study, (0, 1), names=THREE), max_invalid=0.5)
+    assert failed(study) == []
+
+
+PLACEBO_DIFFERS = "PLACEBO differs from the baseline"
+
+
+def test_a_failed_gate_stands_as_long_as_its_flights_count_whatever_else_flies_or_changes(
+    study: Any, log: Any, fly: Runs
+):
+    log.change = changed("PLACEBO/D0H1/0", digest="other")
+    with pytest.raises(GateError, match=PLACEBO_DIFFERS):
+        fly(asked(study, names=THREE))
+    log.change = same
+    other = replace(
+        study, inputs={**study.inputs, f"operator {study.matrix.cell('LATE-human').faults[0].operator}": "x"}
+    )
+    assert failed(other) == [PLACEBO_DIFFERS]
+    with pytest.raises(GateError, match=PLACEBO_DIFFERS):
+        fly(asked(study, (0, 1), names=(LATE,)))
+    assert PLACEBO_DIFFERS in failed(study)
+    mended = replace(study, inputs={**study.inputs, "code": "mended"})
+    for names in (THREE, (LATE,)):
+        Runs(mended, log)(asked(mended, (0, 1), names=names))
+    assert failed(mended) == []
+
+
+def test_a_gate_that_holds_over_more_flights_takes_back_one_that_failed_over_some(study: Any, log: Any, fly: Runs):
+    def shy(flight: Flight, outcome: Outcome) -> Outcome:
+        return outcome if flight.mutant or flight.situation.key != "D0H0" else red(outcome)
+
+    log.change = shy
+    mutants = realise(study.matrix, LATE), realise(study.matrix, CONTROL)
+    with pytest.raises(GateError, match="no situation flown"):
+        fly(plan([study.grid.situation("D0H0")], (0,), mutants[:1], mutants[1]))
+    assert failed(study)
+    fly()
+    assert failed(study) == []
 
 
 @pytest.fixture
