@@ -407,10 +407,11 @@ class Study(Setup):
             for path, file in files.items()
             if self.grid_name is not None or path.parts[0] != grids.FOLDER
         }
-        others |= {f"../{name}": digest(self.folder / name) for name in (self.command.inputs if self.command else ())}
-        for name in self.stack.files:  # an archive has no programs, and its flights count without them
+        programs = {f"../{name}": name for name in (self.command.inputs if self.command else ())}
+        programs |= {f"stack {Path(name).name}": name for name in self.stack.files}
+        for said, name in programs.items():  # an archive has no programs, and its flights count without them
             gone = self.archived_name and not is_there(self.folder / name)
-            others[f"stack {Path(name).name}"] = "" if gone else digest(self.folder / name)
+            others[said] = "" if gone else digest(self.folder / name)
         roles = [(b.name, ROLES[b.role].seen_as) for b in self.grid.recorded.bodies.values()]
         judged = [(r.name, r.kind, r.text, r.trigger, r.definitions) for r in self.requirements]
         code = closure(self.flying_modules)

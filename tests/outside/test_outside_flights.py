@@ -92,6 +92,14 @@ def test_the_code_of_a_border_and_of_the_reader_of_a_record_enters_the_keys(fold
     assert modules[-2:] == ("scaloft_fi.outside.ros2", "scaloft_fi.outside.readers")
 
 
+def test_an_archive_counts_without_the_program_of_its_command(tmp_path: Path):
+    study = Study.open(example("own_simulator", tmp_path / "commanded"))
+    (study.folder / "fly.py").unlink()
+    with pytest.raises(InputError, match="fly.py"):
+        _ = study.inputs
+    assert replace(study, archived_name="commanded").inputs["sim"]
+
+
 def test_a_false_contact_comes_with_each_period_and_leaves_a_true_one():
     operator = OPERATORS["false_contact"]
     example = operator.example

@@ -399,14 +399,14 @@ class Run:
         def tracked(baseline: Outcome) -> Outcome:
             return self.store.get(self._keys.key(self._flight_of(baseline))) or baseline
 
-        now = held.Now(self.study, self.store)
+        now, part = held.Now(self.study, self.store), part or self.options.part
         check = partial(
             gates.check_gates,
             [tracked(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
             self.study.roster,
             canary=asked.canary.id if asked.canary else None,
             whole_grid={flight.situation.key for flight in asked.baselines} == self.study.space.point.keys(),
-            part=part or self.options.part,
+            part=part,
             differed=held.differed_in(now),
             deterministic=self.study.stack.deterministic,
             spending=self.spending,
@@ -418,7 +418,7 @@ class Run:
         except GateError as error:
             held.remember_gates(self.store, str(error), keys)
             check(max_invalid=self.options.max_invalid)
-        if held.failed_gates(now):
+        if not part and held.failed_gates(now):
             held.remember_gates(self.store, "", keys)
         if any(one.invalid for one in outcomes):
             check(max_invalid=self.options.max_invalid)

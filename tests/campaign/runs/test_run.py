@@ -372,6 +372,14 @@ def test_too_many_invalid_flights_fail_the_gate_of_a_campaign_until_they_are_flo
     assert failed(study) == []
 
 
+def test_a_part_of_a_run_takes_back_no_gate_that_it_does_not_check(study: Any, log: Any, fly: Runs):
+    log.change = _tame
+    with pytest.raises(GateError, match="a control shows nothing"):
+        fly()
+    fly(asked(study, names=THREE), part=True)
+    assert failed(study) == ["a control shows nothing, so faults may not reach the drone"]
+
+
 PLACEBO_DIFFERS = "PLACEBO differs from the baseline"
 
 
