@@ -95,7 +95,7 @@ def test_the_code_of_a_border_and_of_the_reader_of_a_record_enters_the_keys(fold
 def test_an_archive_counts_without_the_program_of_its_command(tmp_path: Path):
     study = Study.open(example("own_simulator", tmp_path / "commanded"))
     (study.folder / "fly.py").unlink()
-    with pytest.raises(InputError, match="fly.py"):
+    with pytest.raises(InputError, match=r"fly\.py"):
         _ = study.inputs
     assert replace(study, archived_name="commanded").inputs["sim"]
 
