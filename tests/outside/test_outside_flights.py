@@ -269,10 +269,8 @@ def awaited(planner: Study, loaded: OfALoadedMachine, silent: int = 0, *, determ
     [
         ("print('no route'); sys.exit(3)", "faulty.py ended with code 3; its last lines: ready / no route"),
         ("import os; os.kill(os.getpid(), 11)", "faulty.py was ended by SIGSEGV; its last lines: ready"),
-        pytest.param(
-            *("time.sleep(60)", "no answer on /cmd_vel for 5 ticks in a row, for 0.02 s each; its last lines: ready"),
-            marks=pytest.mark.release,
-        ),
+        # on a slow machine its messages stay unread for so long that it is cut off, and told so
+        pytest.param("time.sleep(60)", "no answer on /cmd_vel for 5 ticks in a row", marks=pytest.mark.release),
         ("order['turn_radps'] = float('nan')", "NaN is no number of JSON"),
         ("order['velocity'] = 'fast'", "/cmd_vel: data.velocity must be a list of 3 numbers"),
         (
