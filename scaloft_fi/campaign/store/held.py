@@ -411,26 +411,35 @@ def remember_gates(store: Store, failed: str, keys: Collection[str]) -> None:
     Raises:
         InputError: the store cannot be written.
     """
-    store.remember(GATES, {"failed": failed, "keys": sorted(key[:16] for key in keys)})
+    number = len(store.records(GATES, bool))
+    store.remember(GATES, {"number": number, "failed": failed, "keys": sorted(key[:16] for key in keys)})
 
 
 def failed_gates(now: Now) -> tuple[str, ...]:
     """What fails of the gates on the flights that count, each in a sentence.
 
-    A failed gate stands as long as the flights without a fault that it judged count, until gates hold over these and
-    others.
+    A failed gate stands as long as the flights without a fault that it judged count, until the gates of a later run
+    hold over these or more.
 
     Raises:
         InputError: a record is none of gates.
     """
-    noted = now.store.records(GATES, lambda one: (str(one["failed"]), frozenset(map(str, one["keys"]))))
-    held, failed = [keys for text, keys in noted if not text], [one for one in noted if one[0]]
+
+    def read(one: Any) -> tuple[int, str, frozenset[str]]:
+        return int(one["number"]), str(one["failed"]), frozenset(map(str, one["keys"]))
+
+    noted = sorted(now.store.records(GATES, read), key=lambda one: one[0])
+    held, failed = [one for one in noted if not one[1]], [one for one in noted if one[1]]
     known = {flight.key[:16] for flight in now.flights if now.stands(flight)} if failed else set[str]()
-    stand = [text for text, keys in failed if keys <= known and not any(keys <= others for others in held)]
+    stand = [
+        text
+        for number, text, keys in failed
+        if keys <= known and not any(later > number and keys <= others for later, _, others in held)
+    ]
     broken = sum(map(now.stands, now.store.broken()))
     if broken and broken > (allowed := allowed_in(now.store)) * (flights := sum(map(now.stands, now.flights))):
         stand.append(f"gate failed: {broken} of {flights} flights are invalid, more than {allowed:.0%}")
-    return tuple(stand)
+    return tuple(dict.fromkeys(stand))
 
 
 def _allowed(store: Store) -> tuple[int, float]:

@@ -523,12 +523,8 @@ def _scenarios(dossier: Dossier) -> Table:
         return key, ", ".join(often) or "nothing", ", ".join(vacuous), str(killed)
 
     rows = tuple(row(one.situation, one.vacuous) for one in findings(dossier.outcomes, dossier.space))
-    headers = (
-        "situation",
-        "the unmutated drone violates",
-        "never tests",
-        "default mutants killed, of those tested",
-    )
+    killed_of = "default mutants killed, of those tested"
+    headers = ("situation", "the unmutated drone violates", "never tests", killed_of)
     return Table("Sufficiency of coverage (3): operating scenarios", headers, rows)
 
 

@@ -8,7 +8,7 @@ import multiprocessing
 import os
 import shutil
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -370,6 +370,19 @@ def test_too_many_invalid_flights_fail_the_gate_of_a_campaign_until_they_are_flo
     assert failed(study) == ["8 of 41 flights are invalid, more than 10%"]
     fly(asked(study, (0, 1), names=THREE), max_invalid=0.5)
     assert failed(study) == []
+
+
+def test_a_gate_that_held_once_takes_back_none_that_fails_later_over_the_same_flights(study: Any, log: Any, fly: Runs):
+    def of_control(number: int) -> Any:
+        """The study after an edit of the control's operator."""
+        operator = f"operator {realise(study.matrix, CONTROL).operator}"
+        return replace(study, inputs={**study.inputs, operator: str(number)})
+
+    for number, change, fails in ((0, _tame, True), (1, same, False), (2, _tame, True)):
+        log.change = change
+        with pytest.raises(GateError, match="a control shows nothing") if fails else nullcontext():
+            fly(of=of_control(number))
+        assert bool(failed(of_control(number))) == fails
 
 
 def test_a_part_of_a_run_takes_back_no_gate_that_it_does_not_check(study: Any, log: Any, fly: Runs):
