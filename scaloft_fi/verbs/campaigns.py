@@ -71,6 +71,7 @@ class CampaignStatus:
         platforms: how the flights divide over platforms; null: all of one platform.
         statuses: the flights that count, by status.
         reasons: why flights are stale.
+        invalid: why flights that count say nothing, the commonest reason first.
     """
 
     campaign: str
@@ -88,9 +89,10 @@ class CampaignStatus:
     platforms: str | None
     statuses: tuple[CountedStatus, ...]
     reasons: tuple[Reason, ...]
+    invalid: tuple[Reason, ...] = ()
 
 
-STATUS = Output("status", "1.2", CampaignStatus, rows="statuses")
+STATUS = Output("status", "1.3", CampaignStatus, rows="statuses")
 
 
 def campaign_status(now: Snapshot) -> CampaignStatus:
@@ -123,6 +125,7 @@ def campaign_status(now: Snapshot) -> CampaignStatus:
             *(CountedStatus("mutants", *each) for each in mutants.items()),
         ),
         reasons=tuple(Reason(*each) for each in held.why.items()),
+        invalid=tuple(Reason(*each) for each in Counter(now.now.broken.values()).most_common()),
     )
 
 
@@ -145,7 +148,11 @@ def status_tables(told: CampaignStatus, then: str) -> tuple[Table, ...]:
     reasons = tuple((one.why, one.flights) for one in told.reasons)
     again = f"`{told.command}` flies them again; no flight log is kept from which they could be judged anew."
     stale = Table("Stale flights", ("why", "number"), reasons, (again,) if told.command else ())
-    return (table, stale) if told.stale else (table,)
+    why = tuple((one.why, one.flights) for one in told.invalid)
+    broken = Table(
+        "Invalid flights", ("why", "number"), why, () if told.archive else ("The same run flies them again.",)
+    )
+    return (table, *([stale] if told.stale else ()), *([broken] if why else ()))
 
 
 def _of_archive(told: CampaignStatus) -> tuple[str, ...]:

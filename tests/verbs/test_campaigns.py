@@ -65,6 +65,17 @@ def test_flights_whose_baseline_is_not_home_wait_for_it_and_are_not_called_inval
     assert "waiting for their baseline" in call("status").stdout
 
 
+def test_status_says_why_flights_are_invalid(call: Call, tmp_path: Path):
+    call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
+    with closing(sqlite3.connect(tmp_path / "campaign" / STORE_NAME)) as connection:
+        connection.execute("UPDATE outcomes SET invalid = 'no memory' WHERE mutant LIKE 'LATE%' AND seed = 0")
+        connection.commit()
+    (reason,) = json.loads(call("status", "--format", "json").stdout)["invalid"]
+    assert (reason["why"], reason["flights"]) == ("no memory", 2)
+    assert "no memory" in call("status").stdout
+    assert "/0 (no memory)" in " ".join(call("score").stderr.split())
+
+
 def test_first_screen_kills_and_status_say_the_same_next_step(call: Call, tmp_path: Path):
     call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H?", "--quiet")
     with named_study(STUDY), snapshot(Study.open(STUDY), f"{tmp_path}/campaign") as now:

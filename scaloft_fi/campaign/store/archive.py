@@ -549,9 +549,9 @@ class Archive(Store):
         """The flights, ordered by mutant, situation, seed."""
         return [flight for flight, _ in self._flown.values()]
 
-    def broken(self) -> list[FlownFlight]:
-        """The flights with an invalid outcome."""
-        return [flight for flight, outcome in self._flown.values() if outcome.invalid]
+    def broken(self) -> dict[FlownFlight, str]:
+        """The flights with an invalid outcome, each with the reason."""
+        return {flight: outcome.invalid for flight, outcome in self._flown.values() if outcome.invalid}
 
     def keyed(self, keys: Iterable[str] | None = None) -> list[tuple[str, Outcome]]:
         """All outcomes, or those with `keys`, each with its key, in the order of `outcomes`."""

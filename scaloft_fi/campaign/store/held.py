@@ -213,6 +213,11 @@ class Now:
         return self.store.flights()
 
     @cached_property
+    def broken(self) -> Mapping[FlownFlight, str]:
+        """The current flights that are invalid, each with the reason."""
+        return {flight: why for flight, why in self.store.broken().items() if self.stands(flight)}
+
+    @cached_property
     def one_each(self) -> list[FlownFlight]:
         """One flight for each mutant, situation and origin."""
         return self.store.flights(one_each=True)
@@ -436,9 +441,11 @@ def failed_gates(now: Now) -> tuple[str, ...]:
         for number, text, keys in failed
         if keys <= known and not any(later > number and keys <= others for later, _, others in held)
     ]
-    broken = sum(map(now.stands, now.store.broken()))
+    broken = len(now.broken)
     if broken and broken > (allowed := allowed_in(now.store)) * (flights := sum(map(now.stands, now.flights))):
-        stand.append(f"gate failed: {broken} of {flights} flights are invalid, more than {allowed:.0%}")
+        (_, mutant, situation, seed, _), why = next(iter(now.broken.items()))
+        told = f"{broken} of {flights} flights are invalid, more than {allowed:.0%}"
+        stand.append(f"gate failed: {told}: {mutant}/{situation}/{seed} ({why})")
     return tuple(dict.fromkeys(stand))
 
 

@@ -526,11 +526,13 @@ class Store:
                 for row in rows
             ]
 
-    def broken(self) -> list[FlownFlight]:
-        """The flights with an invalid outcome."""
-        query = f"SELECT {', '.join(FlownFlight._fields)} FROM outcomes WHERE invalid != ''"
+    def broken(self) -> dict[FlownFlight, str]:
+        """The flights with an invalid outcome, each with the reason."""
+        cells = {**record.FLIGHT, "invalid": record.TEXT}
+        query = f"SELECT {', '.join(cells)}, origin FROM outcomes WHERE invalid != ''"
         with self._sentences():
-            return [FlownFlight(*row) for rows in self._chunks("outcomes", query, record.FLIGHT) for row in rows]
+            rows = [row for rows in self._chunks("outcomes", query, cells) for row in rows]
+        return {FlownFlight(*flight, origin): why for *flight, why, origin in rows}
 
     def _chunks(
         self, table: str, query: str, cells: Mapping[str, record.Cell], of: Sequence[str] = ()
