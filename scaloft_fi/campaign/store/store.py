@@ -532,7 +532,7 @@ class Store:
         query = f"SELECT {', '.join(cells)}, origin FROM outcomes WHERE invalid != ''"
         with self._sentences():
             rows = [row for rows in self._chunks("outcomes", query, cells) for row in rows]
-        return {FlownFlight(*row[:4], row[5]): row[4] for row in rows}
+        return {FlownFlight(key, mutant, at, seed, origin): why for key, mutant, at, seed, why, origin in rows}
 
     def _chunks(
         self, table: str, query: str, cells: Mapping[str, record.Cell], of: Sequence[str] = ()
