@@ -20,7 +20,6 @@ from experiments import PUBLISHED
 from experiments.flights import Row, counted, outcomes, read_lines, write_lines
 from experiments.wide import POOL, SEEDS
 from scaloft_fi.analysis.score import score
-from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.progress import Progress
 from scaloft_fi.campaign.runs.gates import RunOptions
 from scaloft_fi.campaign.seeking import seek as proposals
@@ -294,9 +293,7 @@ def seed_of(block: int) -> int:
     return FIRST_SEED + block - 1
 
 
-def search(
-    study: Study, number: int, mutants: Block, arm: str, folder: Path, *, budget: int, jobs: int, flyer: Flyer | None
-) -> Search:
+def search(study: Study, number: int, mutants: Block, arm: str, folder: Path, *, budget: int, jobs: int) -> Search:
     """Search with an arm for the mutants of a block; nothing is shrunk, nor written into the study.
 
     Args:
@@ -307,7 +304,6 @@ def search(
         folder: of the campaign that holds the flights of all arms of the block; stored flights are not flown again.
         budget: flights, stored ones included.
         jobs: number of processes.
-        flyer: flies; PyBullet when None.
 
     Raises:
         Interrupted: the user stopped the search; all outcomes are saved.
@@ -341,7 +337,6 @@ def search(
         allowance=Allowance(flights=budget),
         progress=progress,
         save=lambda _finds: None,
-        flyer=flyer,
         proposer=proposer,
         first=first,
         shrinks=False,

@@ -32,7 +32,6 @@ from experiments.pages import Row, blocks, table, write
 from experiments.search_arms import ARMS, SEARCH, Block, Search, Sought, seed_of
 from scaloft_fi.analysis.detection import holm
 from scaloft_fi.analysis.seeking import distance
-from scaloft_fi.campaign.flights.fly import Flyer
 from scaloft_fi.campaign.seeking.finds import SEEN_ON
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.streams import generator
@@ -287,9 +286,7 @@ KEPT = "all arms"
 """Name in the file of flights: arms share flights."""
 
 
-def fly(
-    study: Study, blocks: Sequence[Block], campaigns: Path, path: Path, *, jobs: int, budget: int, flyer: Flyer | None
-) -> list[Search]:
+def fly(study: Study, blocks: Sequence[Block], campaigns: Path, path: Path, jobs: int) -> list[Search]:
     """Fly the searches that the file lacks; returns all searches of the file.
 
     Args:
@@ -298,18 +295,14 @@ def fly(
         campaigns: folder with a campaign for each block.
         path: the file of searches.
         jobs: number of processes.
-        budget: flights of each search for each of its mutants.
-        flyer: flies; PyBullet when None.
     """
     searches = search_arms.read_searches(path)
     done = {(one.block, one.arm, one.budget) for one in searches}
     for number, mutants in enumerate(blocks, 1):
-        flights, folder = budget * len(mutants), campaigns / f"{number:02}"
+        flights, folder = BUDGET * len(mutants), campaigns / f"{number:02}"
         for arm in ARMS:
             if (number, arm, flights) not in done:
-                searches.append(
-                    search_arms.search(study, number, mutants, arm, folder, budget=flights, jobs=jobs, flyer=flyer)
-                )
+                searches.append(search_arms.search(study, number, mutants, arm, folder, budget=flights, jobs=jobs))
                 search_arms.write_searches(path, searches)
     return searches
 
@@ -325,7 +318,7 @@ def results(_study: Study, jobs: int, folder: Path) -> str:
     mutants, path = search_arms.read_blocks(), folder / FLIGHTS
     before = search_arms.read_searches(folder / SEARCHES)
     study = Study.open(ROOT, GRID)
-    searches = fly(study, mutants, CAMPAIGNS, folder / SEARCHES, jobs=jobs, budget=BUDGET, flyer=None)
+    searches = fly(study, mutants, CAMPAIGNS, folder / SEARCHES, jobs)
     if len(searches) > len(before):
         kept_flights.write(path, {KEPT: flights_in(study, CAMPAIGNS, len(mutants))})
     return flown(Evidence(mutants, searches, kept_flights.read(path)[KEPT]))

@@ -2,19 +2,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from builders import GRID, outcome
 
 from experiments import PUBLISHED, ROOT, more_goal
-from experiments.flights import Beside, Varied, flights_of, read, shared, write
+from experiments.flights import Beside, Varied, flights_of, shared
 from experiments.flights import flown as flown_beside
 from experiments.more_goal import ARMS, AS_IT_IS, FLIGHTS, MUTANTS, NAMES, NOT_TURNING, STRICT, Arm, flown
-from experiments.operating_point import PLAIN
 from experiments.pages import registered
 from scaloft_fi.analysis.detection import ALPHA, Stratum, p_value
-from scaloft_fi.campaign.flights.fly import Flight, fly_log
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.study import Study
@@ -105,43 +102,6 @@ def test_no_rule_is_decided_while_a_flight_is_missing_or_invalid():
         assert "no arm" not in unfinished
 
 
-def test_a_file_of_flights_gives_back_what_was_written(tmp_path: Path):
-    made = campaign({(NOT_TURNING, "MORE-goal@1m", CORNER): {"SR1": 28.0}})
-    flights = {arm.name: dict(list(made[arm.name].items())[:200]) for arm in (AS_IT_IS, NOT_TURNING)}
-    write(tmp_path / "flights.jsonl.gz", flights)
-    assert read(tmp_path / "flights.jsonl.gz") == flights
-    backwards = {arm: dict(reversed(own.items())) for arm, own in reversed(flights.items())}
-    write(tmp_path / "again.jsonl.gz", backwards)
-    assert (tmp_path / "again.jsonl.gz").read_bytes() == (tmp_path / "flights.jsonl.gz").read_bytes()
-
-
-def test_a_flight_in_the_file_is_not_flown_again_and_an_invalid_one_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    asked: list[tuple[str, str]] = []
-
-    def shared(study: Varied, flights: list, jobs: int):  # type: ignore[no-untyped-def,type-arg]
-        arm = next(arm.name for arm in ARMS if arm.overrides == study.overrides)
-        for number, flight in enumerate(flights):
-            if len(asked) == 8:
-                raise KeyboardInterrupt
-            asked.append((arm, flight.name))
-            broken = "it hung" if arm == ARMS[0].name and number == 1 else ""
-            yield outcome(
-                flight.subject.id, flight.situation.key, flight.seed, invalid="" if len(asked) > 8 else broken
-            )
-
-    monkeypatch.setattr("experiments.flights.shared", shared)
-    path, study = tmp_path / "flights.jsonl.gz", Study.open(ROOT)
-    with pytest.raises(KeyboardInterrupt):
-        more_goal.fly(study, path, 1, draws=1)
-    assert sum(map(len, read(path).values())) == 8
-    first, asked[:] = list(asked), [("", "")] * 9
-    kept = more_goal.fly(study, path, 1, draws=1)
-    again = asked[9:]
-    assert set(first) & set(again) == {(ARMS[0].name, f"MORE-goal@0.3m/{PLAIN}/0")}
-    assert {arm: set(own) for arm, own in kept.items()} == {arm.name: set(NAMES[:5]) for arm in ARMS}
-    assert len(again) == len(ARMS) * 5 - 7
-
-
 @pytest.mark.flight
 def test_flights_that_share_a_baseline_with_changed_numbers_have_the_digests_of_whole_flights():
     arm = Arm(turns_first=False, cruise_mps=1.2)
@@ -152,15 +112,6 @@ def test_flights_that_share_a_baseline_with_changed_numbers_have_the_digests_of_
     whole = flown_beside(Beside(ROOT, dict(arm.overrides), "T0O0W0D0H0", 0, ("MORE-goal@1m", "MORE-goal@3m")))
     assert found == {o.name: log.digest for o, log in whole}
     assert len(set(found.values())) == 3
-
-
-@pytest.mark.flight
-def test_without_a_changed_number_the_flights_are_those_of_a_campaign():
-    study, situation = Study.open(ROOT), "T0O0W0D0H0"
-    mutant = realise(study.matrix, "REVERSE-velcmd")
-    logs = [log.digest for _, log in flown_beside(Beside(ROOT, {}, situation, 0, (mutant.id,)))]
-    flights = [Flight(subject, study.grid.situation(situation), 0) for subject in (None, mutant)]
-    assert logs == [fly_log(study, flight).digest for flight in flights]
 
 
 def test_the_published_page_is_that_of_the_published_flights():

@@ -5,20 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from builders import GRID, outcome, pool
 
 from experiments import PUBLISHED, random_faults
 from experiments import random_faults as experiment
-from experiments.flights import flights_of, name_of, published
 from experiments.pages import registered
-from experiments.published_kernels import KERNELS
 from experiments.random_draw import GUIDEWORD, Draw
 from scaloft_fi.analysis.detection import State
-from scaloft_fi.campaign.flights.fly import facts, fly_log
-from scaloft_fi.campaign.store.platforms import fingerprint
+from scaloft_fi.campaign.flights.fly import facts
 from scaloft_fi.hazop.matrix import parse
 from scaloft_fi.judge.outcome import BASELINE, Subject
 from scaloft_fi.mutants.catalogue import catalogue_lines, realise
@@ -177,19 +173,6 @@ def test_nothing_is_decided_while_a_flight_is_missing_or_the_pools_differ(study:
         page = random_faults.flown(hazop, unfinished, faults_of(study), redraws=1)
         assert random_faults.UNFINISHED in page
         assert "Rule 1" not in page
-
-
-@pytest.mark.flight
-def test_a_random_fault_flies_with_the_published_baseline_and_shares_it(study: Study, tmp_path: Path):
-    faults = [fault for fault in experiment.read_faults() if fault.seam == "velcmd"][:2]
-    found = experiment.fly(study, faults, tmp_path / "flights.jsonl.gz", 1, draws=1)
-    digests = {o.name: o.digest for o in found}
-    flights = flights_of(study, {fault.id: fault for fault in faults}, digests)
-    assert digests == {flight.name: fly_log(study, flight).digest for flight in flights}
-    assert len(set(digests.values())) == 3
-    if fingerprint()["numpy kernels"] == KERNELS:
-        (clean,) = (o for o in found if o.mutant == BASELINE)
-        assert clean.digest in {row["digest"] for row in published() if name_of(row) == clean.name}
 
 
 def test_the_published_page_is_that_of_the_published_flights(study: Study):

@@ -1,23 +1,19 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from pathlib import Path
-from shutil import copytree
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from finding import Ruled, fast
 
-from experiments import PUBLISHED, ROOT, search_arms, wide
+from experiments import PUBLISHED, ROOT, wide
 from experiments import search_arms as arms
 from experiments import search_or_chance as experiment
 from experiments.flights import published, read
 from experiments.pages import registered
 from experiments.search_or_chance import BUDGET, UNFINISHED, Answer, Evidence, answer, flown, share, totals
-from scaloft_fi.campaign.seeking.seek import CHUNK, GENERATION, OPENING
+from scaloft_fi.campaign.seeking.seek import OPENING
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.sim.grid import Evidence as Shown
@@ -42,8 +38,6 @@ POWER = (
 )
 """Share of the open mutants that each arm of chance finds, share that the search finds, share of yes where mutants are
 found one by one, and where those of a block are found together."""
-LATE, LESS = "LATE-human@3s", "LESS-human@0.8"
-SMALL_BUDGET = 60
 BLOCKS = arms.read_blocks()
 SIZES = [len(block) for block in BLOCKS]
 MUTANTS = sum(SIZES)
@@ -53,16 +47,6 @@ EVIDENCE = Shown("SR1", 1, 0.001, 0.005, 4, 4, "wall", 10, 10, 0.2, 0.01, 10)
 @pytest.fixture(scope="module")
 def study() -> Study:
     return Study.open(ROOT, experiment.GRID)
-
-
-@contextmanager
-def few_rows(study: Study) -> Iterator[None]:
-    """Arrays that take no time."""
-    free = [axis.id for axis in study.grid.free]
-    rows = [{**dict.fromkeys("TOWDH", 0), **dict.fromkeys(free, 0), "Cs": 2, "Al": 2, "De": 2} for _ in range(9)]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search_arms, "pair_rows", lambda _grid, _salt: rows)
-        yield
 
 
 @pytest.fixture(scope="module")
@@ -159,75 +143,6 @@ def test_the_answer_needs_more_than_chance_and_more_than_each_arm():
     assert totals(better) == [18, 6, 6, 6]
 
 
-def fly(study: Study, folder: Path, flyer: Ruled, *blocks: arms.Block) -> list[arms.Search]:
-    path = folder / "searches.jsonl.gz"
-    return experiment.fly(study, blocks, folder / "campaigns", path, jobs=1, budget=SMALL_BUDGET, flyer=flyer)
-
-
-@dataclass(frozen=True)
-class Flown:
-    """What all arms flew for a block of two."""
-
-    folder: Path
-    searches: Mapping[str, arms.Search]
-    flights: Sequence[str]
-
-
-@pytest.fixture(scope="module")
-def block(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Flown:
-    folder = tmp_path_factory.mktemp("block")
-    flyer = Ruled(folder / "flown.txt", {LATE: fast})
-    with few_rows(study):
-        searches = fly(study, folder, flyer, (LATE, LESS))
-    return Flown(folder, {one.arm: one for one in searches}, flyer.flown)
-
-
-def test_every_arm_is_flown_with_the_budget_and_the_opening_only_once(study: Study, block: Flown):
-    assert list(block.searches) == list(arms.ARMS)
-    for search in block.searches.values():
-        assert search.used <= search.budget == 2 * SMALL_BUDGET
-        assert search.seed == arms.seed_of(1)
-        late, less = search.sought
-        assert (late.mutant, less.mutant) == (LATE, LESS)
-        assert not less.shown_in
-        assert search.opening == block.searches[arms.SEARCH].opening
-        assert len(search.opening) == OPENING
-        assert late.shown_in in search.opening  # nothing is shrunk
-        assert 0 < late.after <= search.used
-        assert late.evidence.p <= late.evidence.alpha
-    used = sum(one.used for one in block.searches.values())
-    assert len(set(block.flights)) == len(block.flights) < used
-    flights = experiment.flights_in(study, block.folder / "campaigns", 1)
-    assert set(flights) == set(block.flights)
-    evidence = Evidence([(LATE, LESS)], list(block.searches.values()), flights, SMALL_BUDGET)
-    page = flown(evidence, redraws=5)
-    assert f"4 of 4 searches asked for {used} flights" in page
-    assert "| newly detected | 1 | 1 | 1 | 1 |" in page
-    assert not replace(evidence, budget=SMALL_BUDGET + 1).by_place
-    opened = {evidence.in_opening(1, arm) for arm in arms.ARMS}
-    assert opened == {frozenset({(LATE, block.searches["random"].sought[0].shown_in)})}
-    assert evidence.shows(LATE, block.searches["random"].sought[0].shown_in)
-
-
-def test_a_situation_is_flown_for_all_that_are_not_found(block: Flown):
-    one = block.searches["random"]
-    until = one.opening.index(one.sought[0].shown_in) // CHUNK * CHUNK + CHUNK
-    for mutant, keys in ((LATE, one.opening[:until]), (LESS, (*one.opening, *one.proposed[:GENERATION]))):
-        flown_in = {name.split("/")[1] for name in block.flights if name.startswith(f"{mutant}/")}
-        assert set(keys) <= flown_in
-        assert mutant == LESS or not flown_in & set(one.proposed)
-
-
-def test_it_goes_on_where_it_stopped(study: Study, block: Flown, tmp_path: Path):
-    copytree(block.folder / "campaigns", tmp_path / "campaigns")
-    arms.write_searches(tmp_path / "searches.jsonl.gz", [one for arm, one in block.searches.items() if arm != "random"])
-    flyer = Ruled(tmp_path / "flown.txt")
-    again = fly(study, tmp_path, flyer, (LATE, LESS))
-    assert {one.arm: one for one in again} == block.searches
-    assert flyer.flown == []
-    assert arms.read_searches(tmp_path / "searches.jsonl.gz") == arms.read_searches(block.folder / "searches.jsonl.gz")
-
-
 def search(block: int, arm: str, found: int, opening: str = "o", **more: int) -> arms.Search:
     """A search that finds so many mutants, the first of them in the opening."""
     sought = tuple(
@@ -269,13 +184,3 @@ def test_nothing_is_decided_while_a_search_is_missing_or_the_openings_differ():
         page = flown(replace(whole, searches=unfinished), redraws=5)
         assert UNFINISHED in page
         assert "Rule 1" not in page
-
-
-def test_searches_are_read_as_they_were_written(tmp_path: Path):
-    path, searches = tmp_path / "s.jsonl.gz", [search(2, "random", 3), search(1, arms.SEARCH, 0)]
-    arms.write_searches(path, searches)
-    assert arms.read_searches(path) == searches[::-1]
-    first = path.read_bytes()
-    arms.write_searches(path, searches[::-1])
-    assert path.read_bytes() == first
-    assert read(tmp_path / "none") == {}
