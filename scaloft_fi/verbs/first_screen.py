@@ -45,18 +45,20 @@ class Line(NamedTuple):
     text: str
 
 
-def answers(scored: Score, study: Study, campaign: str) -> tuple[Line, ...]:
+def answers(scored: Score, study: Study, campaign: str, invalid: Sequence[str] = ()) -> tuple[Line, ...]:
     """The four answers.
 
     Args:
         scored: the campaign's score.
         study: what was flown, or whose tests were run, with the grid of the campaign.
         campaign: its name, for the commands.
+        invalid: why no score of it is valid, each reason in a sentence.
     """
     faults = scored.faults
     ways = (_shown, _not_shown, _how_sure)
     told = [way(scored, faults) for way in ways] if scored.pooled else _no_pool(faults)
-    return tuple(map(Line, NAMES, (*told, next_step(scored, study, campaign))))
+    sure = f"not at all: {'; '.join(invalid)}." if invalid else told[-1]
+    return tuple(map(Line, NAMES, (*told[:-1], sure, next_step(scored, study, campaign, invalid))))
 
 
 def _shown(scored: Score, faults: Sequence[MutantScore]) -> str:
@@ -444,6 +446,7 @@ class Screen:
         campaign: its name, for the commands.
         noise: of a stack that is not deterministic.
         accepted: the survivors that somebody accepted.
+        invalid: why no score of the campaign is valid, each reason in a sentence.
     """
 
     study: Study
@@ -452,11 +455,13 @@ class Screen:
     campaign: str = CAMPAIGN
     noise: Sequence[Noise] = ()
     accepted: Sequence[Disposition] = ()
+    invalid: Sequence[str] = ()
 
     @property
     def answers(self) -> Table:
         """The four answers."""
-        return self._said(Table(TITLE, ("question", "answer"), answers(self.scored, self.study, self.campaign)))
+        told = answers(self.scored, self.study, self.campaign, self.invalid)
+        return self._said(Table(TITLE, ("question", "answer"), told))
 
     @property
     def tables(self) -> tuple[Table, ...]:

@@ -405,7 +405,8 @@ class ScoredFlights:
     @property
     def screen(self) -> Screen:
         """What the flights say, on the first screen or whole."""
-        return Screen(self.study, self.score, self.coverage, self.campaign, self.noise, self.accepted)
+        known = (self.noise, self.accepted, self.stale.invalid)
+        return Screen(self.study, self.score, self.coverage, self.campaign, *known)
 
     def text(self, how: Format, *, everything: bool = False) -> str:
         """The score as text.

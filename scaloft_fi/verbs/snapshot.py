@@ -238,7 +238,7 @@ class Snapshot:
         Raises:
             InputError: it has no outcome that counts.
         """
-        return next_step(self.score, self.study, self.name)
+        return next_step(self.score, self.study, self.name, self.stale.invalid)
 
     @cached_property
     def spending(self) -> Spending:

@@ -89,8 +89,10 @@ def with_legend(grid: str, signs: Mapping[str, str], width: int, *, marked: bool
     return Marked("".join(styled(one, SIGNS[one][1]) if one in SIGNS else one for one in text)) if marked else text
 
 
-def next_step(scored: Score, study: Study, campaign: str) -> str:
+def next_step(scored: Score, study: Study, campaign: str, invalid: Sequence[str] = ()) -> str:
     """The command that is the most useful now, as every screen of a campaign says; the arguments of `answers`."""
+    if invalid:
+        return "get a valid score: mend what makes it invalid, then the same run asks the gates again."
     faults, survivors = scored.faults, f"`scaloft-fi kills{in_campaign(campaign)} --show survivors`"
     finds, defaults, every = study.finds, study.roster.defaults.values(), len(study.grid.situations)
     if study.tests_of:

@@ -288,8 +288,8 @@ def compiled(fragments: list[str], engine: str, folder: Path) -> str:
     words = [command, "-no-shell-escape", "-interaction=nonstopmode", "-halt-on-error", "sheet.tex"]
     done = subprocess.run(words, cwd=folder, capture_output=True, text=True, errors="replace", timeout=120, check=False)
     said = (folder / "sheet.log").read_text(encoding="utf-8", errors="replace")
-    if "not found" in said and "LaTeX Error: File" in said:
-        pytest.skip(f"{command} lacks a package: " + re.findall(r"File `(.*?)' not found", said)[0])
+    if missing := re.search(r"LaTeX Error: File `.*?' not found|Font .* not loadable", said):
+        pytest.skip(f"{command} lacks a package: {missing[0]}")
     assert done.returncode == 0, said[-3000:]
     return said
 

@@ -167,7 +167,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "stale": list(evidence.stale.sentences),
         "owed": evidence.owed,
         "fingerprint": dict(evidence.fingerprint or {}),
-        "answers": plain(answers(scored, study, evidence.campaign)),
+        "answers": plain(answers(scored, study, evidence.campaign, evidence.stale.invalid)),
         "head": head(scored, covered.situations, len(breaks)),
         "besides": [] if scored.of_tests else [{"name": "Situations", "text": coverage_line(covered)}],
         "again": study.again,
