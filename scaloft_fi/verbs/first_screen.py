@@ -91,8 +91,8 @@ def _firmly(faults: Sequence[MutantScore]) -> str:
 
 
 def _not_shown(scored: Score, faults: Sequence[MutantScore]) -> str:
-    others = [one for one in faults if scored.of_tests or not one.without_effect]
-    idle, fates = len(faults) - len(others), Counter(mutant.verdict for mutant in others)
+    idle = 0 if scored.of_tests else sum(one.without_effect for one in faults)
+    fates = Counter(mutant.verdict for mutant in faults)
     parts = {
         detection.Verdict.NOT_DETECTED: "put to the test, nothing seen",
         detection.Verdict.UNDECIDED: "undecided: seen or flown too seldom",
@@ -100,7 +100,7 @@ def _not_shown(scored: Score, faults: Sequence[MutantScore]) -> str:
     }
     counts = [f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict]]
     if idle:
-        counts.append(f"{idle} without effect here: every flight equals the baseline's to the bit")
+        counts.append(f"{idle} of these without effect: flights equal the baseline's to the bit")
     return f"{'.  '.join(counts) or 'none'}."
 
 
@@ -533,7 +533,7 @@ class Screen:
             yield from (Line("Unmutated drone", told) for told in mostly_red(self.scored.pool, self.campaign))
         yield from self._accepted
         everything = f"`scaloft-fi score{in_campaign(self.campaign)} --all`"
-        yield Line("More", f"{everything}: each fault's next step, all tables.")
+        yield Line("More", f"{everything}: all tables.")
 
     @property
     def _flown(self) -> Line:

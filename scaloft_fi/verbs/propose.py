@@ -12,7 +12,7 @@ from scaloft_fi.analysis.score import MutantScore
 from scaloft_fi.campaign.processes import Start, cores, forked, one_thread_each
 from scaloft_fi.campaign.progress import Progress, Silence
 from scaloft_fi.campaign.runs.propose import Few, Found, Seeds, Sought, Tested, propose
-from scaloft_fi.campaign.store.archive import study_of
+from scaloft_fi.campaign.store.archive import flown_in, study_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.catalogue import select
 from scaloft_fi.output import in_campaign, write_own
@@ -79,7 +79,7 @@ def sought_in(now: Snapshot, mutants: Sequence[str], most: int) -> list[Sought]:
         chosen = [mutant.id for mutant in select(mutants, now.study.matrix, now.study.catalogue)]
         for id_ in chosen:
             if id_ not in by_id:
-                flies = f"`scaloft-fi run{in_campaign(now.name)} --mutant {id_}`"
+                flies = f"`scaloft-fi run{in_campaign(flown_in(now.name))} --mutant {id_}`"
                 raise InputError(f"{id_} has no flights in the campaign {now.name}; {flies}")
     else:
         chosen = [one.id for one in now.score.counted if one.tested and not one.detected and not one.seen_in]

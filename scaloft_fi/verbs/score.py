@@ -17,7 +17,7 @@ from scaloft_fi.analysis.detection import Look, Noise, Pair, SituationBaseline, 
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import By, Group, Score, groups, score_of
 from scaloft_fi.analysis.survivor import Disposition, Judged, Standing, accepted_survivors, judge, score_without
-from scaloft_fi.campaign.store.archive import borrowed
+from scaloft_fi.campaign.store.archive import borrowed, flown_in
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import ExitCode, GateError, InputError
 from scaloft_fi.hazop.matrix import CellStatus
@@ -582,8 +582,8 @@ def report(
     """
     for option, least in bars.items() if not scored.score.pooled else ():
         raise InputError(
-            f"{option}={least:g} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten "
-            f"baseline flights wherever a mutant infects; `scaloft-fi run{in_campaign(scored.campaign)}` flies them"
+            f"{option}={least:g} needs a baseline pool: campaign {scored.campaign!r} has fewer than ten baseline "
+            f"flights wherever a mutant infects; `scaloft-fi run{in_campaign(flown_in(scored.campaign))}` flies them"
         )
 
     words = partial(scored.text, everything=everything)

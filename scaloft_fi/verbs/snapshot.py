@@ -154,7 +154,7 @@ class Snapshot:
 
     Attributes:
         study: what was flown, with the grid of the campaign.
-        name: of the campaign, as `--campaign` takes it; of an archive the name that was archived.
+        name: of the campaign, as `--campaign` takes it.
         folder: of the campaign.
         store: open, within a snapshot.
     """
@@ -303,5 +303,4 @@ def snapshot(study: Study, campaign: str) -> Iterator[Snapshot]:
     folder = campaign_folder(study, campaign)
     study, store = opened(study, folder)
     with store, store.snapshot():
-        name = store.manifest.campaign if isinstance(store, Archive) else campaign
-        yield Snapshot(study, name, folder, store)
+        yield Snapshot(study, campaign, folder, store)

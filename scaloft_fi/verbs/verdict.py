@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from scaloft_fi.analysis.detection import LARGER, LEAST, State, Verdict
 from scaloft_fi.analysis.score import MutantScore, Score
 from scaloft_fi.analysis.survivor import Background, CampaignFacts, Case, Disposition, Loss
+from scaloft_fi.campaign.store.archive import flown_in
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.hazop.matrix import cell_of, class_of, worst_first
 from scaloft_fi.judge.outcome import Outcome
@@ -53,7 +54,7 @@ def command(
         situations: number of situations of the grid.
         where: in which situations; by default in those that they flew.
     """
-    words = [f"scaloft-fi run{in_campaign(campaign)}", *([f"--grid {grid}"] if grid else [])]
+    words = [f"scaloft-fi run{in_campaign(flown_in(campaign))}", *([f"--grid {grid}"] if grid else [])]
     ids = [mutant.subject.id for mutant in mutants]
     if len(ids) <= MOST_NAMED or set(ids) != set(defaults):
         words += [f"--mutant {id_}" for id_ in ids]
@@ -112,8 +113,7 @@ def next_step(scored: Score, study: Study, campaign: str, invalid: Sequence[str]
         (mutant, find), *others = found
         run = f"`{flies(find, mutant, finds, campaign, study.space.grid)}`"
         shows = f"fly where a search found that {mutant} {effect(find.shows[mutant])}: {run}."
-        more = f"{counted(len(others), 'more fault')} {'have' if len(others) > 1 else 'has'} such a situation"
-        return f"{shows}  {more}: {survivors}." if others else shows
+        return f"{shows}  {counted(len(others), 'other')}: {survivors}." if others else shows
     undecided = [mutant for mutant in faults if mutant.verdict is Verdict.UNDECIDED]
     looks = [mutant for mutant in undecided if mutant.safety.needed and not mutant.safety.anew]
     if looks:
@@ -124,7 +124,7 @@ def next_step(scored: Score, study: Study, campaign: str, invalid: Sequence[str]
     if any(not mutant.detected for mutant in faults):
         return f"{survivors} says of each fault not shown where it stopped, and what to change."
     if faults:
-        margin = f"`scaloft-fi margin{in_campaign(campaign)} {faults[0].subject.id}`"
+        margin = f"`scaloft-fi margin{in_campaign(flown_in(campaign))} {faults[0].subject.id}`"
         return f"{margin} finds the smallest magnitude that is still shown."
     option = STUDY_OPTION.get()
     return f"`scaloft-fi run{option} --mutant ID` flies a mutant; `scaloft-fi mutants{option}` lists them."
@@ -322,7 +322,7 @@ def flies(find: Find, mutant: str, finds: KnownFinds, campaign: str, grid: str =
         campaign: name of the campaign that asks; one over the grid of the finds gets the flights itself.
         grid: name of its grid, where that is a further grid of the study.
     """
-    where = in_campaign(campaign) if grid == finds.grid != campaign else in_campaign(CAMPAIGN)
+    where = in_campaign(flown_in(campaign)) if grid == finds.grid != campaign else in_campaign(CAMPAIGN)
     named = f"--mutant {mutant} --situation {shlex.quote(find.name)}"
     return f"scaloft-fi run --grid {finds.grid}{where} {named} --seeds {find.shows[mutant].flights}"
 
@@ -449,7 +449,7 @@ def left(case: Case) -> str:
 
 def larger(case: Case) -> str:
     """What to do where a larger fault may be detected."""
-    searches = f"`scaloft-fi margin{in_campaign(case.campaign.name)} {case.row.id}` searches"
+    searches = f"`scaloft-fi margin{in_campaign(flown_in(case.campaign.name))} {case.row.id}` searches"
     return f"The next rung is {case.background.stronger[0]}; {searches} for the least magnitude that is killed."
 
 
@@ -672,7 +672,7 @@ def _not_infected(case: Case) -> Iterable[str]:
 
 
 def _not_pooled(case: Case) -> Iterable[str]:
-    flies = f"`scaloft-fi run{in_campaign(case.campaign.name)} --mutant {case.row.id}` flies them."
+    flies = f"`scaloft-fi run{in_campaign(flown_in(case.campaign.name))} --mutant {case.row.id}` flies them."
     fewer = f"{len(case.lacking)} of {len(case.infected)} have fewer"
     return (
         f"{violate(sum(bool(flight.revealed) for flight in case.flights))}.",

@@ -157,9 +157,11 @@ def test_a_screen_has_15_lines_for_one_mutant_and_30_for_many(name: str):
     assert len(one.text(whole=False, width=PIPED).splitlines()) <= (15 if len(one.scored.mutants) < 2 else 30)
 
 
-def test_the_screen_of_the_published_campaign_has_30_lines(monkeypatch: pytest.MonkeyPatch):
+def test_the_screen_of_the_published_campaign_has_30_lines_whose_commands_open_it(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delenv("COLUMNS", raising=False)
-    told = printed("-m", "scaloft_fi", "score", "--campaign", ROOT / "results" / "published" / "reference")
+    monkeypatch.chdir(ROOT)
+    told = printed("-m", "scaloft_fi", "score", "--campaign", "results/published/reference")
+    assert "`scaloft-fi kills --campaign results/published/reference --show survivors`" in told
     assert "speedlimit ●" in told
     assert len(told.splitlines()) <= 30
 

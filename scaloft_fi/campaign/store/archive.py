@@ -150,6 +150,12 @@ def is_archive(folder: Path) -> bool:
     return is_file(folder / MANIFEST) and not is_file(folder / STORE_NAME)
 
 
+def flown_in(campaign: str) -> str:
+    """The campaign that gets further flights: of an archive, which gets none, one of its name."""
+    folder = Path(campaign)
+    return folder.stem if folder.suffix == ZIP or (folder.name != campaign and is_archive(folder)) else campaign
+
+
 def promising(folder: Path) -> None:
     """Check early, without writing, whether `writable` can succeed.
 

@@ -29,6 +29,7 @@ from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import MutantScore, Score, score
 from scaloft_fi.analysis.survivor import Disposition, accepted_survivors, score_without
 from scaloft_fi.campaign.store import archive
+from scaloft_fi.campaign.store.archive import flown_in
 from scaloft_fi.defaults import SEARCHED, __version__
 from scaloft_fi.document import is_there, read_bytes, read_text
 from scaloft_fi.hazop.matrix import Cell, Matrix, cell_of, worst_first
@@ -560,7 +561,7 @@ def archive_files(
         study = now.study
         files = {archive.OUTCOMES: outcome_file(now.outcomes, study), archive.TRACKS: _tracks(now, kept)}
         platform, notes = now.store.meta(), now.store.notes()
-        campaign = Path(now.name).name
+        campaign = flown_in(Path(now.name).name)
     if documents:
         paths = archive.study_files(study.folder)
         files |= {path.relative_to(study.folder).as_posix(): read_bytes(path) for path in paths}
@@ -640,7 +641,7 @@ def dossier(study: Study, campaign: str, today: date | None = None) -> Dossier:
     item, cells = study.grid.item, sorted((study.folder / "hazop").rglob("*.yaml"))
     return Dossier(
         study=study.name,
-        campaign=Path(now.name).name,
+        campaign=flown_in(Path(now.name).name),
         version=__version__,
         platform=platform,
         matrix=study.matrix,

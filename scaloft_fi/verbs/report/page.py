@@ -18,6 +18,7 @@ from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Score, score_of
 from scaloft_fi.campaign.runs.gates import check_gates
+from scaloft_fi.campaign.store.archive import flown_in
 from scaloft_fi.defaults import __version__
 from scaloft_fi.errors import GateError
 from scaloft_fi.hazop.matrix import class_of, worst_first
@@ -171,7 +172,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "head": head(scored, covered.situations, len(breaks)),
         "besides": [] if scored.of_tests else [{"name": "Situations", "text": coverage_line(covered)}],
         "again": study.again,
-        "where": in_campaign(evidence.campaign),
+        "where": in_campaign(flown_in(evidence.campaign)),
         "anew": in_campaign("NEW"),
         "words": list(of_tests_words().items()) if scored.of_tests else [],
         "pooled": scored.pooled,
