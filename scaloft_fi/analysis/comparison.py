@@ -145,9 +145,10 @@ class ComparedCampaigns:
         first: name of the first campaign.
         second: name of the second campaign.
         alpha: accepted chance that any fault is called lost where the drones do the same (0..1); likewise gained.
-        mutants: the default mutants of credible cells that both campaigns flew, the worst class of severity first.
-        only_first: ids of those that only the first campaign flew.
-        only_second: ids of those that only the second campaign flew.
+        mutants: those that both campaigns flew and one counts, the worst class of severity first.
+        only_first: ids of mutants that only the first campaign flew, other magnitudes than the default too.
+        only_second: ids of mutants that only the second campaign flew, other magnitudes than the default too.
+        uncounted: ids of other magnitudes than the default that both flew; they are not compared.
         agreement: of the two campaigns, whether a fault is detected.
         first_halves: of the two halves of the first campaign's seeds; null: it has one seed.
         second_halves: the same of the second campaign.
@@ -162,9 +163,10 @@ class ComparedCampaigns:
     agreement: Agreement
     first_halves: Agreement | None
     second_halves: Agreement | None
+    uncounted: tuple[str, ...] = ()
     KEYS = (
         *("first", "second", "alpha", "lost", "gained", "unsure", "could_be_lost", "could_be_gained", "agreement"),
-        *("first_halves", "second_halves", "mutants", "only_first", "only_second"),
+        *("first_halves", "second_halves", "mutants", "only_first", "only_second", "uncounted"),
     )
 
     def _with(self, change: Change) -> tuple[str, ...]:
@@ -201,8 +203,9 @@ class ComparedCampaigns:
 
 def compared(first: Flown, second: Flown, roster: Roster, space: Space) -> ComparedCampaigns:
     """Hold two campaigns of one matrix and one grid against each other."""
-    here, there = ({mutant.id: mutant for mutant in flown.score.counted} for flown in (first, second))
-    both = [id_ for id_ in here if id_ in there]
+    here, there = ({mutant.id: mutant for mutant in flown.score.mutants if mutant.flown} for flown in (first, second))
+    counted = {mutant.id for flown in (first, second) for mutant in flown.score.counted}
+    both = [id_ for id_ in here if id_ in there and id_ in counted]
     samples = [{s.id: _samples(flights) for s, flights in flown.rulings.mutants.items()} for flown in (first, second)]
     pools = first.score.pool, second.score.pool
     strata = {id_: _strata(samples[0][id_], samples[1][id_], *pools) for id_ in both}
@@ -222,6 +225,7 @@ def compared(first: Flown, second: Flown, roster: Roster, space: Space) -> Compa
         agreement=Agreement.of((here[id_].detected, there[id_].detected) for id_ in both),
         first_halves=_halves(first, roster, space),
         second_halves=_halves(second, roster, space),
+        uncounted=tuple(id_ for id_ in here if id_ in there and id_ not in counted),
     )
 
 

@@ -59,8 +59,8 @@ MOST_EXACT = 16
 def condition(space: Space, killing: Collection[str], surviving: Collection[str]) -> str:
     """The shortest condition that is true in every killing situation and in no surviving one.
 
-    Situations in neither (nothing is known there) may fall on either side.  Numbers drawn from a range count as their
-    bin, and a bin with a kill counts as killing.
+    Situations in neither (nothing is known there) may fall on either side, but it names no value without a kill.
+    Numbers drawn from a range count as their bin, and a bin with a kill counts as killing.
 
     Args:
         space: the grid.
@@ -90,7 +90,14 @@ def cover(space: Space, killing: Collection[str], surviving: Collection[str]) ->
         raise ValueError(f"both killing and surviving: {sorted(both)}")
     on, off = sides(space, killing, surviving)
     primes = _primes(space, on, off)
-    return tuple(sorted(_fewest(space, primes, on), key=lambda term: _order(space, term)))
+    terms = (_named(space, term, on) for term in _fewest(space, primes, on))
+    return tuple(sorted(terms, key=lambda term: _order(space, term)))
+
+
+def _named(space: Space, term: Term, on: Sequence[Point]) -> Term:
+    """The box with, on each axis that it restricts, the values of its kills alone: of others nothing was seen."""
+    seen = map(frozenset, zip(*(point for point in on if admits(term, point)), strict=True))
+    return tuple(own if len(own) == len(all_) else one for own, one, all_ in zip(term, seen, space.values, strict=True))
 
 
 def sides(space: Space, killing: Collection[str], surviving: Collection[str]) -> tuple[list[Point], list[Point]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
@@ -359,7 +359,7 @@ class CampaignComparison:
     KEYS = ("scores.*", "redefined", "flights", "invalid")
 
 
-COMPARE = Output("compare", "1.1", CampaignComparison, "mutants", "what only one of two campaigns shows")
+COMPARE = Output("compare", "1.2", CampaignComparison, "mutants", "what only one of two campaigns shows")
 MEANING = (
     "lost: firm in the first, put to the test and not detected in the second, and the flights differ by the exact test "
     "after Holm over all faults; gained: the other way round; unsure: one detects it, and the flights do not say more."
@@ -390,6 +390,7 @@ def score_tables(told: ComparedCampaigns) -> tuple[Table, ...]:
     notes = (
         f"{', '.join(parts)} of {counted(len(told.mutants), 'fault')} that both flew.",
         *too_few(told),
+        *([f"Flown by both, in no score, and not compared: {', '.join(told.uncounted)}."] if told.uncounted else []),
         agreement_text(told),
         MEANING,
     )
@@ -458,7 +459,7 @@ def compared_by(
         warnings += [
             f"the two studies define {name} otherwise: {', '.join(words)}" for name, words in redefined.items()
         ]
-        differ = _flights((campaign, other), here, there) if flights else None
+        differ = _flights((campaign, other), here, there, changed) if flights else None
         invalid = (f"{name}: {text}" for name, now in ((campaign, here), (other, there)) for text in now.stale.invalid)
         return CampaignComparison(told, tuple(redefined), differ, tuple(invalid)), matrix, warnings
 
@@ -490,9 +491,17 @@ def _same_grid(campaign: str, here: Snapshot, other: str, there: Snapshot) -> No
 
 
 def _redefined(matrix: Matrix, other: Matrix, first: Flown, second: Flown) -> set[str]:
-    """Ids of mutants that both campaigns count and whose faults are not the same in the two studies."""
-    ids = {one.id for one in first.score.counted} & {one.id for one in second.score.counted}
-    return {id_ for id_ in ids if realise(matrix, id_).to_json() != realise(other, id_).to_json()}
+    """Ids of mutants that both campaigns flew and whose faults are not the same in the two studies."""
+    ids = {one.id for one in first.score.mutants} & {one.id for one in second.score.mutants}
+    return {id_ for id_ in ids if _fault(matrix, id_) != _fault(other, id_)}
+
+
+def _fault(matrix: Matrix, id_: str) -> Mapping[str, object]:
+    """What an id stands for; nothing where the matrix has no such mutant any more."""
+    try:
+        return realise(matrix, id_).to_json()
+    except InputError:
+        return {}
 
 
 def _other_requirements(study: Study, other: Study) -> dict[str, list[str]]:
@@ -508,12 +517,13 @@ def _other_requirements(study: Study, other: Study) -> dict[str, list[str]]:
 
 
 def _without(flown: Flown, ids: set[str]) -> Flown:
-    counted_ = tuple(one for one in flown.score.counted if one.id not in ids)
-    return replace(flown, score=replace(flown.score, counted=counted_))
+    counted_, mutants = (tuple(m for m in of if m.id not in ids) for of in (flown.score.counted, flown.score.mutants))
+    return replace(flown, score=replace(flown.score, counted=counted_, mutants=mutants))
 
 
-def _flights(named: tuple[str, str], here: Snapshot, there: Snapshot) -> FlightDifferences:
-    told = differences_of(named, here.latest, there.latest, here.study.roster, here.study.space)
+def _flights(named: tuple[str, str], here: Snapshot, there: Snapshot, but: Collection[str] = ()) -> FlightDifferences:
+    first, second = ([one for one in now.latest if one.mutant not in but] for now in (here, there))
+    told = differences_of(named, first, second, here.study.roster, here.study.space)
     return replace(told, first_stale=here.stale.flights, second_stale=there.stale.flights)
 
 

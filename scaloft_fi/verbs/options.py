@@ -128,7 +128,7 @@ def called(function: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(function)
     def call(**given: Any) -> Any:
-        if name is not None and given.get(name) is None:
+        if name is not None and given.get(name) is None and "/" in given.get("other", "/"):  # a bare name is of here
             given[name] = study_around(str(given.get("campaign") or ""))
         with named_study(given.get(name or "")):
             try:

@@ -157,3 +157,12 @@ def test_of_requirements_that_differ_alike_the_one_that_is_violated_is_named():
     flights = [*pool(*KEYS), *(outcome(LATE, key, seed, violated={"SR2": 9.0}) for key in KEYS for seed in range(3))]
     (mutant,) = held_against(flights, flights).mutants
     assert (mutant.requirement, mutant.first_violated) == ("SR2", Ratio(18, 18))
+
+
+def test_a_mutant_that_counts_in_neither_campaign_any_more_stands_in_a_list_too():
+    rates = {"LATE-human@1s": 1.0, "LATE-human@5s": 1.0, NO: 1.0}
+    told = held_against(
+        campaign(rates, random.Random(0)), campaign({LATE: 1.0, "LATE-human@5s": 1.0}, random.Random(0))
+    )
+    assert (told.only_first, told.only_second) == ((NO, "LATE-human@1s"), (LATE,))
+    assert (told.mutants, told.uncounted) == ((), ("LATE-human@5s",))

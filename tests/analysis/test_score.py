@@ -225,6 +225,10 @@ def test_an_axis_of_three_values_names_those_that_kill():
     assert condition(THREE, ["L2F1"], [key for key in keys if key != "L2F1"]) == "wet & dark"
 
 
+def test_a_condition_names_no_value_in_which_nothing_was_killed():
+    assert condition(THREE, ["L1F0"], ["L0F0", "L0F1"]) == "dim", "of the dark nothing is known"
+
+
 def test_a_situation_cannot_both_kill_and_be_survived():
     with pytest.raises(ValueError, match="both killing and surviving"):
         condition(GRID, CONDITION_KEYS[:2], CONDITION_KEYS[1:3])

@@ -204,6 +204,28 @@ def test_campaigns_of_two_studies_are_compared_each_with_its_own(call: Call, two
     assert "the two studies define SR2 otherwise: formula" in done.stderr
 
 
+def test_a_fault_that_two_studies_define_otherwise_is_compared_in_no_list(
+    call: Call, two: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("scaloft_fi.verbs.campaigns._redefined", lambda *_: {M})
+    done = call("compare", *two, "--flights", "--format", "json", campaign=False)
+    told = of_form("compare", told_by(done))
+    assert (told["flights"]["differences"], told["mutants"], told["only_first"]) == ([], [], [])
+    assert f"not compared: {M}" in done.stderr
+
+
+def test_a_bare_name_beside_a_path_is_a_campaign_of_the_study_here(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    words = ("--situation", "T0O0W0D0H1", "--quiet", "--campaign", "night")
+    there, here = copied(tmp_path / "a", "found.yaml"), copied(tmp_path / "b", "found.yaml")
+    told_by(call("run", "--mutant", "LATE-human", *words, study=there, campaign=False))
+    told_by(call("run", "--mutant", "NO-human", *words, study=here, campaign=False))
+    monkeypatch.chdir(here)
+    told = of_form("compare", told_by(invoked("compare", "../a/results/campaigns/night", "night", "--format", "json")))
+    assert (told["only_first"], told["only_second"]) == ([M], ["NO-human@100%"])
+
+
 def test_a_campaign_that_a_change_made_stale_is_compared_as_it_was_flown(
     call: Call, tmp_path: Path, two: tuple[str, str]
 ):
