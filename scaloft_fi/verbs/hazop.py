@@ -283,6 +283,8 @@ def edits_of(rows: Iterable[SheetRow], hazop: Path, lines: Iterable[Line]) -> It
         for key in (key for key in HEADS if key in line.keys - {"cell"}):
             before, after = _shown(row.values[_COLUMN.get(key, key)]), _shown(line.texts.get(key))
             about = row.cell.parameter if key in _OF_PARAMETER else name
+            if key == "disposition" and after.endswith(f": {before}"):  # before it stands its state in a campaign
+                after = before
             same = plain(before) == plain(after) if key == "status" else before in (after, f"'{after}")
             if same:  # CSV marks texts with '
                 continue

@@ -354,6 +354,11 @@ def acceptance(disposition: Disposition) -> str:
     return f"accepted{where} by {disposition.owner} until {until}: {disposition.reason}"
 
 
+def sentence(reason: str) -> str:
+    """A reason as a sentence of a page."""
+    return f"{reason[0].upper()}{reason[1:]}."
+
+
 NAMED = 3
 """How many situations a sentence names before it counts the rest."""
 

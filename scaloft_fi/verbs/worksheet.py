@@ -14,15 +14,17 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from datetime import date
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import click
 
 from scaloft_fi.analysis.detection import Verdict
+from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import MutantScore, Score
-from scaloft_fi.analysis.survivor import Disposition
+from scaloft_fi.analysis.survivor import Disposition, Standing, judge
 from scaloft_fi.defaults import CAMPAIGN
 from scaloft_fi.errors import InputError, needed
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Matrix, Parameter, SeverityClass, Team, worst_first
@@ -38,7 +40,7 @@ from scaloft_fi.verbs.export.dossier import unzipped, zipped
 from scaloft_fi.verbs.margin import UNKNOWN, CellMargin, ToldCell, cell_margins
 from scaloft_fi.verbs.options import Option, answer, check_writable, tell_warnings, verb, write
 from scaloft_fi.verbs.snapshot import Stale, snapshot
-from scaloft_fi.verbs.verdict import NO_POOL, acceptance, effect, flies, next_find, words, would_decide
+from scaloft_fi.verbs.verdict import NO_POOL, acceptance, effect, flies, next_find, sentence, words, would_decide
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import FORMULA, Format, Table, csv_text, latex, long_table, longest_word, markdown, render
 
@@ -197,10 +199,17 @@ class Accepted:
 
     Attributes:
         of: the disposition.
+        state: how it stands; null: it is not held against a campaign.
     """
 
     of: Disposition
-    KEYS = ("of.owner", "of.reason", "of.expires", "of.situations")
+    state: Standing | None = None
+    KEYS = ("of.owner", "of.reason", "of.expires", "of.situations", "state")
+
+    def __str__(self) -> str:
+        """Who accepted it, until when and why; before that how it stands, where it does not stand as accepted."""
+        held = self.state in (None, Standing.ACCEPTED)
+        return acceptance(self.of) if held else f"{self.state}: {acceptance(self.of)}"
 
 
 @dataclass(frozen=True)
@@ -270,7 +279,7 @@ class SheetRow:
             "operators": "; ".join(faults),
             "mutant": self.mutant,
             "margin": "; ".join(one.text for one in self.margins if one.text != UNKNOWN) or None,
-            "disposition": acceptance(self.disposition.of) if self.disposition else None,
+            "disposition": str(self.disposition) if self.disposition else None,
             "find": self.find,
             "flies_find": self.flies_find,
             **vars(cell.team),
@@ -298,6 +307,7 @@ def sheet_rows(
     dispositions: Sequence[Disposition] = (),
     finds: KnownFinds = NO_FINDS,
     campaign: str = CAMPAIGN,
+    today: date | None = None,
 ) -> tuple[SheetRow, ...]:
     """The sheet, in the order of the matrix: credible cells, controls, and those that are not meaningful.
 
@@ -308,12 +318,16 @@ def sheet_rows(
         dispositions: of the study.
         finds: of the study.
         campaign: name of the campaign, for commands.
+        today: the day by which dispositions expire; None = none does.
     """
+    states = {one.mutant: one.state for one in judge(scored, Roster.of(matrix, ()), dispositions, today)}
     flown = {mutant.subject.id: mutant for mutant in (*scored.mutants, *scored.controls)}
     margins = cell_margins(scored, matrix)
 
     def found(row: SheetRow) -> SheetRow:
-        row, mutant = replace(row, margins=margins[row.cell.name]), row.mutant or ""
+        accepted, mutant = row.disposition, row.mutant or ""
+        accepted = replace(accepted, state=states[mutant]) if accepted else None
+        row = replace(row, margins=margins[row.cell.name], disposition=accepted)
         if (score := flown.get(mutant)) is None:
             return row
         row = replace(row, results=Results(score, score.condition(space), would_decide(score, scored.lacking)))
@@ -325,17 +339,18 @@ def sheet_rows(
     return tuple(map(found, bare_rows(matrix, dispositions)))
 
 
-def population(rows: Sequence[SheetRow]) -> str:
-    """What the findings speak of, in a few sentences."""
+def population(rows: Sequence[SheetRow], invalid: Sequence[str] = ()) -> str:
+    """What the findings speak of, in a few sentences; first why no score is valid, where none is."""
     flown = [row.results.score for row in rows if row.results]
     most = max((len(score.results) for score in flown), default=0)
     meaningful = sum(row.cell.flown for row in rows)
     pooled = any(score.tested for score in flown) or not any(score.verdict is Verdict.UNDECIDED for score in flown)
+    first = "".join(f"{sentence(reason)}  " for reason in invalid)
     return (
-        f"Findings speak of each cell's default mutant: {len(flown)} of the {meaningful} cells that can happen were "
-        f"flown, in up to {most} situations.  A situation tests a mutant that changes a sample there, if the unmutated "
-        "drone holds a safety requirement there steadily; it is a kill if most flights of a detected mutant violate "
-        "that one."
+        f"{first}Findings speak of each cell's default mutant: {len(flown)} of the {meaningful} cells that can happen "
+        f"were flown, in up to {most} situations.  A situation tests a mutant that changes a sample there, if the "
+        "unmutated drone holds a safety requirement there steadily; it is a kill if most flights of a detected mutant "
+        "violate that one."
     ) + ("" if pooled else f"  No verdict: {NO_POOL}.")
 
 
@@ -389,20 +404,23 @@ def texts(row: SheetRow, shown: Iterable[Column]) -> list[str]:
     return ["" if (value := row.values[column.key]) is None else str(value) for column in shown]
 
 
-def to_text(rows: Sequence[SheetRow], *, width: int | None = None, marked: bool | None = None) -> str:
+def to_text(
+    rows: Sequence[SheetRow], invalid: Sequence[str] = (), *, width: int | None = None, marked: bool | None = None
+) -> str:
     """For a terminal: the tables of `sheet_tables`.
 
     Args:
         rows: of the worksheet.
+        invalid: why no score is valid, each reason in a sentence; often none.
         width: of the text, as of `render`.
         marked: whether it has colours, as of `render`.
     """
-    return render(sheet_tables(rows), Format.TABLE, width=width, marked=marked)
+    return render(sheet_tables(rows, invalid), Format.TABLE, width=width, marked=marked)
 
 
-def sheet_tables(rows: Sequence[SheetRow]) -> tuple[Table, ...]:
+def sheet_tables(rows: Sequence[SheetRow], invalid: Sequence[str] = ()) -> tuple[Table, ...]:
     """The findings of each deviation, survivors by class and finds where there are any, then the log."""
-    notes, tables = {TITLE: (population(rows), "Every column: --format csv or xlsx.")}, []
+    notes, tables = {TITLE: (population(rows, invalid), "Every column: --format csv or xlsx.")}, []
     for title, shown, listed in sections(rows, IN_TERMINAL, finds=True):
         headers = tuple(column.title for column in shown)
         cells = tuple(tuple(texts(row, shown)) for row in listed)
@@ -410,22 +428,22 @@ def sheet_tables(rows: Sequence[SheetRow]) -> tuple[Table, ...]:
     return tuple(tables)
 
 
-def to_markdown(rows: Sequence[SheetRow]) -> str:
+def to_markdown(rows: Sequence[SheetRow], invalid: Sequence[str] = ()) -> str:
     """Markdown tables; every character of the study's is taken literally."""
     blocks = []
     for title, shown, listed in sections(rows):
         lines = [list(map(markdown, texts(row, shown))) for row in listed]
         header = [[column.title for column in shown], ["---"] * len(shown)]
         blocks += [f"### {title}", "\n".join(f"| {' | '.join(cells)} |" for cells in (*header, *lines))]
-    blocks.insert(2, markdown(population(rows)))
+    blocks.insert(2, markdown(population(rows, invalid)))
     return "\n\n".join(blocks) + "\n"
 
 
-def to_latex(rows: Sequence[SheetRow]) -> str:
+def to_latex(rows: Sequence[SheetRow], invalid: Sequence[str] = ()) -> str:
     """A fragment with long tables on landscape pages, header rows repeated."""
     first, *others = (_longtable(*section) for section in sections(rows))
     begin = r"\begin{landscape}\scriptsize\setlength{\tabcolsep}{2.5pt}\raggedright"
-    return "\n".join([LATEX_NOTE, begin, first, latex(population(rows)), *others, r"\end{landscape}", ""])
+    return "\n".join([LATEX_NOTE, begin, first, latex(population(rows, invalid)), *others, r"\end{landscape}", ""])
 
 
 def _longtable(title: str, shown: Sequence[Column], rows: Sequence[SheetRow]) -> str:
@@ -458,7 +476,7 @@ FRAME = ("Company", "Team", "Process", "Operation mode", "Date", "Page")
 """Header fields of the classic sheet, for the team to fill in."""
 
 
-def to_xlsx(rows: Sequence[SheetRow]) -> bytes:
+def to_xlsx(rows: Sequence[SheetRow], invalid: Sequence[str] = ()) -> bytes:
     """The workbook.
 
     Raises:
@@ -468,7 +486,7 @@ def to_xlsx(rows: Sequence[SheetRow]) -> bytes:
     book, styles = openpyxl.Workbook(), openpyxl.styles
     for number, (title, shown, listed) in enumerate(sections(rows)):
         _fill(book.create_sheet() if number else book.active, styles, title, shown if number else COLUMNS, listed)
-    _about(book.create_sheet(), styles, rows)
+    _about(book.create_sheet(), styles, population(rows, invalid))
     raw = io.BytesIO()
     book.save(raw)
     files = unzipped(raw.getvalue())
@@ -506,10 +524,10 @@ def _put(page: Any, styles: Any, line: int, at: int, value: SheetValue) -> Any:
     return cell
 
 
-def _about(page: Any, styles: Any, rows: Sequence[SheetRow]) -> None:
+def _about(page: Any, styles: Any, told: str) -> None:
     """What the columns say, and the fields at the head of the classic sheet."""
     page.title = "About"
-    lines: list[tuple[str, str]] = [*((name, "") for name in FRAME), ("Population", population(rows)), ("", "")]
+    lines: list[tuple[str, str]] = [*((name, "") for name in FRAME), ("Population", told), ("", "")]
     lines += [(column.title, column.about) for column in COLUMNS]
     for number, pair in enumerate(lines, 1):
         for at, part in enumerate(pair, 1):
@@ -530,7 +548,7 @@ class FilledSheet:
     stale: Stale
 
 
-WORKSHEET = Output("worksheet", "2.0", FilledSheet, rows="rows")
+WORKSHEET = Output("worksheet", "2.1", FilledSheet, rows="rows")
 
 
 XLSX = "xlsx"
@@ -548,8 +566,9 @@ class Worksheet(Answer):
 
     def __init__(self, rows: Sequence[SheetRow], stale: Stale, warnings: Sequence[str]) -> None:
         told = (*stale.sentences, *warnings)
-        super().__init__(WORKSHEET, lambda: FilledSheet(rows, stale), lambda: sheet_tables(rows), warnings=told)
-        self._sheet = rows
+        tables = partial(sheet_tables, rows, stale.invalid)
+        super().__init__(WORKSHEET, lambda: FilledSheet(rows, stale), tables, warnings=told)
+        self._sheet, self._invalid = rows, stale.invalid
 
     def text(self, style: str = "table") -> str:
         """What the verb prints; as `csv` the sheet for people.
@@ -557,15 +576,17 @@ class Worksheet(Answer):
         Raises:
             InputError: there is no such style.
         """
-        made = {Format.TABLE: to_text, Format.MARKDOWN: to_markdown, Format.CSV: to_csv, Format.LATEX: to_latex}
-        return made[Format(style)](self._sheet) if style in made else super().text(style)
+        made = {Format.TABLE: to_text, Format.MARKDOWN: to_markdown, Format.LATEX: to_latex}
+        if style == Format.CSV:
+            return to_csv(self._sheet)
+        return made[Format(style)](self._sheet, self._invalid) if style in made else super().text(style)
 
     def content(self, style: str) -> bytes:
         """The bytes of a file in a style of `Format`, or as `XLSX`."""
         if style == XLSX:
-            return to_xlsx(self._sheet)
+            return to_xlsx(self._sheet, self._invalid)
         if style == Format.TABLE:
-            return to_text(self._sheet, width=PIPED, marked=False).encode()
+            return to_text(self._sheet, self._invalid, width=PIPED, marked=False).encode()
         return self.text(style).encode()
 
     def save(self, path: Path | str) -> Path:
@@ -585,15 +606,15 @@ class Worksheet(Answer):
         return file
 
 
-def worksheet(study: Study, campaign: options.Campaign) -> Worksheet:
+def worksheet(study: Study, campaign: options.Campaign, *, today: options.Today = None) -> Worksheet:
     """Every deviation of the matrix beside what its default mutant did in the campaign.
 
     Raises:
         InputError: there is no such campaign, or it holds no flight that counts.
     """
     with snapshot(study, campaign) as now:
-        study, finds, stale = now.study, now.study.finds, now.stale
-        rows = sheet_rows(study.matrix, now.score, study.space, study.dispositions, finds, now.name)
+        study, finds, stale, today = now.study, now.study.finds, now.stale, today or date.today()  # noqa: DTZ011
+        rows = sheet_rows(study.matrix, now.score, study.space, study.dispositions, finds, now.name, today)
     return Worksheet(rows, stale, finds.warnings)
 
 
@@ -613,6 +634,7 @@ def worksheet_command(
         ),
     ],
     output: Annotated[Path | None, Option("Write the sheet to FILE.", metavar="FILE")],
+    today: options.Today,
 ) -> None:
     """Print the HAZOP worksheet: every deviation beside what its default mutant did in the campaign.
 
@@ -629,7 +651,7 @@ def worksheet_command(
     ends = [end for end, of in _ENDS.items() if of == style or (end == ".txt" and style != XLSX)]
     check_writable(output, *ends, what=f"--format {style}")
 
-    sheet = worksheet(Study.open(study_folder), campaign)
+    sheet = worksheet(Study.open(study_folder), campaign, today=today)
     if output is None:
         answer(sheet, style)
     else:

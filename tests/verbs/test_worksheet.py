@@ -28,11 +28,14 @@ from scaloft_fi.analysis.score import score
 from scaloft_fi.analysis.survivor import Disposition
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import CellStatus, Matrix
+from scaloft_fi.hazop.sheet import Line
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.catalogue import derive
 from scaloft_fi.output import line, printable
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.verbs import worksheet
+from scaloft_fi.verbs.hazop import edits_of
+from scaloft_fi.verbs.snapshot import Stale
 from scaloft_fi.views.output import plain
 from scaloft_fi.views.table import FORMULA, Format, Table, latex, markdown, render
 
@@ -108,6 +111,38 @@ def test_without_a_pool_the_sheet_says_so():
     alone = worksheet.population(CASES["without a pool"][1])
     assert "No verdict: no situation in which a mutant changes a sample has 10 baseline flights" in alone
     assert "No verdict" not in worksheet.population(rows(FLOWN))
+
+
+@pytest.mark.parametrize(
+    ("accepted", "state"),
+    [
+        (ACCEPTED, ""),
+        (replace(ACCEPTED, expires=date(2026, 10, 1)), "expired: "),
+        (replace(ACCEPTED, situations=(DARK,)), "uncovered: "),
+    ],
+)
+def test_an_acceptance_stands_with_its_state_and_is_no_edit(accepted: Disposition, state: str):
+    scored = score([*FLOWN, *SILENT], ROSTER, GRID)
+    told = worksheet.sheet_rows(MATRIX, scored, GRID, (accepted,), today=date(2026, 11, 30))
+    said = named(told, "NO-human").values["disposition"]
+    assert str(said).startswith(f"{state}accepted ")
+    assert plain(told)[[row.cell.name for row in told].index("NO-human")]["disposition"]["state"] == (
+        state.removesuffix(": ") or "accepted"
+    )
+    texts = {"cell": "NO-human", "disposition": str(said)}
+    bare = worksheet.bare_rows(MATRIX, (accepted,))
+    assert list(edits_of(bare, Path(), [Line("sheet:2", texts, frozenset(texts))])) == []
+
+
+def test_the_sheet_says_in_every_form_with_room_why_no_score_is_valid():
+    stale = Stale(invalid=("no score is valid: gate failed: no pair is steady",))
+    sheet, said = worksheet.Worksheet(rows(FLOWN), stale, ()), "No score is valid: gate failed: no pair is steady."
+    for style in ("table", "markdown", "latex"):
+        assert said in " ".join(sheet.content(style).decode().split())
+    about = load_workbook(io.BytesIO(sheet.content("xlsx")))["About"]
+    assert any(said in str(cell.value) for cell in about["B"])
+    assert json.loads(sheet.content("json"))["stale"]["invalid"] == list(stale.invalid)
+    assert said not in worksheet.Worksheet(rows(FLOWN), Stale(), ()).content("markdown").decode()
 
 
 def test_a_find_and_the_command_that_flies_it_stand_in_every_format():

@@ -56,7 +56,7 @@ from scaloft_fi.registry import grouped
 from scaloft_fi.verbs.export.dossier import Dossier, Step, export_format
 from scaloft_fi.verbs.first_screen import NOT_COMPARED, false_detections, seeds_flown, shows_itself_by
 from scaloft_fi.verbs.options import ENTRIES
-from scaloft_fi.verbs.verdict import MOST_NAMED, NO_POOL
+from scaloft_fi.verbs.verdict import MOST_NAMED, NO_POOL, sentence
 from scaloft_fi.views.table import Format, Table, code, counted, markdown, ranges, render, said
 
 CONTROLS = "controls"
@@ -245,7 +245,7 @@ def _ratios(dossier: Dossier) -> Table:
     exercised = ("exercised", scored.exercised.short, credible)
     others = ("without accepted", str(dossier.without_accepted), "the same, of those that are no accepted survivors")
     if not scored.pooled:
-        return Table(title, headers, (exercised, flown), (*map(_sentence, dossier.invalid), f"No score: {NO_POOL}."))
+        return Table(title, headers, (exercised, flown), (*map(sentence, dossier.invalid), f"No score: {NO_POOL}."))
     rows = (
         ("mutation score", str(scored.mutation_score), "default mutants that safety requirements detect, of all flown"),
         ("firm", str(scored.firm), "default mutants detected whichever one seed is left out, of those flown"),
@@ -264,12 +264,7 @@ def _ratios(dossier: Dossier) -> Table:
         "steadily, in nine tenths of its flights there or more; a detected mutant is killed there if most of its "
         "flights violate that requirement."
     )
-    return Table(title, headers, rows, (*map(_sentence, dossier.invalid), detected, killed))
-
-
-def _sentence(reason: str) -> str:
-    """A reason as a sentence of a page."""
-    return f"{reason[0].upper()}{reason[1:]}."
+    return Table(title, headers, rows, (*map(sentence, dossier.invalid), detected, killed))
 
 
 def _of(dossier: Dossier, verdict: Verdict) -> Table:
@@ -495,7 +490,7 @@ def _by_requirement(dossier: Dossier) -> Table:
     firm = f"  Detected whichever one seed is left out: {dossier.score.firm.part}."
     told = f"Default mutants flown, by safety requirements: {verdicts}.{firm}"
     verdict = told if dossier.score.pooled else NO_VERDICTS
-    notes = ("Triggered, robustness: flights of the unmutated drone.", verdict, *map(_sentence, dossier.invalid))
+    notes = ("Triggered, robustness: flights of the unmutated drone.", verdict, *map(sentence, dossier.invalid))
     return Table("Sufficiency of coverage (1): safety requirements", headers, rows, notes)
 
 
