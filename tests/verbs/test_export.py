@@ -24,9 +24,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from junitparser import Error, Failure, JUnitXml, Skipped
 from options import as_recorded, usually
-from printed import Call
+from printed import Call, told_by
 from published_flights import ROOT
 from sarif_pydantic import Sarif
+from studies import copied
 
 from scaloft_fi.analysis.detection import Pool, Spending, Verdict
 from scaloft_fi.analysis.roster import Ratio
@@ -390,6 +391,36 @@ def test_no_export_claims_seeds_that_were_not_flown():
     assert "1 to 5 seeds beside 10 baseline flights a situation." in answered["How sure"]
 
 
+def test_a_mild_magnitude_beside_the_default_is_no_test_of_junit():
+    (suite,) = read_junit(junit(made(*flown(LATE, violated={"SR2": 7.0}), *flown("LATE-human@0.5s")))).values()
+    assert suite == {LATE: []}
+
+
+def test_the_argument_and_the_log_name_the_campaign_in_their_commands():
+    said = gsn(UNEVEN) + gsn(made(*flown(LATE, violated={"SR2": 7.0}))) + to_markdown(UNEVEN)
+    commands = re.findall(r"scaloft-fi (?:score|export|replay)[^;\n']*", " ".join(said.split()))
+    assert len(commands) == 8
+    assert all("--campaign mine" in command for command in commands)
+
+
+def test_the_log_counts_the_flights_that_trigger_a_requirement_and_not_its_episodes():
+    twice = replace(UNEVEN.outcomes[0], readings=tuple(replace(r, triggered=2) for r in UNEVEN.outcomes[0].readings))
+    told = replace(UNEVEN, outcomes=(twice, *UNEVEN.outcomes[1:]))
+    rows = sace_json(told)["Sufficiency of coverage (1): safety requirements"]["rows"]
+    clean = [row for row in told.rows if row["mutant"] == BASELINE]
+    of_rows = [sum(name in row["triggered"] for row in clean) for name in ("SR1", "SR2")]
+    assert [row["flights that trigger it"] for row in rows] == of_rows == [20, 20]
+
+
+def test_a_reader_of_sarif_finds_the_file_of_a_study_below_the_root_of_its_repository(call: Call, tmp_path: Path):
+    study = copied(tmp_path / "repo" / "safety" / "mine", "found.yaml")
+    (tmp_path / "repo" / ".git").mkdir()
+    told_by(call("run", "--mutant", "LATE-human", "--situation", "T0O0W0D0H0", "--quiet", study=study))
+    (result,) = json.loads(told_by(call("export", "--format", "sarif", study=study)))["runs"][0]["results"]
+    place = result["locations"][0]["physicalLocation"]["artifactLocation"]
+    assert place == {"uri": "safety/mine/hazop/matrix/human.yaml"}
+
+
 def test_of_more_than_four_mutants_with_other_seeds_the_log_has_the_number():
     ids = [f"LATE-human@{number}s" for number in range(11)]
     told = made(*(one for id_ in ids[:6] for one in flown(id_, seeds=1)), *(one for i in ids[6:] for one in flown(i)))
@@ -443,7 +474,9 @@ def kinds(mutant: MutantScore) -> list[type]:
 def test_a_detected_mutant_passes_and_every_other_case_carries_the_replay_and_the_next_step(dossier: Dossier):
     text = junit(dossier)
     suites = read_junit(text)
-    for mutant in dossier.score.mutants:
+    listed = [one for one in dossier.score.mutants if dossier.roster.counts(one.subject)] or dossier.score.mutants
+    assert sum(len(own) for name, own in suites.items() if name != "controls") == len(listed)
+    for mutant in listed:
         assert suites[mutant.subject.parameter][mutant.subject.id] == kinds(mutant)
     assert set(suites.get("controls", {})) == {control.subject.id for control in dossier.score.controls}
     flown = {outcome.name for outcome in dossier.outcomes}

@@ -327,6 +327,7 @@ class Dossier:
         today: the day by which dispositions expire; None = none does.
         archive: reads the files of the campaign's archive, by their paths.
         invalid: why no score of the campaign is valid, each reason in a sentence; often none.
+        within: path of the study in its Git repository, with a / at its end; empty where it is its root, or in none.
     """
 
     study: str
@@ -348,6 +349,7 @@ class Dossier:
     today: date | None = None
     archive: Callable[[], Mapping[str, bytes]] = dict
     invalid: tuple[str, ...] = ()
+    within: str = ""
 
     @cached_property
     def score(self) -> Score:
@@ -639,6 +641,8 @@ def dossier(study: Study, campaign: str, today: date | None = None) -> Dossier:
         study = now.study
         outcomes, platform, spending, invalid = now.outcomes, now.platform, now.spending, now.stale.invalid
     item, cells = study.grid.item, sorted((study.folder / "hazop").rglob("*.yaml"))
+    root = study.folder.resolve()
+    above = next((one for one in (root, *root.parents) if is_there(one / ".git")), root)
     return Dossier(
         study=study.name,
         campaign=flown_in(Path(now.name).name),
@@ -659,4 +663,5 @@ def dossier(study: Study, campaign: str, today: date | None = None) -> Dossier:
         dispositions=study.dispositions,
         today=today or date.today(),  # noqa: DTZ011 - the user's own day
         invalid=invalid,
+        within="" if above == root else f"{root.relative_to(above).as_posix()}/",
     )

@@ -51,7 +51,7 @@ from scaloft_fi.analysis.survivor import judge
 from scaloft_fi.hazop.matrix import class_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID
 from scaloft_fi.judge.requirement import Kind, rho_text
-from scaloft_fi.output import line
+from scaloft_fi.output import in_campaign, line
 from scaloft_fi.registry import grouped
 from scaloft_fi.verbs.export.dossier import Dossier, Step, export_format
 from scaloft_fi.verbs.first_screen import NOT_COMPARED, false_detections, seeds_flown, shows_itself_by
@@ -67,7 +67,8 @@ def junit(dossier: Dossier) -> str:
     """The XML document."""
     root = ET.Element("testsuites", name=line(f"scaloft-fi {dossier.campaign}"))
     controls = {CONTROLS: list(dossier.score.controls)} if dossier.score.controls else {}
-    suites = grouped(dossier.score.mutants, lambda mutant: mutant.subject.parameter)
+    default = [mutant for mutant in dossier.score.mutants if dossier.roster.counts(mutant.subject)]
+    suites = grouped(default or dossier.score.mutants, lambda mutant: mutant.subject.parameter)
     if dossier.invalid:
         suite = ET.SubElement(root, "testsuite", name="gates", tests="1", failures="0", errors="1", skipped="0")
         case = ET.SubElement(suite, "testcase", classname="scaloft-fi.gates", name="score")
@@ -148,7 +149,8 @@ def _result(dossier: Dossier, mutant: MutantScore, rule: int) -> dict[str, Any]:
     """Its list of suppressions is empty where nobody accepted the mutant (SARIF 2.1.0, 3.27.23)."""
     (name, line), steps, accepted = dossier.place(mutant), dossier.steps(mutant), dossier.acceptance(mutant)
     commands = "".join(f"  {step.does}: {step.command}." for step in steps if step.name in ("replay", "next"))
-    place = {"artifactLocation": {"uri": quote(name, errors="surrogateescape")}, "region": {"startLine": line}}
+    uri = quote(f"{dossier.within}{name}", errors="surrogateescape")
+    place = {"artifactLocation": {"uri": uri}, "region": {"startLine": line}}
     suppression = {"kind": "external", "status": "accepted", "justification": accepted}
     return {
         "ruleId": dossier.cell(mutant).name,
@@ -305,7 +307,7 @@ def gsn(dossier: Dossier) -> str:
 
 def nodes(dossier: Dossier) -> dict[str, Any]:
     """The argument's nodes by id, the module's head among them."""
-    names = ", ".join(requirement.name for requirement in dossier.requirements)
+    names, known = ", ".join(requirement.name for requirement in dossier.requirements), in_campaign(dossier.campaign)
     mutants = dossier.score.mutants
     default = f"{len(dossier.score.counted)} of them the defaults of their cells"
     faults = f"{counted(len(mutants), 'mutant')} from a HAZOP deviation matrix, {default}"
@@ -326,7 +328,7 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
             "supportedBy": ["G2", "G3", "G4"],
         },
         "G2": {"text": _coverage(dossier), "supportedBy": ["Sn1"]},
-        "Sn1": {"text": "Coverage table: scaloft-fi score"},
+        "Sn1": {"text": f"Coverage table: scaloft-fi score{known}"},
         **_detection(dossier),
     }
     missed = dossier.of(*COUNTER)
@@ -334,7 +336,7 @@ def nodes(dossier: Dossier) -> dict[str, Any]:
         argument |= _justified(dossier, missed)
     else:
         argument["G4"] = {"text": "Every default mutant flown is detected", "supportedBy": ["Sn3"]}
-        argument["Sn3"] = {"text": "Verdict on every mutant: scaloft-fi score"}
+        argument["Sn3"] = {"text": f"Verdict on every mutant: scaloft-fi score{known}"}
     for number, mutant in enumerate(missed, start=1):
         severity = f" (severity: {mutant.severity.id}, {mutant.severity.title})" if mutant.severity else ""
         argument[f"CG{number}"] = {
@@ -375,7 +377,7 @@ def _coverage(dossier: Dossier) -> str:
 
 def _detection(dossier: Dossier) -> dict[str, Any]:
     """The claim over the default mutants, and what it rests on; nothing where none was flown or decided."""
-    scored = dossier.score
+    scored, known = dossier.score, in_campaign(dossier.campaign)
     if dossier.invalid or not (scored.pooled and scored.counted):
         flown = "no default mutant of a cell was flown" if scored.pooled else f"no verdict: {NO_POOL}"
         why = "; ".join(dossier.invalid) or flown
@@ -387,11 +389,11 @@ def _detection(dossier: Dossier) -> dict[str, Any]:
         "G3": {"text": claim, "supportedBy": ["Sn2"], "inContextOf": ["C4", "C5"]},
         "C4": {"text": f"Detected: {rule} (exact stratified test, alpha {scored.alpha:g})"},
         "C5": {"text": false_detections(scored.alpha, scored.tested.part)},
-        "Sn2": {"text": "Verdicts and kills: scaloft-fi score; every flight: scaloft-fi export"},
+        "Sn2": {"text": f"Verdicts and kills: scaloft-fi score{known}; every flight: scaloft-fi export{known}"},
     }
 
 
-REPEATS = "Flights are deterministic: scaloft-fi replay flies each again, bit for bit, on the same platform."
+REPEATS = "Flights are deterministic: scaloft-fi replay{} flies each again, bit for bit, on the same platform."
 NO_REPEATS = "The stack is not deterministic: no flight can be flown again bit for bit; verdicts rest on several seeds."
 EDGES = 10
 """How many situations with the least robustness are named as edge cases."""
@@ -416,7 +418,7 @@ def verification_log(dossier: Dossier) -> tuple[Table, ...]:
     parts = {"scaloft-fi": dossier.version, **dict(sorted(dossier.platform.items()))}
     if parts["scaloft-fi"] != dossier.version:
         parts["scaloft-fi of this log"] = dossier.version
-    repeats = REPEATS if dossier.deterministic else NO_REPEATS
+    repeats = REPEATS.format(in_campaign(dossier.campaign)) if dossier.deterministic else NO_REPEATS
     coverage = "Sufficiency of coverage (2): operational domain model"
     return (
         _cases(dossier),
@@ -475,16 +477,18 @@ def _seeds(dossier: Dossier, flown: Mapping[str, Collection[int]]) -> str:
 def _by_requirement(dossier: Dossier) -> Table:
     """Consideration 1: are there test cases for each safety requirement, and would they show its violation."""
     tested = {tally.requirement: tally for tally in tallies(dossier.outcomes)}
+    clean = [outcome for outcome in dossier.outcomes if outcome.mutant == BASELINE and not outcome.invalid]
+    triggered = Counter(one.requirement for outcome in clean for one in outcome.readings if one.triggered)
 
     def row(name: str) -> tuple[str, int, str, str]:
         able = [mutant for mutant in dossier.score.counted if name in mutant.tests]
         detected = Ratio(sum(name in m.safety.by for m in able), len(able))
         tally = tested.get(name)
-        return name, tally.triggered if tally else 0, str(detected), rho_text(tally.least_rho) if tally else "n/a"
+        return name, triggered[name], str(detected), rho_text(tally.least_rho) if tally else "n/a"
 
     rows = tuple(row(r.name) for r in dossier.requirements if r.kind is Kind.SAFETY)
     detected = "default mutants detected by it, of those that it put to the test"
-    headers = ("requirement", "times triggered", detected, "least robustness")
+    headers = ("requirement", "flights that trigger it", detected, "least robustness")
     fates = Counter(mutant.verdict for mutant in dossier.score.counted)
     verdicts = ", ".join(f"{fates[verdict]} {verdict.words}" for verdict in Verdict)
     firm = f"  Detected whichever one seed is left out: {dossier.score.firm.part}."
