@@ -15,7 +15,7 @@ import zipfile
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, time
-from itertools import zip_longest
+from itertools import pairwise, zip_longest
 from pathlib import Path
 
 from scaloft_fi.document import MIB, read_apart, read_bytes
@@ -64,7 +64,13 @@ FEWEST_HEADS = 3
 """Heads that a sheet must have, where the user names none."""
 MOST_HEAD = 120
 """Characters of a head."""
-_EMPTY = frozenset(("", "-", "--", "n a", "na", "none", "not applicable", "x", "/", "tbd"))
+_NOTHING = frozenset(("n a", "na", "not applicable", "not hazardous", "nicht gefahrlich", "entfallt"))
+"""What people write where nothing deviates."""
+_EMPTY = _NOTHING | {"", "none", "x", "tbd"}
+LISTS = ("causes", "requirements")
+"""What is a list, in which `;` or a line break parts entries."""
+_LOST, _ERROR = "\0", re.compile(r"#(REF!|VALUE!|NAME\?|DIV/0!|NULL!|NUM!|N/A|SPILL!|CALC!)")
+"""What stands for a formula without a stored value and for an error value; the error values."""
 
 
 @dataclass(frozen=True)
@@ -94,13 +100,19 @@ def plain(text: str) -> str:
     return " ".join(re.sub(r"[\W_]+", " ", "".join(c for c in bare if not unicodedata.combining(c))).split())
 
 
-def read_sheet(path: Path, columns: Mapping[str, str] | None = None, sheets: Collection[str] = ()) -> tuple[Line, ...]:
+def read_sheet(
+    path: Path,
+    columns: Mapping[str, str] | None = None,
+    sheets: Collection[str] = (),
+    unread: dict[str, list[str]] | None = None,
+) -> tuple[Line, ...]:
     """The rows of a workbook (`.xlsx`) or of CSV.
 
     Args:
         path: the file.
         columns: heads of the file by key of `HEADS`, where they are other words than those.
         sheets: names of the sheets to read; by default all.
+        unread: gets by sheet the heads and cells that were not read; none: the whole sheet.
 
     Raises:
         InputError: the file cannot be read, is larger than a sheet may be, or has no row of heads that are known.
@@ -112,18 +124,18 @@ def read_sheet(path: Path, columns: Mapping[str, str] | None = None, sheets: Col
     content = read_bytes(path, SHEET_BYTES)
     asked = {plain(head): key for key, head in (columns or {}).items()}
     pages = read_apart(path, lambda: kind(path, content))
-    heads, lines = dict[str, None](), list[Line]()
+    heads, lines, left = dict[str, None](), list[Line](), {} if unread is None else unread
     names = [name for name, _ in pages]
     for name in sheets:
         if name not in names:
             raise InputError(f"{path}: has no sheet {name!r}{did_you_mean(name, names)}")
     for name, rows in ((name, rows) for name, rows in pages if name in sheets or not sheets):
-        lines += _lines(name, rows, asked, heads)
+        begins = [at for at, row in enumerate(rows) if _is_head(row) and not (at and _is_head(rows[at - 1]))]
+        for first, end in pairwise((0, *begins[1:], len(rows))):
+            lines += _lines(name, rows[:end], first, asked, heads, left)
     if lacking := [key for head, key in asked.items() if head not in heads]:
-        key = lacking[0]
-        raise InputError(
-            f"{path}: no column is headed {(columns or {})[key]!r}{did_you_mean(plain((columns or {})[key]), heads)}"
-        )
+        head = (columns or {})[lacking[0]]
+        raise InputError(f"{path}: no column is headed {head!r}{did_you_mean(plain(head), heads)}")
     if not lines:
         told = ", ".join(shown(head) for head in list(heads)[:12])
         raise InputError(
@@ -134,7 +146,8 @@ def read_sheet(path: Path, columns: Mapping[str, str] | None = None, sheets: Col
 
 
 Rows = list[list[str]]
-_MARKED = re.compile(r"'+[=+\-@＝＋－＠\s]")  # noqa: RUF001 - a text that would be a formula, as `worksheet --format csv` writes it
+MARKED = re.compile(r"\A'(?='*[=+\-@＝＋－＠\s])")  # noqa: RUF001 - those, too, begin a formula
+"""The mark before a text that would be a formula, as `worksheet --format csv` writes it."""
 
 
 def _csv(path: Path, content: bytes) -> list[tuple[str, Rows]]:
@@ -144,12 +157,14 @@ def _csv(path: Path, content: bytes) -> list[tuple[str, Rows]]:
         text = content.decode("utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "cp1252", errors="replace")
     first = text[: text.find("\n", 2000) + 1 or None]
     try:
-        comma = max(",;\t|", key=lambda one: (_heads_between(first, one), _fewest(first, one), first.count(one)))
+        each = [line for line in first.splitlines() if line.strip()] or [""]
+        counts = {one: [line.count(one) for line in each] for one in ",;\t|"}
+        comma = max(counts, key=lambda one: (_heads_between(first, one), min(counts[one]), sum(counts[one])))
         rows = [list(row) for row in csv.reader(io.StringIO(text, newline=""), delimiter=comma)]
     except csv.Error as error:
         raise InputError(f"{path}: is no CSV: {error}") from None
     _check_size(path, "the table", len(rows), max(map(len, rows), default=0))
-    return [("", [[cell[1:] if _MARKED.match(cell) else cell for cell in row] for row in rows])]
+    return [("", [[_LOST if _ERROR.fullmatch(cell) else MARKED.sub("", cell) for cell in row] for row in rows])]
 
 
 def _heads_between(text: str, comma: str) -> int:
@@ -158,26 +173,26 @@ def _heads_between(text: str, comma: str) -> int:
     return max((sum(_key(plain(cell)) is not None for cell in row) for row in rows), default=0)
 
 
-def _fewest(text: str, comma: str) -> int:
-    """How often a sign stands in the line of a text where it stands least."""
-    return min((line.count(comma) for line in text.splitlines() if line.strip()), default=0)
-
-
 def _workbook(path: Path, content: bytes) -> list[tuple[str, Rows]]:
     openpyxl = needed("openpyxl", f"{path}: reading it needs openpyxl", "xlsx")
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as packed:  # which unpacks no more of a part than it declares
-            unpacked = sum(part.file_size for part in packed.infolist() if part.filename.endswith(".xml"))
-        if unpacked > SHEET_BYTES:
-            raise InputError(f"{path}: it unpacks to {unpacked:,} bytes of XML, and may to {SHEET_BYTES:,} at most")
+            parts = [part for part in packed.infolist() if part.filename.endswith(".xml")]
+            if (unpacked := sum(part.file_size for part in parts)) > SHEET_BYTES:
+                raise InputError(f"{path}: it unpacks to {unpacked:,} bytes of XML, and may to {SHEET_BYTES:,} at most")
+            formulas = any(re.search(rb"<(\w+:)?f[ />]", packed.read(part)) for part in parts)
         with warnings.catch_warnings(action="ignore"):  # of parts that no cell depends on
             book = openpyxl.load_workbook(io.BytesIO(content), data_only=True)
+            told = openpyxl.load_workbook(io.BytesIO(content)) if formulas else book
     except (InputError, MemoryError):
         raise
     except Exception as error:  # noqa: BLE001 - whatever a damaged workbook makes of the library
         raise InputError(f"{path}: is no workbook that can be read: {type(error).__name__}: {error}") from None
     pages = []
-    for page in book.worksheets:
+    for page, formed in zip(book.worksheets, told.worksheets, strict=True):
+        for cell, typed in ((page._cells[at], typed) for at, typed in formed._cells.items()):
+            if cell.data_type == "e" or (typed.data_type == "f" and cell.value is None):
+                cell._value = _LOST  # which no workbook can hold
         # where something stands, not `max_row`: a column that is only coloured ends in row 1,048,576
         held = [at for at, cell in page._cells.items() if cell.value is not None]
         last, width = max((row for row, _ in held), default=0), max((column for _, column in held), default=0)
@@ -208,10 +223,12 @@ def _check_size(path: Path, what: str, rows: int, columns: int) -> None:
         raise InputError(f"{path}: {what} has {rows:,} rows and {columns:,} columns; it must have {allowed}")
 
 
-def _lines(name: str, rows: Rows, asked: Mapping[str, str], heads: dict[str, None]) -> Iterator[Line]:
-    """The rows below the heads of one page; `heads` gets every head that was looked at, in their order."""
-    best: tuple[int, int, dict[int, str], dict[int, tuple[str, ...]]] = (0, 0, {}, {})
-    for at, row in enumerate(rows[:HEAD_WITHIN]):
+def _lines(
+    name: str, rows: Rows, first: int, asked: Mapping[str, str], heads: dict[str, None], unread: dict[str, list[str]]
+) -> Iterator[Line]:
+    """The rows of a table that begins with row `first` of a page; `heads` gets the heads, `unread` what is not read."""
+    best: tuple[int, int, dict[int, str], dict[int, tuple[str, ...]], list[str]] = (0, 0, {}, {}, [])
+    for at, row in enumerate(rows[first : first + HEAD_WITHIN], first):
         below = rows[at + 1] if at + 1 < len(rows) else []
         groups = _spread(row)
         for height, told, above in (
@@ -223,35 +240,42 @@ def _lines(name: str, rows: Rows, asked: Mapping[str, str], heads: dict[str, Non
             roles = _roles(told, asked, words, above)
             heads |= dict.fromkeys(head for head in map(plain, told) if head and (roles or words))
             if len(roles) + len(words) > best[0]:
-                best = (len(roles) + len(words), at + height, roles, words)
-    known, begin, roles, words = best
+                best = (len(roles) + len(words), at + height, roles, words, told)
+    known, begin, roles, words, told = best
     keys = frozenset(roles.values())
     about = keys & {"node", "parameter", *TEXTS} - {"deviation"}
-    if known < FEWEST_HEADS and not asked:
+    named = words or "cell" in keys or (about and keys & {"guideword", "deviation"})
+    left = unread.setdefault(name, [])
+    if not named or (known < FEWEST_HEADS and not asked):
+        left += ["the sheet, whose heads are not known"] * bool(rows)
         return
-    if not words and "cell" not in keys and not (about and keys & {"guideword", "deviation"}):
-        return
+    left += (head for at, head in enumerate(told) if head.strip() and at not in roles and at not in words)
     before: dict[str, str] = {}
     for number, row in enumerate(rows[begin:], begin + 1):
-        texts = dict[str, str]()
+        texts, lost = dict[str, str](), list[str]()
         for at, key in roles.items():
-            text = " ".join(row[at].split())[:MOST_TEXT] if at < len(row) else ""
-            if text and text not in texts.get(key, "").split("; "):
+            text = (row[at].replace("\n", "; ") if key in LISTS else row[at]) if at < len(row) else ""
+            text = " ".join(text.split())[:MOST_TEXT]
+            if text == _LOST:
+                lost.append(key)
+            elif text and text not in texts.get(key, "").split("; "):
                 texts[key] = f"{texts[key]}; {text}" if key in texts else text
         for key in ("node", "parameter"):
             if texts.get(key, before.get(key)) != before.get(key):  # a new node has guidewords of its own
                 before.pop("guideword", None)
         if any(key in texts for key in ("node", "parameter", "guideword", "deviation")):
             before = {key: text for key, text in before.items() if key != "deviation"}
-        before |= {key: texts[key] for key in DOWN if key in texts}
+        before = {key: text for key, text in (before | texts).items() if key in DOWN and key not in lost}
         place = f"{name}:{number}" if name else f"{number}"
         if words:
             for at, meant in words.items():
                 text = " ".join(row[at].split())[:MOST_TEXT] if at < len(row) else ""
+                lost += [told[at]] * (text == _LOST)
                 if plain(text) not in _EMPTY:
                     yield Line(place, {**before, **texts, "deviation": text}, keys, meant)
-        elif any(key in texts for key in (*TEXTS, "cell")):
-            yield Line(place, {**before, **texts}, keys)
+        elif any(key in texts for key in (*TEXTS, "cell", "rationale")):
+            yield Line(place, {**before, **texts}, keys - {*lost})
+        left += (f"{head} of row {number}, a formula without a value or an error" for head in lost)
 
 
 def _spread(row: Sequence[str]) -> list[str]:
@@ -288,8 +312,13 @@ def _roles(
     return {at: key for at, key in found.items() if at in exact or key not in whole}
 
 
-def _key(head: str) -> str | None:
-    return next((key for key, known in HEADS.items() if head in known.split("|")), None)
+_key = {one: key for key, known in HEADS.items() for one in known.split("|")}.get
+
+
+def _is_head(row: Sequence[str]) -> bool:
+    """Whether a row has as many heads as a table must have."""
+    keys = {_key(plain(cell)) for cell in row if len(cell) < MOST_HEAD} - {None}
+    return len(keys) >= FEWEST_HEADS and not keys.isdisjoint({"guideword", "deviation", "cell"})
 
 
 def _within(known: str, head: str) -> bool:
@@ -319,15 +348,14 @@ def _ways(text: str) -> tuple[str, ...]:
 
 
 def _meant(words: tuple[str, ...], told: str, known: Sequence[str]) -> tuple[str, ...]:
-    """Of the guidewords that a way may mean, the one that a deviation tells of."""
+    """Of the guidewords that a way may mean, those that a deviation tells of."""
     meant = [word for word in words if word in known]
     if len(meant) < 2 or words == PROVIDED:
         return tuple(meant[:1])
     ways = (words for pattern, words in STPA if re.search(pattern, told))
     spoken = (word for word in meant if any(f" {one} " in f" {told} " for one in WORDS[word].split("|")))
-    return next(
-        (tuple(both[:1]) for words in ways if (both := [one for one in words if one in meant])), tuple(spoken)[:1]
-    )
+    found = (both[0] for words in ways if (both := [one for one in words if one in meant]))
+    return tuple(dict.fromkeys(found)) or tuple(spoken)[:1]
 
 
 def guideword_of(text: str) -> str | None:
@@ -399,9 +427,9 @@ class Draft:
         """Take what a row says."""
         self.places.append(line.place)
         for key in SAID:
-            text, held = line.texts.get(key), self.texts.setdefault(key, [])
-            if text and text not in held:
-                held.append(text)
+            held = self.texts.setdefault(key, [])
+            each = re.split(r"\s*;\s*" if key in LISTS else r"\Z", line.texts.get(key, ""))
+            held += (one for one in each if one and one not in held)
 
     def told(self, key: str) -> str:
         """The texts of a key in one."""
@@ -476,6 +504,8 @@ def sort(
         abouts |= {plain(about): about} if about else {}
         if cell in matrix:
             rows.append(_row(line, matrix.cell(cell), matrix, drafts))
+        elif plain(told) in _NOTHING:
+            rows.append(RowOf(line.place, "", f"its deviation says that there is none: {told}"))
         elif not about:
             rows.append(RowOf(line.place, "", "it names no node and no parameter: --column parameter=HEAD"))
         elif not chosen:
@@ -492,12 +522,11 @@ def sort(
                 given = {"title": about, "node": node or about, "intent": line.texts.get("intent", "")}
                 new.setdefault(parameter, given)
     _check_asked(lines, abouts, words, parameters)
-    parameters_there = {one.id for one in matrix.parameters}
     lacking = dict.fromkeys(draft.guideword for draft in drafts.values())
     return Sorted(
         tuple(rows),
         drafts,
-        {name: said for name, said in new.items() if name not in parameters_there},
+        {name: said for name, said in new.items() if name not in {one.id for one in matrix.parameters}},
         tuple(word for word in lacking if word not in {one.id for one in matrix.guidewords}),
     )
 

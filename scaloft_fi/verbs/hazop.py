@@ -6,6 +6,7 @@ import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from itertools import zip_longest
@@ -15,7 +16,7 @@ from typing import Annotated, Any
 import click
 
 from scaloft_fi.document import Steps, dumped, edited, is_there, parsed, read_text
-from scaloft_fi.errors import FaultsError, InputError, did_you_mean, nearest
+from scaloft_fi.errors import FaultsError, InputError, did_you_mean, nearest, shown
 from scaloft_fi.hazop.load import (
     SHEETS,
     Parameters,
@@ -27,13 +28,13 @@ from scaloft_fi.hazop.load import (
 )
 from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Guideword, Team, parse
 from scaloft_fi.hazop.render import ladder
-from scaloft_fi.hazop.sheet import HEADS, MOST_TEXT, Draft, Line, Sorted, plain, read_sheet, sort
+from scaloft_fi.hazop.sheet import HEADS, MARKED, MOST_TEXT, Draft, Line, Sorted, plain, read_sheet, sort
 from scaloft_fi.model import value_of
 from scaloft_fi.mutants.catalogue import suggested
 from scaloft_fi.output import printable, write_named
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.options import Option, check_own, several, verb
-from scaloft_fi.verbs.worksheet import CUT, SheetRow, bare_rows
+from scaloft_fi.verbs.worksheet import ABOUT, CUT, FINDINGS, SheetRow, bare_rows
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table, counted
 
@@ -74,11 +75,11 @@ class Edit:
     """A text that people changed in a worksheet.
 
     Attributes:
-        cell: the cell, or the parameter.
+        cell: the cell, or the parameter; empty: the row has no id.
         key: in the YAML of the study.
         before: in the study.
         after: in the worksheet.
-        where: the file and line of the cell or parameter; of a cell that the study lacks, sheet and row.
+        where: the file and line of the cell or parameter; of a row that no cell takes, sheet and row.
         written: whether the study has it now.
         why: why it can only be changed by hand; null: `--write` changes it.
     """
@@ -214,6 +215,16 @@ def checked(study: Study, files: Mapping[Path, str]) -> None:
             raise InputError(str(error).replace(str(copy), str(hazop))) from error
 
 
+def write_all(files: Mapping[Path, str]) -> None:
+    """Write files of the study; where one cannot be written, an InputError, the others are as they were."""
+    with ExitStack() as undo:
+        for path, text in files.items():
+            before = read_text(path) if is_there(path) else None
+            write_named(path, text.encode(), "FILE")
+            undo.callback(path.unlink) if before is None else undo.callback(path.write_text, before, "utf-8")
+        undo.pop_all()
+
+
 def imported(study: Study, file: Path, found: Sorted, *, writing: bool) -> BroughtIn:
     """What became of each row; with `writing`, the drafts are written into new files.
 
@@ -222,8 +233,7 @@ def imported(study: Study, file: Path, found: Sorted, *, writing: bool) -> Broug
     """
     files, proposed = drafted(study, found, file)
     checked(study, files)
-    for path, text in files.items() if writing else ():
-        write_named(path, text.encode(), "FILE")
+    write_all(files if writing else {})
     rows = []
     for row in found.rows:
         fault = proposed.get(row.cell)
@@ -236,10 +246,6 @@ def imported(study: Study, file: Path, found: Sorted, *, writing: bool) -> Broug
     return BroughtIn(file, tuple(rows), to_do, (), tuple(files) if writing else ())
 
 
-Change = tuple[Steps, str | None]
-"""The way to a value of a document, and its new text."""
-
-
 @dataclass(frozen=True)
 class Step:
     """Edits that are made together or not at all.
@@ -247,13 +253,13 @@ class Step:
     Attributes:
         edits: what people edited.
         path: the file of the study.
-        changes: what changes in it; nothing: the edits are made by hand.
+        changes: the way to each value that changes in it, and its new text; none: the edits are made by hand.
         asks: what is said where the study cannot have them; empty: the refusal.
     """
 
     edits: tuple[Edit, ...]
     path: Path
-    changes: tuple[Change, ...] = ()
+    changes: tuple[tuple[Steps, str | None], ...] = ()
     asks: str = ""
 
     def by_hand(self, why: str) -> Step:
@@ -264,43 +270,59 @@ class Step:
 def edits_of(rows: Iterable[SheetRow], hazop: Path, lines: Iterable[Line]) -> Iterator[Step]:
     """What people edited in a worksheet that a study wrote, and how it is changed in the study.
 
+    A row that names no cell, or another by its words than by its id, is left to a person; so is a text whose copies
+    differ, because no sheet says which of them is the edit.
+
     Args:
         rows: of the study, as `bare_rows` makes them.
         hazop: folder of its files.
         lines: rows of the worksheet.
-
-    Raises:
-        InputError: one text was edited in two ways.
     """
-    told, by_name = dict[tuple[str, str], str](), {row.cell.name: row for row in rows}
+    by_name = {row.cell.name: row for row in rows}
+    titles = {plain(row.parameter.title) for row in by_name.values()}
+    firsts, cells = dict[str, str](), dict[str, dict[str, tuple[str, dict[str, str]]]]()
     for line in lines:
-        name, edits = line.texts.get("cell", ""), dict[str, tuple[str, str]]()
-        if name not in by_name:
-            absent = Step((Edit(name, "cell", "", name, line.place, False, None),), hazop)
-            yield from [absent.by_hand(f"the study has no such cell{did_you_mean(name, by_name)}")] if name else ()
+        row = by_name.get(name := line.texts.get("cell", ""))
+        word, title = (line.texts.get(key, "") for key in ("guideword", "parameter"))
+        if row is None:
+            why = f"the study has no such cell{did_you_mean(name, by_name)}" if name else _NO_ID
+        else:
+            other = "guideword" in line.keys and plain(word).replace(" ", "") != plain(row.cell.guideword)
+            other |= plain(title) != plain(row.parameter.title) and plain(title) in titles
+            why = "guideword or parameter are not those of the id; nothing of the row is taken" if other else ""
+        if row is None or why:
+            yield Step((Edit(name, "cell", "", f"{word} {title}".strip() or name, line.place, False, why),), hazop)
             continue
-        row = by_name[name]
-        for key in (key for key in HEADS if key in line.keys - {"cell"}):
-            before, after = _shown(row.values[_COLUMN.get(key, key)]), _shown(line.texts.get(key))
-            about = row.cell.parameter if key in _OF_PARAMETER else name
-            if key == "disposition" and after.endswith(f": {before}"):  # before it stands its state in a campaign
-                after = before
-            same = plain(before) == plain(after) if key == "status" else before in (after, f"'{after}")
-            if same:  # CSV marks texts with '
-                continue
-            if (about, key) not in told:
+        first = firsts.setdefault(row.cell.parameter, name)
+        for key in (key for key in HEADS if key in line.keys - {"cell", "guideword"}):
+            before, of = _shown(row.values[_COLUMN.get(key, key)]), first if key in _OF_PARAMETER else name
+            _, ways = cells.setdefault(of, {}).setdefault(key, (before, {}))
+            ways.setdefault(_after(before, key, line.texts.get(key, "")), line.place)
+    for name, found in cells.items():
+        edits, cell = dict[str, tuple[str, str]](), by_name[name].cell
+        for key, (before, ways) in found.items():
+            after = next((one for one in ways if one != before), before)
+            if len(ways) > 1:
+                why = "its copies differ: " + ", ".join(f"{shown(one)} at {place}" for one, place in ways.items())
+                yield Step((Edit(name, key, before, after, cell.place, False, why),), hazop)
+            elif after != before:
                 edits[key] = before, after
-            elif told[about, key] != after:
-                ways = f"{after!r} and {told[about, key]!r}"
-                raise InputError(f"{line.place}: {key} of {about} is edited in two ways: {ways}")
-            told[about, key] = after
-        yield from _steps(hazop, row.cell, edits)
+        yield from _steps(hazop, cell, edits)
 
 
+def _after(before: str, key: str, text: str) -> str:
+    """A text of a worksheet; that of the study, `before`, where both say the same.  CSV marks texts with '."""
+    after, bare = _shown(text), _shown(MARKED.sub("", text))
+    if key == "disposition" and after.endswith(f": {before}"):  # before it stands its state in a campaign
+        after = before
+    same = plain(before) == plain(after) if key == "status" else before in (after, f"'{after}", bare)
+    return before if same else bare
+
+
+_NO_ID = "it has no Deviation id; `scaloft-fi hazop import` drafts what is new"
 _COLUMN = {"intent": "design_intent"}
 _OF_PARAMETER = {"node": "node", "intent": "intent", "parameter": "title"}
 _KEPT = {
-    "guideword": "a cell keeps its guideword",
     "operators": "faults are not taken back",
     "mutant": "the default magnitude is not taken back",
     "disposition": "not taken back: hazop/dispositions.yaml has it",
@@ -373,7 +395,7 @@ def _of_list(step: Step, cell: Cell, key: str) -> Step:
     """The entries of an edited list that differ; a list from which one was taken out is left to a person."""
     (told,) = step.edits
     old = list(map(_shown, cell.causes if key == "causes" else cell.requirements))
-    new = [one.strip() for one in told.after.split(";" if key == "causes" else ",") if one.strip()]
+    new = [one.strip() for one in re.split(";" if key == "causes" else "[,;]", told.after) if one.strip()]
     if len(new) < len(old) or not new:
         return step.by_hand("an entry was taken out")
     changed = [(k, then, one) for k, (then, one) in enumerate(zip_longest(old, new, fillvalue="")) if one != then]
@@ -387,11 +409,10 @@ def differing(study: Study, file: Path, lines: Sequence[Line], *, writing: bool)
     An edit that is not allowed, or cannot be made in place, is left to a person, and stops no other.
 
     Raises:
-        InputError: no row names a cell of the study, one text was edited in two ways, or a file cannot be written.
+        InputError: no row names a cell of the study, or a file cannot be written.
     """
     if not any(line.texts.get("cell", "") in study.matrix for line in lines):
-        others = "`scaloft-fi hazop import` reads other sheets"
-        raise InputError(f"{file}: no row names a cell of the study (Deviation id); {others}")
+        raise InputError(f"{file}: no row names a cell of the study by its id; `scaloft-fi hazop import` reads others")
     texts, edits = dict[Path, str](), list[Edit]()
     for step in edits_of(bare_rows(study.matrix, study.dispositions), study.folder / "hazop", lines):
         try:
@@ -406,8 +427,7 @@ def differing(study: Study, file: Path, lines: Sequence[Line], *, writing: bool)
             first = error.faults[0] if isinstance(error, FaultsError) else error
             edits += step.by_hand(step.asks or re.sub(rf"^{re.escape(str(step.path))}:(\d+:)? ", "", str(first))).edits
     checked(study, texts)
-    for path, text in texts.items() if writing else ():
-        write_named(path, text.encode(), "FILE")
+    write_all(texts if writing else {})
     return BroughtIn(file, (), study.matrix.counts()[CellStatus.TO_DO], tuple(edits), tuple(texts) if writing else ())
 
 
@@ -441,10 +461,12 @@ def tables_of(told: BroughtIn, *, differ: bool) -> tuple[Table, ...]:
     rows = tuple(
         (one.place, one.state.replace("_", " "), one.cell or "", one.proposed or one.why or "") for one in told.rows
     )
-    count = {state: sum(one.state is state for one in told.rows) for state in RowState}
+    count = {state: len({one.place for one in told.rows if one.state is state}) for state in RowState}
     known, out = f"{count[RowState.THERE]} in the study already", f"{count[RowState.LEFT_OUT]} left out"
+    total, cells = len({one.place for one in told.rows}), len({row[2] for row in rows if row[1] == RowState.DRAFTED})
+    into = f"{count[RowState.DRAFTED]} drafted into {counted(cells, 'cell')}"
     notes = (
-        f"{counted(len(rows), 'row')}: {count[RowState.DRAFTED]} drafted, {known}, {out}.",
+        f"{counted(total, 'row')}: {into}, {known}, {out}.",
         f"{counted(told.to_do, 'cell')} to do: never flown, until somebody gives them faults and requirements.",
         *(wrote or ("`--write` writes the drafts into the study.",) * bool(count[RowState.DRAFTED])),
     )
@@ -513,9 +535,16 @@ def hazop(
         raise InputError("--guideword, --parameter: only `hazop import` reads them; a worksheet has the names of cells")
     if write:
         check_own(study, study.folder, study.folder / "hazop")
-    lines, warnings = read_sheet(file, heads, several(sheet, "sheet")), list[str]()
+    unread = dict[str, list[str]]()
+    lines = read_sheet(file, heads, several(sheet, "sheet"), unread)
+    unread.pop(ABOUT, None)
+    ours = {one for column in FINDINGS for one in (column.key, column.title)}
+    left = {page: [shown(one) for one in dict.fromkeys(what) if one not in ours] for page, what in unread.items()}
+    warnings = [f"{page or file.name}: not read: {', '.join(what)}" for page, what in left.items() if what]
     if action == "diff":
         told = differing(study, file, lines, writing=write)
+        late = (one.cell for one in told.edits if one.key == "predicted" and not one.why)
+        warnings += (f"{cell}: a prediction that is written after the flights is worth nothing" for cell in late)
     else:
         told = imported(study, file, sort(lines, study.matrix, words, names, further), writing=write)
         known = [one.id for one in study.matrix.parameters]

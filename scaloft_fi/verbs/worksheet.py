@@ -272,7 +272,7 @@ class SheetRow:
             "deviation": cell.deviation,
             "status": cell.status.replace("_", " "),
             "rationale": cell.reason or cell.predicted,
-            "causes": "; ".join(cell.causes),
+            "causes": "; ".join(" ".join(cause.split()) for cause in cell.causes),
             "effect": cell.effect,
             "severity": self.severity.id if self.severity else cell.drafted or None,
             "requirements": ", ".join(cell.requirements),
@@ -465,7 +465,7 @@ def to_csv(rows: Sequence[SheetRow]) -> str:
 
 LONGEST = 32_767
 """Characters of a cell: Excel's own limit, which openpyxl would cut at without a word."""
-CUT = " [cut]"
+CUT, ABOUT = " [cut]", "About"
 _ESCAPE = re.compile(r"_(?=x[0-9A-Fa-f]{4}_)")
 """What Excel would read as a character (ECMA-376, ST_Xstring: _x0041_ is an A)."""
 CORE = "docProps/core.xml"
@@ -526,7 +526,7 @@ def _put(page: Any, styles: Any, line: int, at: int, value: SheetValue) -> Any:
 
 def _about(page: Any, styles: Any, told: str) -> None:
     """What the columns say, and the fields at the head of the classic sheet."""
-    page.title = "About"
+    page.title = ABOUT
     lines: list[tuple[str, str]] = [*((name, "") for name in FRAME), ("Population", told), ("", "")]
     lines += [(column.title, column.about) for column in COLUMNS]
     for number, pair in enumerate(lines, 1):

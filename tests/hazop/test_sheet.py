@@ -121,7 +121,7 @@ def test_merged_and_blank_cells_mean_what_stands_above(book: Path):
 
 
 GROUPED = """,Deviation,,,,Cause,,Consequence,
-Case,HAZOPNode,Guideword,Parameter,Description,HAZOPNode,Description,HAZOPNode,Description
+Case,HAZOP node,Guideword,Parameter,Description,HAZOPNode,Description,HAZOPNode,Description
 1,Tank,Mehr,Druck,too much,Inlet,valve open,Tank,bursts
 2,Tank,Anderer/Anders als,Medium,other,Inlet,mixed up,Tank,burns
 """
@@ -174,6 +174,21 @@ def test_the_four_ways_of_stpa_are_guidewords(tmp_path: Path):
     assert cells(lines) == ["NO-climb", "UNINTENDED-climb", "LATE-climb", "MORE-climb", "NO-hover"]
     only = MATRIX.only(["NO", "ASWELLAS", "LATE"])
     assert [row.cell for row in sheets.sort(lines, only, {}, {}).rows][1] == "ASWELLAS-climb"
+
+
+def test_two_ways_in_one_cell_are_two_cells_and_what_is_not_hazardous_is_none(tmp_path: Path):
+    head = STPA.splitlines()[0]
+    row = "Climb,not hazardous,n/a,UCA-3: too late for the rock; UCA-4: too early for the waypoint,not applicable"
+    assert cells(sheets.read_sheet(sheet(tmp_path, f"{head}\n{row}\n"))) == ["EARLY-climb", "LATE-climb"]
+
+
+def test_a_page_may_have_tables_with_other_heads(tmp_path: Path):
+    text = "Node,Guideword,Deviation,Cause,Note\nA,NO,none,x,n\n\nGuide word,Deviation,Element,Reason\nLATE,late,B,y\n"
+    unread = dict[str, list[str]]()
+    lines = sheets.read_sheet(sheet(tmp_path, text), unread=unread)
+    assert [(line.place, line.texts["node"]) for line in lines] == [("2", "A"), ("5", "B")]
+    assert cells(lines) == ["NO-a", "LATE-b"]
+    assert unread == {"": ["Note", "Reason"]}
 
 
 def test_a_matrix_with_guidewords_for_heads_has_a_deviation_in_each_cell(tmp_path: Path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -17,11 +18,14 @@ from printed import invoked, of_form, sentence
 from processes import ROOT
 from studies import copied
 
+from scaloft_fi.errors import InputError
 from scaloft_fi.hazop.load import load_matrix
 from scaloft_fi.hazop.matrix import CellStatus, Matrix, Team
 from scaloft_fi.hazop.sheet import read_sheet
+from scaloft_fi.output import write_named
 from scaloft_fi.stack.reference.declaration import REFERENCE
 from scaloft_fi.study import Study
+from scaloft_fi.verbs import hazop as verb
 from scaloft_fi.verbs.hazop import edits_of
 from scaloft_fi.verbs.worksheet import bare_rows, to_csv, to_xlsx
 
@@ -204,6 +208,14 @@ def worksheet_of(folder: Path) -> Path:
     return path
 
 
+def test_a_mark_that_a_program_saved_from_our_csv_into_a_workbook_is_no_edit(tmp_path: Path):
+    part = MATRIX.only(["LATE"], ["human"])
+    rows = bare_rows(replace(part, cells={("LATE", "human"): replace(*part, effect="=1+1")}))
+    (tmp_path / "a.xlsx").write_bytes(to_xlsx(rows))
+    edit(tmp_path / "a.xlsx", "LATE-human", Consequence="'=1+1")
+    assert list(edits_of(rows, tmp_path, read_sheet(tmp_path / "a.xlsx"))) == []
+
+
 def edit(path: Path, cell: str, **texts: str | None) -> None:
     book = load_workbook(path)
     page = book.worksheets[0]
@@ -249,7 +261,7 @@ NOT_TAKEN_BACK = {
     "PARTOF-human": ("Status", "kontrolle", "'kontrolle' is no status; did you mean 'control'?"),
     "EARLY-human": ("Status", "not_meaningful", "a cell that is not meaningful has a reason, and no effect"),
     "NO-velcmd": ("Status", "to do", "a cell that is to do has no requirements"),
-    "MORE-velcmd": ("Guideword", "EARLY", "a cell keeps its guideword"),
+    "MORE-velcmd": ("Guideword", "EARLY", "guideword or parameter are not those of the id"),
     "LESS-velcmd": ("Faults", "delay 1 s", "faults are not taken back"),
     "LATE-velcmd": ("Default_mutant", "LATE-velcmd@1s", "the default magnitude is not taken back"),
     "REVERSE-velcmd": ("Disposition", "accepted by me", "hazop/dispositions.yaml has it"),
@@ -334,6 +346,126 @@ def test_an_edit_that_stands_in_two_sheets_of_a_workbook_is_one(folder: Path, wo
     book.save(worksheet)
     edit(worksheet, "LATE-human", Consequence="It is fast.")
     assert [one["key"] for one in told(folder, "diff", worksheet)["edits"]] == ["effect"]
+
+
+@pytest.mark.parametrize("in_main", [True, False])
+def test_copies_of_a_text_that_differ_are_left_to_a_person_however_often_the_sheet_is_read(
+    folder: Path, worksheet: Path, in_main: bool
+):
+    was = Study.open(folder).matrix.cell("LATE-human").effect
+    book = load_workbook(worksheet)
+    page = book.create_sheet("Survivors, worst class first")
+    texts = ("LATE-human", was if in_main else "It is fast.", "injury")
+    for row in (("Deviation id", "Consequence", "Severity"), texts):
+        page.append(row)
+    book.save(worksheet)
+    edit(worksheet, "LATE-human", Recommendation="measure", **({"Consequence": "It is fast."} if in_main else {}))
+    edit(worksheet, "NO-human", Parameter="people")
+    for _ in range(2):
+        edits = {(one["cell"], one["key"]): one for one in told(folder, "diff", worksheet, "--write")["edits"]}
+        assert Study.open(folder).matrix.cell("LATE-human").effect == was
+        why = edits["LATE-human", "effect"]["why"]
+        assert "its copies differ: " in why
+        assert "'It is fast.' at " in why
+        assert "Survivors, worst class first:2" in why
+        assert "'people' at HAZOP worksheet:" in edits["NO-human", "parameter"]["why"]
+    assert Study.open(folder).matrix.cell("LATE-human").team.recommendation == "measure"
+
+
+def test_a_row_whose_guideword_or_parameter_is_not_that_of_its_id_is_held_back_whole(folder: Path, worksheet: Path):
+    swapped = {"NO-human": "NO-velcmd", "NO-velcmd": "NO-human", "LATE-human": "MORE-human", "MORE-human": "LATE-human"}
+    book = load_workbook(worksheet)
+    for row in book.worksheets[0].iter_rows(min_row=2):
+        row[0].value = swapped.get(row[0].value, row[0].value)
+    book.save(worksheet)
+    before = content(folder)
+    edits = told(folder, "diff", worksheet, "--write")["edits"]
+    assert {one["cell"] for one in edits} == {*swapped}
+    assert {one["why"] for one in edits} == {
+        "guideword or parameter are not those of the id; nothing of the row is taken"
+    }
+    assert content(folder) == before
+
+
+def test_each_row_without_an_id_is_told(folder: Path, worksheet: Path):
+    book = load_workbook(worksheet)
+    page, log = book.worksheets[:2]
+    page["A2"].value = log["A2"].value = None
+    page.append([None, None, "person detection", None, "LATE", "It comes in pieces."])
+    book.save(worksheet)
+    edits = told(folder, "diff", worksheet)["edits"]
+    assert [one["where"] for one in edits] == [f"{page.title}:2", f"{page.title}:{page.max_row}", f"{log.title}:2"]
+    assert all("no Deviation id; `scaloft-fi hazop import` drafts what is new" in one["why"] for one in edits)
+    page.delete_cols(1)
+    book.save(worksheet)
+    assert len(told(folder, "diff", worksheet)["edits"]) == page.max_row
+
+
+def test_columns_and_sheets_that_are_not_read_are_named(folder: Path, worksheet: Path):
+    call = ["hazop", "diff", str(worksheet), "--study", str(folder)]
+    assert "not read" not in invoked(*call).stderr
+    book = load_workbook(worksheet)
+    page = book.worksheets[0]
+    heads = {head.value: head for head in page[1]}
+    heads["Consequence"].value = "What then"
+    page.cell(1, len(heads) + 1).value = "Remarks"
+    book.create_sheet("Team").append(["Name", "Phone"])
+    book.save(worksheet)
+    said = invoked(*call).stderr
+    assert "warning: HAZOP worksheet: not read: 'What then', 'Remarks'\n" in said
+    assert "warning: Team: not read: 'the sheet, whose heads are not known'\n" in said
+
+
+@pytest.mark.parametrize("lost", ["=K4", "#REF!"])
+def test_a_formula_without_a_value_and_an_error_empty_no_text(folder: Path, worksheet: Path, lost: str):
+    edit(worksheet, "LATE-human", Severity=lost, Recommendation="measure")
+    call = ["hazop", "diff", str(worksheet), "--study", str(folder), "--write"]
+    assert re.search(r"not read: 'severity of row \d+, a formula without a value or an error'", invoked(*call).stderr)
+    study = Study.open(folder)
+    assert study.matrix.severities["LATE-human"].id == "injury"
+    assert study.matrix.cell("LATE-human").team.recommendation == "measure"
+
+
+def test_where_one_file_cannot_be_written_none_is(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    before = content(folder)
+
+    def full(path: Path, content: bytes, name: str) -> None:
+        if path.name == "weather_radar.yaml":
+            raise InputError("no room")
+        write_named(path, content, name)
+
+    monkeypatch.setattr(verb, "write_named", full)
+    files = {
+        folder / "hazop" / name: "" for name in ("matrix/new.yaml", "parameters.yaml", "matrix/weather_radar.yaml")
+    }
+    with pytest.raises(InputError, match="no room"):
+        verb.write_all(files)
+    assert content(folder) == before
+
+
+def test_a_line_break_in_a_list_parts_its_entries(folder: Path, worksheet: Path):
+    causes = Study.open(folder).matrix.cell("NO-human").causes
+    edit(worksheet, "NO-human", Possible_causes="; ".join(causes) + "\nA moth.", Requirements="SR1\nSR2")
+    edits = told(folder, "diff", worksheet, "--write")["edits"]
+    assert (f"causes[{len(causes)}]", "A moth.") in {(one["key"], one["after"]) for one in edits}
+    cell = Study.open(folder).matrix.cell("NO-human")
+    assert (cell.causes, cell.requirements) == ((*causes, "A moth."), ("SR1", "SR2"))
+    (folder.parent / "more.csv").write_text('Node,Guideword,Deviation,Cause\nSonar,NO,silent,"a plug\na moth; fog"\n')
+    told(folder, "import", folder.parent / "more.csv", "--write")
+    assert Study.open(folder).matrix.cell("NO-sonar").causes == ("a plug", "a moth", "fog")
+
+
+def test_a_prediction_that_comes_with_the_findings_is_warned_of(folder: Path, worksheet: Path):
+    edit(worksheet, "LATE-human", Rationale="It shows.")
+    said = invoked("hazop", "diff", str(worksheet), "--study", str(folder), "--write").stderr
+    assert "warning: LATE-human: a prediction that is written after the flights is worth nothing\n" in said
+
+
+def test_an_import_counts_rows_and_cells(folder: Path):
+    text = "Node,Guideword,Deviation,Cause\nSonar,EARLY / LATE,badly timed,x\nSonar,LATE,later,y\nSonar,NO,n/a,z\n"
+    (folder.parent / "more.csv").write_text(text)
+    screen = invoked("hazop", "import", str(folder.parent / "more.csv"), "--study", str(folder)).stdout
+    assert "3 rows: 2 drafted into 2 cells, 0 in the study already, 1 left out." in screen
 
 
 def test_a_team_clears_what_it_filled_in(folder: Path, worksheet: Path):
