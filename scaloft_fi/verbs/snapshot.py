@@ -6,16 +6,17 @@ import shlex
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 from scaloft_fi.analysis.detection import LEAST, Spending
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.analysis.score import Score, score_of
+from scaloft_fi.campaign.runs import gates
 from scaloft_fi.campaign.store import held as holding
 from scaloft_fi.campaign.store.archive import Archive, campaign_folder, opened
-from scaloft_fi.campaign.store.held import NOT_REPEATED, with_tracks
+from scaloft_fi.campaign.store.held import with_tracks
 from scaloft_fi.campaign.store.platforms import Platforms, warning_for
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.hazop.matrix import cell_of
@@ -106,11 +107,9 @@ class Stale:
     invalid: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, why: Mapping[str, int], command: str, now: holding.Now | None = None) -> Stale:
+    def of(cls, why: Mapping[str, int], command: str) -> Stale:
         """The flights by reason, with the command that flies them again; empty where the study has none any more."""
-        reasons, flights = tuple(Reason(*each) for each in why.items()), sum(why.values())
-        differed = holding.differed_in(now) if now else ()
-        return cls(flights, reasons, command or None, differed, tuple(_invalid(now, differed)) if now else ())
+        return cls(sum(why.values()), tuple(Reason(*each) for each in why.items()), command or None)
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -131,17 +130,10 @@ them again',)
         return (*self.invalid, f"{told}: {', '.join([*reasons[:REASONS], *rest])}; {ends}")
 
 
-def _invalid(now: holding.Now, differed: Collection[str]) -> Iterator[str]:
-    """Why no score of a campaign is valid, each reason in a sentence."""
-    if holding.searched(now.store):
-        yield (
-            "no score is valid, because a search chose what to fly by what it saw; `seek` says what fresh seeds "
-            "confirm, and `run --grid NAME+found` flies it for a score"
-        )
-    failed = holding.failed_gates(now)
-    yield from (f"no score is valid: {one}" for one in failed)
-    if differed and not any(NOT_REPEATED in one for one in failed):
-        yield f"no score is valid, because {NOT_REPEATED}: {', '.join(differed)}"
+SEARCHED = (
+    "no score is valid, because a search chose what to fly by what it saw; `seek` says what fresh seeds confirm, and "
+    "`run --grid NAME+found` flies it for a score"
+)
 
 
 NONE = Stale()
@@ -215,7 +207,11 @@ class Snapshot:
         again = ""
         if found.flown:
             again = study.again if study.tests_of else _again(study, self.now, self.name, found.flown)
-        return Stale.of(found.why, again, self.now)
+        if holding.searched(self.store):
+            invalid: tuple[str, ...] = (SEARCHED,)
+        else:
+            invalid = tuple(f"no score is valid: {one}" for one in [gates.failed_in(self.now, self.folder)] if one)
+        return replace(Stale.of(found.why, again), differed=holding.differed_in(self.now), invalid=invalid)
 
     @cached_property
     def latest(self) -> tuple[Outcome, ...]:

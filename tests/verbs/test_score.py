@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import shutil
+import sqlite3
+from contextlib import closing
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
@@ -25,7 +27,7 @@ from scaloft_fi.analysis.score import By, groups, score, score_of
 from scaloft_fi.analysis.survivor import Disposition, Judged, Standing
 from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.store.archive import STORE_NAME
-from scaloft_fi.campaign.store.held import remember_gates
+from scaloft_fi.campaign.store.held import remember_differed
 from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.judge.status import rulings_of
@@ -216,9 +218,10 @@ def test_after_a_failed_gate_no_screen_and_no_export_passes_for_a_valid_score(ca
     words = ("--mutant", "LATE-human", "--situation", "T0O0W0D0H1", "--seeds", "3", "--quiet")
     assert call("run", *words, "--max-invalid", "0.9").exit_code == 0
     assert call("score", "--fail-under", "1").exit_code == 0
-    with Store(tmp_path / "campaign" / STORE_NAME) as store:
-        remember_gates(store, "gate failed: PLACEBO differs from the baseline", [])
-    said = "no score is valid: gate failed: PLACEBO differs from the baseline"
+    with closing(sqlite3.connect(tmp_path / "campaign" / STORE_NAME)) as connection:
+        connection.execute("UPDATE outcomes SET digest = 'other' WHERE mutant = 'PLACEBO' AND seed = 0")
+        connection.commit()
+    said = "no score is valid: gate failed: PLACEBO differs from the baseline: PLACEBO/T0O0W0D0H1/0"
     for option in (("--fail-under", "0"), ("--ratchet",)):
         failed = call("score", *option)
         assert (failed.exit_code, f"{option[0]}: {said}" in failed.stderr) == (4, True)
@@ -226,6 +229,13 @@ def test_after_a_failed_gate_no_screen_and_no_export_passes_for_a_valid_score(ca
     assert json.loads(call("score", "--format", "json").stdout)["stale"]["invalid"] == [said]
     for style in ("markdown", "gsn", "sace", "junit", "sarif"):
         assert said[1:] in " ".join(call("export", "--format", style).stdout.split())
+    with Store(tmp_path / "campaign" / STORE_NAME) as store:
+        (repeated,) = (one for one in store.outcomes() if one.name == "baseline/T0O0W0D0H1/1")
+        remember_differed(store, "key of then", repeated)
+    call("export", "--format", "archive", "--output", f"{tmp_path}/c.zip")
+    failed = call("score", "--fail-under", "0", "--campaign", f"{tmp_path}/c.zip", campaign=False)
+    assert failed.exit_code == 4
+    assert f"{said}; a repeated flight differs from the first: {repeated.name}" in failed.stderr
 
 
 def test_a_mutant_with_too_few_seeds_counts_for_the_bar_of_detected_mutants_and_not_for_that_of_firm_ones(call: Call):

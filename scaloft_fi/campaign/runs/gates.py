@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
@@ -12,9 +13,19 @@ from scaloft_fi.analysis.detection import Pool, Sample, Spending, State, detect
 from scaloft_fi.analysis.roster import Roster
 from scaloft_fi.campaign.flights.fly import CAN_FORK, Flyer
 from scaloft_fi.campaign.flights.physics import Physics
-from scaloft_fi.campaign.plan import alone
+from scaloft_fi.campaign.plan import alone, canary
 from scaloft_fi.campaign.store import platforms
-from scaloft_fi.campaign.store.held import MOST_INVALID, NOT_REPEATED, counting_flights, flight_named
+from scaloft_fi.campaign.store.held import (
+    MOST_INVALID,
+    NOT_REPEATED,
+    Now,
+    allowed_in,
+    counting_flights,
+    differed_in,
+    flight_named,
+    grown_in,
+    held_in,
+)
 from scaloft_fi.campaign.store.store import FlownFlight, Store
 from scaloft_fi.campaign.workers import Executor, Workers
 from scaloft_fi.errors import GateError
@@ -64,35 +75,30 @@ ONCE = Spending()
 _Z = TRACK_COLUMNS.index("z_m")
 
 
-def check_gates(
+def failed_gates(
     outcomes: Iterable[Outcome],
     roster: Roster,
     *,
-    canary: str | None,
-    whole_grid: bool,
+    controls: Collection[str] | None = None,
     part: bool = False,
     differed: Collection[str] = (),
     max_invalid: float = MOST_INVALID,
     deterministic: bool = True,
     spending: Spending = ONCE,
-) -> None:
-    """Check the gates on the flights of a run.
+) -> list[str]:
+    """What fails of the gates on some flights, each in a clause.
 
     Args:
-        outcomes: outcomes of the run, with baselines; an outcome needs its track where `asks_for_track` holds, to tell
-            whether the drone left the ground.
+        outcomes: with baselines; an outcome needs its track where `asks_for_track` holds, to tell whether the drone
+            left the ground.
         roster: names the controls.
-        canary: id of the control whose flight proves that faults reach the drone; None in a study without controls.
-        whole_grid: whether every situation was flown, so that every control must show an effect.
+        controls: ids of those that must show an effect if they were flown; None: all.
         part: whether this is one part of a run; then a missing effect is no failure, because another part may have it.
         differed: names of the flights whose repetition had other bits, in this run or in an earlier one.
         max_invalid: greatest share 0..1 of invalid flights.
         deterministic: whether flights repeat their bits; if not, PLACEBO must not be detected by the score's own test,
             instead of being the baseline bit for bit, and a repeated flight proves nothing.
         spending: of alpha by that test.
-
-    Raises:
-        GateError: a gate failed; the message names each failed gate.
     """
     listed = list(outcomes)
     failed = [
@@ -102,9 +108,8 @@ def check_gates(
         *_grounded(listed),
     ]
     if not part:
-        failed += [*_nothing_steady(listed), *_silent_controls(status.flights_of(listed), roster, canary, whole_grid)]
-    if failed:
-        raise GateError("gate failed: " + "; ".join(failed))
+        failed += [*_nothing_steady(listed), *_silent_controls(_of_controls(listed, roster), controls)]
+    return failed
 
 
 def _too_many_invalid(outcomes: Sequence[Outcome], most: float) -> Iterator[str]:
@@ -186,18 +191,61 @@ def _grounded(outcomes: Sequence[Outcome]) -> Iterator[str]:
         yield f"the drone never leaves the ground without any fault: {_listed(names)}"
 
 
+def _of_controls(outcomes: Iterable[Outcome], roster: Roster) -> Mapping[str, Sequence[status.JudgedFlight]]:
+    """The valid flights of each control."""
+    valid = (one for one in status.flights_of(outcomes) if one.status is not status.Status.INVALID)
+    return grouped(
+        (one for one in valid if cell_of(one.outcome.mutant) in roster.controls), lambda one: one.outcome.mutant
+    )
+
+
 def _silent_controls(
-    flights: Iterable[status.JudgedFlight], roster: Roster, canary: str | None, whole_grid: bool
+    flown: Mapping[str, Sequence[status.JudgedFlight]], controls: Collection[str] | None
 ) -> Iterator[str]:
-    by_control: dict[str, list[status.JudgedFlight]] = {}
-    for flight in flights:
-        if cell_of(flight.outcome.mutant) in roster.controls and flight.status is not status.Status.INVALID:
-            by_control.setdefault(flight.outcome.mutant, []).append(flight)
-    judged: Collection[str] = by_control if whole_grid else by_control.keys() & {canary}
-    shows = {name for name in judged if any(one.revealed or one.operability_revealed for one in by_control[name])}
-    names = [name for name in by_control if name in judged and name not in shows]
+    judged = {name: own for name, own in flown.items() if controls is None or name in controls}
+    names = [name for name, own in judged.items() if not any(one.revealed or one.operability_revealed for one in own)]
     if names:
         yield f"a control shows nothing, so faults may not reach the drone: {_listed(names)}"
+
+
+def failed_in(now: Now, folder: Path) -> str:
+    """What fails of the gates on all flights of a campaign that count, in a sentence; empty where all hold.
+
+    A control must show an effect where it was flown in every situation of the grid, and the canary wherever the
+    baseline beside it holds the safety requirements.  A campaign that owes flights need not show an effect yet.
+
+    Raises:
+        InputError: the campaign cannot be read.
+    """
+    study, store, roster, proof = now.study, now.store, now.study.roster, canary(now.study)
+    controls = {flight.mutant for flight in now.one_each if cell_of(flight.mutant) in roster.controls}
+    found = store.standing(now.stands, {BASELINE, PLACEBO_ID, *controls})
+    listed = [now.whole(one) if asks_for_track(one) else one for one in found]
+    must = {
+        name
+        for name, own in _of_controls(listed, roster).items()
+        if study.space.point.keys() <= {one.outcome.situation for one in own}
+        or (proof and name == proof.id and any(one.baseline and not one.baseline.first_violation for one in own))
+    }
+    checked = partial(
+        failed_gates,
+        listed,
+        roster,
+        controls=must,
+        differed=differed_in(now),
+        max_invalid=1.0,
+        deterministic=study.stack.deterministic,
+        spending=Spending(study.alpha, grown_in(store)),
+    )
+    failed = checked()
+    if failed and held_in(now, folder).owed:
+        failed = checked(part=True)
+    broken, allowed = len(now.broken), allowed_in(store)
+    if broken and broken > allowed * (flights := sum(map(now.stands, now.flights))):
+        (_, mutant, situation, seed, _), why = next(iter(now.broken.items()))
+        told = f"{broken} of {flights} flights are invalid, more than {allowed:.0%}"
+        failed.append(f"{told}: {mutant}/{situation}/{seed} ({why})")
+    return f"gate failed: {'; '.join(failed)}" if failed else ""
 
 
 def _listed(names: Sequence[str]) -> str:

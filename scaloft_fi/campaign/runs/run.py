@@ -32,7 +32,7 @@ from scaloft_fi.campaign.store.platforms import Pair, Platforms, claim, fingerpr
 from scaloft_fi.campaign.store.store import Store, read_store
 from scaloft_fi.campaign.workers import Interrupted, Local, Workers, interruptible
 from scaloft_fi.errors import GateError, InputError
-from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome, Violation
+from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.mutant import PLACEBO
@@ -396,32 +396,22 @@ class Run:
         for one in again:
             held.remember_differed(self.store, self._keys.key(self._flight_of(one)), one)
 
-        def tracked(baseline: Outcome) -> Outcome:
-            return self.store.get(self._keys.key(self._flight_of(baseline))) or baseline
-
         now, part = held.Now(self.study, self.store), part or self.options.part
-        check = partial(
-            gates.check_gates,
-            [tracked(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
+        whole = {flight.situation.key for flight in asked.baselines} == self.study.space.point.keys()
+        failed = gates.failed_gates(
+            [now.whole(outcome) if gates.asks_for_track(outcome) else outcome for outcome in outcomes],
             self.study.roster,
-            canary=asked.canary.id if asked.canary else None,
-            whole_grid={flight.situation.key for flight in asked.baselines} == self.study.space.point.keys(),
+            controls=None if whole else {asked.canary.id} if asked.canary else (),
             part=part,
             differed=held.differed_in(now),
+            max_invalid=self.options.max_invalid,
             deterministic=self.study.stack.deterministic,
             spending=self.spending,
         )
-        keys = [self._keys.key(self._flight_of(one)) for one in outcomes if one.mutant in (BASELINE, PLACEBO_ID)]
         held.remember_allowed(self.store, self.options.max_invalid)
-        try:
-            check(max_invalid=1.0)
-        except GateError as error:
-            held.remember_gates(self.store, str(error), keys)
-            check(max_invalid=self.options.max_invalid)
-        if not part and held.failed_gates(now):
-            held.remember_gates(self.store, "", keys)
-        if any(one.invalid for one in outcomes):
-            check(max_invalid=self.options.max_invalid)
+        told = f"gate failed: {'; '.join(failed)}" if failed else "" if part else gates.failed_in(now, self.folder)
+        if told:
+            raise GateError(told)
 
     def _flight_of(self, outcome: Outcome) -> Flight:
         return flight_named(self.study, outcome.mutant, outcome.situation, outcome.seed)

@@ -451,6 +451,8 @@ class Archive(Store):
         InputError: the archive cannot be read, or a file was changed after it was made.
     """
 
+    is_record = True
+
     def __init__(self, place: Path, study: Study) -> None:
         self.place, self.path, self._folder = place, place / MANIFEST, place
         if not is_folder(place):  # a ZIP file, whose files lie in a folder until the process ends

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, partial
 from pathlib import Path
@@ -186,13 +186,14 @@ class Now:
     """The origins of flights in the study as it is now; each mutant and each situation is looked up once.
 
     Attributes:
+        study: as it is now.
         store: the open store whose flights are asked about; its list of flights is read once.
         origin: of the id of a subject and the key of a situation the origin of such a flight in the current study, or
             the reason why it no longer exists.
     """
 
     def __init__(self, study: Study, store: Store) -> None:
-        self.store = store
+        self.study, self.store = study, store
         self._keys, self._then = Keys(study), store.origins()
         # the grid is read here, so that an error in the grid itself is raised
         self._mutant, self._situation = cache(partial(_mutant, study)), cache(study.grid.situation)
@@ -206,6 +207,11 @@ class Now:
             now = self.origin(mutant, situation)
             return not isinstance(now, str) and now.key(seed) == key
         return self._same(mutant, situation, number)  # origin and seed determine the key
+
+    def whole(self, outcome: Outcome) -> Outcome:
+        """A stored outcome with its track, if the store has one."""
+        flight = flight_named(self.study, outcome.mutant, outcome.situation, outcome.seed)
+        return self.store.get(self._keys.key(flight)) or outcome
 
     @cached_property
     def flights(self) -> list[FlownFlight]:
@@ -315,9 +321,9 @@ def with_tracks(
     return tuple(tracked(outcome) for outcome in outcomes)
 
 
-ASKED, CHOICE, DIFFERED, GATES, ALLOWED, SOUGHT = "asked", "choice", "differed", "gates", "allowed", "sought"
-"""Prefixes of the names of the notes that runs leave: mutants with seeds, choices of situations, repeated flights, what
-the gates said, the share of invalid flights that is allowed, and that a search flew."""
+ASKED, CHOICE, DIFFERED, ALLOWED, SOUGHT = "asked", "choice", "differed", "allowed", "sought"
+"""Prefixes of the names of the notes that runs leave: mutants with seeds, choices of situations, repeated flights, the
+share of invalid flights that is allowed, and that a search flew."""
 
 MOST_INVALID = 0.1
 """Greatest share of invalid flights where a run says nothing else; a campaign with more gives no valid score."""
@@ -364,7 +370,12 @@ def differed_in(now: Now) -> tuple[str, ...]:
         return FlownFlight(str(one["key"]), str(one["mutant"]), str(one["situation"]), int(one["seed"]), None)
 
     flights = now.store.records(DIFFERED, read)
-    return tuple(f"{flight.mutant}/{flight.situation}/{flight.seed}" for flight in flights if now.stands(flight))
+    if now.store.is_record:  # its flights have the keys of the study now, and its notes those of then
+        there = {flight[1:4] for flight in now.flights}
+        flights = [flight for flight in flights if flight[1:4] in there]
+    else:
+        flights = [flight for flight in flights if now.stands(flight)]
+    return tuple(f"{flight.mutant}/{flight.situation}/{flight.seed}" for flight in flights)
 
 
 def remember_search(store: Store) -> None:
@@ -403,50 +414,6 @@ def allowed_in(store: Store) -> float:
         InputError: a record is none of a share.
     """
     return _allowed(store)[1]
-
-
-def remember_gates(store: Store, failed: str, keys: Collection[str]) -> None:
-    """Record what the gates of a run said, but for invalid flights, which are counted whenever somebody asks.
-
-    Args:
-        store: of the campaign.
-        failed: in a sentence; empty where all held.
-        keys: of the flights of the unmutated drone and of PLACEBO that were judged.
-
-    Raises:
-        InputError: the store cannot be written.
-    """
-    number = len(store.records(GATES, bool))
-    store.remember(GATES, {"number": number, "failed": failed, "keys": sorted(key[:16] for key in keys)})
-
-
-def failed_gates(now: Now) -> tuple[str, ...]:
-    """What fails of the gates on the flights that count, each in a sentence.
-
-    A failed gate stands as long as the flights without a fault that it judged count, until the gates of a later run
-    hold over these or more.
-
-    Raises:
-        InputError: a record is none of gates.
-    """
-
-    def read(one: Any) -> tuple[int, str, frozenset[str]]:
-        return int(one["number"]), str(one["failed"]), frozenset(map(str, one["keys"]))
-
-    noted = sorted(now.store.records(GATES, read), key=lambda one: one[0])
-    held, failed = [one for one in noted if not one[1]], [one for one in noted if one[1]]
-    known = {flight.key[:16] for flight in now.flights if now.stands(flight)} if failed else set[str]()
-    stand = [
-        text
-        for number, text, keys in failed
-        if keys <= known and not any(later > number and keys <= others for later, _, others in held)
-    ]
-    broken = len(now.broken)
-    if broken and broken > (allowed := allowed_in(now.store)) * (flights := sum(map(now.stands, now.flights))):
-        (_, mutant, situation, seed, _), why = next(iter(now.broken.items()))
-        told = f"{broken} of {flights} flights are invalid, more than {allowed:.0%}"
-        stand.append(f"gate failed: {told}: {mutant}/{situation}/{seed} ({why})")
-    return tuple(dict.fromkeys(stand))
 
 
 def _allowed(store: Store) -> tuple[int, float]:

@@ -347,6 +347,9 @@ class EmptyError(InputError):
 class Store:
     """Outcomes by key, a hash of what can change the outcome; every `put` is in the file at `path` when it returns."""
 
+    is_record = False
+    """Whether its flights count as they stand, whatever the study has become."""
+
     def __init__(self, path: Path, *, create: bool = True, say: Callable[[str], None] | None = None) -> None:
         """Open the store, to write if `create`, else to read; a missing store and its folder are created if `create`.
 

@@ -23,7 +23,6 @@ from scaloft_fi.analysis.roster import Ratio, Roster
 from scaloft_fi.analysis.score import Kill, MutantScore, Result, Score, cover, term_text
 from scaloft_fi.analysis.survivor import FAILING, Disposition, Judged, PhasedFault, backgrounds, judge
 from scaloft_fi.campaign.seeking.finds import words_of
-from scaloft_fi.campaign.store.held import MOST_INVALID, allowed_in
 from scaloft_fi.hazop.matrix import Matrix, cell_of, class_of, parse, split_magnitude
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.judge.requirement import TRIGGER, Kind, Requirement, comparisons
@@ -55,7 +54,6 @@ class Evidence:
         fingerprint: of the platform that flew them, by name.
         today: by which dispositions expire; None = none does.
         spending: how the campaign spends alpha.
-        max_invalid: greatest share 0..1 of invalid flights that the last run allowed.
     """
 
     study: Study
@@ -67,7 +65,6 @@ class Evidence:
     fingerprint: Mapping[str, str] | None = None
     today: date | None = None
     spending: Spending = field(default_factory=Spending)
-    max_invalid: float = MOST_INVALID
 
 
 def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
@@ -88,7 +85,6 @@ def gather(study: Study, campaign: str, today: date | None = None) -> Evidence:
             fingerprint=now.platform,
             today=today,
             spending=now.spending,
-            max_invalid=allowed_in(now.store),
         )
 
 

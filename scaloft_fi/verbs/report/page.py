@@ -13,14 +13,12 @@ from importlib.resources import files
 from typing import Any
 
 from scaloft_fi.analysis.coverage import coverage_of
-from scaloft_fi.analysis.detection import Firmness, Pool, Spending, State, Verdict, findings, tallies
+from scaloft_fi.analysis.detection import Firmness, Pool, State, Verdict, findings, tallies
 from scaloft_fi.analysis.kill_matrix import kill_matrix
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Score, score_of
-from scaloft_fi.campaign.runs.gates import check_gates
 from scaloft_fi.campaign.store.archive import flown_in
 from scaloft_fi.defaults import __version__
-from scaloft_fi.errors import GateError
 from scaloft_fi.hazop.matrix import class_of, worst_first
 from scaloft_fi.judge.outcome import TRACK_COLUMNS
 from scaloft_fi.judge.requirement import Kind
@@ -220,31 +218,13 @@ def figures(evidence: Evidence) -> dict[str, Any]:
 
 def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     """What the gates of a campaign say of these flights, and the counts behind them."""
-    outcomes, roster = evidence.outcomes, evidence.study.roster
-    flown = {outcome.situation for outcome in outcomes}
-    whole, same = flown == evidence.study.space.point.keys(), evidence.study.stack.deterministic
-    spending = Spending(scored.alpha)
-    try:
-        check_gates(
-            outcomes,
-            roster,
-            canary=None,
-            whole_grid=whole,
-            differed=evidence.stale.differed,
-            max_invalid=evidence.max_invalid,
-            deterministic=same,
-            spending=spending,
-        )
-        failed = "; ".join(evidence.stale.invalid)
-    except GateError as error:
-        failed = str(error)
     placebo = sum(count for _, count in scored.placebo.statuses) if scored.placebo else 0
     controls = [bool(mutant["shows"]) for mutant in mutants if mutant["control"]]
     steady = sum(bool(scored.pool.steady(key, Kind.SAFETY)) for key in scored.pool.flown)
     return {
-        "failed": failed,
+        "failed": "; ".join(evidence.stale.invalid),
         "placebo_flights": placebo,
-        "invalid_flights": sum(bool(outcome.invalid) for outcome in outcomes),
+        "invalid_flights": sum(bool(outcome.invalid) for outcome in evidence.outcomes),
         "controls": plain(Ratio(sum(controls), len(controls))),
         "steady_situations": plain(Ratio(steady, len(scored.pool.flown))),
     }
