@@ -333,15 +333,16 @@ class Replica:
         find: name of the find.
         mutant: id of the mutant.
         requirement: the requirement that it is to violate.
-        holds: whether the find holds for the mutant; else it leaves `sim/found.yaml`.
-        why: why it does not; empty where it does.
+        holds: whether the find holds for the mutant; else it leaves `sim/found.yaml`.  Null: flights are invalid, so
+            nothing is decided and the find stays as it was.
+        why: why it does not, or why nothing is decided; empty where it does.
         again: the evidence.
     """
 
     find: str
     mutant: str
     requirement: str
-    holds: bool
+    holds: bool | None
     why: str
     again: Again
 
@@ -371,10 +372,13 @@ def replicas(
         for mutant, evidence in find.shows.items()
         if (find.name, mutant) in flown
     }
-    whys, raw = {}, {}
+    whys, raw, broken = {}, {}, {}
     for place, (situation, requirement) in claims.items():
         pool = [one for one in baselines[situation] if not one.invalid]
-        whys[place] = _unfit(pool, situation, requirement, anyhow=anyhow)
+        every = (*flown[place], *baselines[situation])
+        broken[place] = sum(bool(one.invalid) for one in every)
+        failed = f"{broken[place]} of {len(every)} flights are invalid" * bool(broken[place])
+        whys[place] = failed or _unfit(pool, situation, requirement, anyhow=anyhow)
         raw[place] = 1.0 if whys[place] else _p(flown[place], pool, requirement)
     p = holm(raw)
     told = []
@@ -382,7 +386,7 @@ def replicas(
         holds = not whys[place] and reaches(p[place], alpha)
         why = whys[place] or ("" if holds else f"p={p[place]:.2g} is above alpha={alpha:g}")
         again = _again(flown[place], baselines[situation], requirement, first, p[place])
-        told.append(Replica(*place, requirement, holds, why, again))
+        told.append(Replica(*place, requirement, None if broken[place] else holds, why, again))
     return tuple(told)
 
 

@@ -136,15 +136,20 @@ def replica_table(report: finds.SeekReport) -> Table:
             f"{one.again.p:.2g}",
             f"{one.again.held}/{one.again.baselines}",
             f"{one.again.mission}/{one.again.baselines}",
-            "yes" if one.holds else "no",
+            {True: "yes", False: "no", None: "undecided"}[one.holds],
             one.find,
         )
         for one in report.replicas
     )
-    held, first = sum(one.holds for one in report.replicas), report.first or 0
+    held, first = sum(bool(one.holds) for one in report.replicas), report.first or 0
+    does, again = {False: "left", None: "stays in"}, "; the same command flies it again"
     notes = (
-        *(f"{one.find}: {one.mutant} left sim/{FOUND_FILE}: {one.why}." for one in report.replicas if not one.holds),
-        f"Flown on the seeds {first}, {first + 1}, ..., which nothing before used.",
+        *(
+            f"{one.find}: {one.mutant} {does[one.holds]} sim/{FOUND_FILE}: {one.why}{again * (one.holds is None)}."
+            for one in report.replicas
+            if not one.holds
+        ),
+        f"Flown on the seeds {first}, {first + 1}, ..., which no other replication that the study knows used.",
         f"p: by the exact test, adjusted by Holm over all pairs here; a pair holds at alpha={report.alpha:g} or less.",
         "baseline: flights that hold the requirement by more than their spread; mission: flights that do the mission.",
         f"{_flights(report)}.",
@@ -188,7 +193,7 @@ def why_not(sought: finds.Sought) -> str:
     return f"it kept {effort.nearest:.0%} of the robustness of {effort.requirement} in {effort.situation}"
 
 
-SEEK = Output("seek", "1.2", finds.SeekReport, rows="finds")
+SEEK = Output("seek", "1.3", finds.SeekReport, rows="finds")
 
 
 @dataclass(frozen=True)

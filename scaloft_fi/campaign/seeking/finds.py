@@ -6,14 +6,14 @@ not find what it would have found without the interruption.
 The candidates of a mutant are numbered over all searches of a campaign: another seed is no new share of alpha.
 
 Each replication has a block of seeds of its own, which its campaign remembers: finds that fail once and are replicated
-again get other seeds.  An interrupted replication goes on with the seeds that it began with.
+again get other seeds.  A replication that was interrupted, or had invalid flights, goes on with its own seeds.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, replace
 from itertools import chain, count
 from operator import attrgetter
@@ -31,7 +31,7 @@ from scaloft_fi.campaign.runs.run import Budget, Run, budget_s, opened, write_lo
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.store.held import current_in, remember_search
 from scaloft_fi.campaign.store.store import Store, read_store
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Outcome
 from scaloft_fi.mutants.catalogue import realise
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
@@ -470,7 +470,7 @@ def keep(folder: Path, grid: str, finds: Sequence[Find]) -> None:
 
 
 def holding(finds: Sequence[Find], replicas: Sequence[Replica]) -> tuple[Find, ...]:
-    """The finds after a replication: without the mutants that did not hold; what was not replicated stays.
+    """The finds after a replication: without the mutants that did not hold; what was not replicated or decided stays.
 
     A find whose own mutant did not hold is named for the first one that did, unless that name is taken.
     """
@@ -479,9 +479,9 @@ def holding(finds: Sequence[Find], replicas: Sequence[Replica]) -> tuple[Find, .
     kept = []
     for find in finds:
         shows = {
-            mutant: replace(evidence, again=replica.again) if replica else evidence
+            mutant: replace(evidence, again=replica.again) if replica and replica.holds else evidence
             for mutant, evidence in find.shows.items()
-            if (replica := told.get((find.name, mutant))) is None or replica.holds
+            if (replica := told.get((find.name, mutant))) is None or replica.holds is not False
         }
         if not shows:
             continue
@@ -588,6 +588,7 @@ def replicate(
         anyhow: whether a pair may hold where the unmutated drone does not do its mission.
 
     Raises:
+        GateError: more flights are invalid than the options allow; nothing is decided.
         InputError: the folder or the store cannot be written, a find does not fit the study, or it cannot be flown.
         Interrupted: the user stopped the replication; all outcomes are saved.
     """
@@ -596,7 +597,7 @@ def replicate(
     mutants = {mutant: realise(study.matrix, mutant) for find in asked for mutant in ask[find.name]}
     begun = [Flight(None, situation, FRESH) for situation in situations.values()]
     with searching(study, folder, options, progress=progress, flyer=flyer, first=begun[:1]) as campaign:
-        number = _begin(campaign.store, {find.name: list(ask[find.name]) for find in asked}, _block(finds))
+        number = _begin(campaign.store, {find.name: list(ask[find.name]) for find in asked}, _block(finds, folder))
         first = FRESH + BLOCK * number
         seeds, flights = range(first, first + seeking.SEEDS), SearchFlights(campaign, Allowance(), anyhow=anyhow)
         progress.stage = f"{sum(map(len, ask.values()))} pairs of find and mutant, seeds from {first}"
@@ -609,8 +610,17 @@ def replicate(
             for find in asked
             for mutant in ask[find.name]
         }
-        flights.fly([flight for some in (*pools.values(), *pairs.values()) for flight in some])
-        campaign.store.remember(REPLICATION_ENDED, number, number)
+        every = [flight for some in (*pools.values(), *pairs.values()) for flight in some]
+        flights.fly(every)
+        broken = [one for flight in every if (one := flights.outcome(flight)) is not None and one.invalid]
+        if len(broken) > options.max_invalid * len(every):
+            raise GateError(
+                f"gate failed: {len(broken)} of {len(every)} flights are invalid, more than {options.max_invalid:.0%}: "
+                f"{broken[0].name} ({broken[0].invalid}); nothing is decided, and sim/{FOUND_FILE} stays as it was; "
+                "the same command flies them again"
+            )
+        if not broken:
+            campaign.store.remember(REPLICATION_ENDED, number, number)
 
         def outcomes(wanted: Sequence[Flight]) -> list[Outcome]:
             return [outcome for flight in wanted if (outcome := flights.outcome(flight)) is not None]
@@ -628,15 +638,24 @@ def replicate(
         )
 
 
-def _block(finds: Sequence[Find]) -> int:
-    """The first block of seeds that no replication of these finds used."""
-    used = (evidence.again.seed for find in finds for evidence in find.shows.values() if evidence.again)
-    return max(((seed - FRESH) // BLOCK + 1 for seed in used), default=0)
+def _block(finds: Sequence[Find], folder: Path) -> int:
+    """The first block of seeds that no replication of these finds used, nor one of a campaign beside `folder`."""
+    used = [evidence.again.seed for find in finds for evidence in find.shows.values() if evidence.again]
+    numbers = {(seed - FRESH) // BLOCK for seed in used}
+    for path in folder.parent.glob(f"*/{STORE_NAME}"):
+        with suppress(InputError), read_store(path) as store:  # one that cannot be read was written by another version
+            numbers |= set(_begun(store)) if store is not None and path.parent != folder else set()
+    return max(numbers, default=-1) + 1
+
+
+def _begun(store: Store) -> dict[int, Any]:
+    """What each replication that began asked for, by its number."""
+    return dict(store.records(REPLICATION_BEGUN, lambda one: (int(one["number"]), one["ask"])))
 
 
 def _begin(store: Store, ask: Ask, least: int) -> int:
     """The number of the replication: that of the last one if it did not end and asked for the same, else a new one."""
-    begun: dict[int, Any] = dict(store.records(REPLICATION_BEGUN, lambda one: (int(one["number"]), one["ask"])))
+    begun = _begun(store)
     last = max(begun, default=None)
     if last is not None and last not in store.records(REPLICATION_ENDED, int) and begun[last] == ask:
         return last

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -24,7 +24,7 @@ from scaloft_fi.campaign.seeking import finds, seek
 from scaloft_fi.campaign.seeking import finds as finding
 from scaloft_fi.campaign.store.archive import STORE_NAME
 from scaloft_fi.campaign.workers import Interrupted
-from scaloft_fi.errors import InputError
+from scaloft_fi.errors import GateError, InputError
 from scaloft_fi.judge.outcome import Outcome, Violation
 from scaloft_fi.judge.requirement import Kind, Reading
 from scaloft_fi.mutants.catalogue import realise
@@ -33,7 +33,7 @@ from scaloft_fi.sim.grid import Find, load_grid, read_finds
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.seek import seek_tables, spending, why_not
+from scaloft_fi.verbs.seek import replica_table, seek_tables, spending, why_not
 
 STUDY = Study.open(Path(__file__).parents[3], "search")
 LATE, MORE, LESS = (realise(STUDY.matrix, name) for name in ("LATE-human@3s", "MORE-goal@1m", "LESS-depth"))
@@ -493,11 +493,25 @@ def own_flyer(tmp_path: Path) -> Ruled:
     return Ruled(tmp_path / "flown.txt", {REPLICATE_LATE: fast, REPLICATE_MORE: never})
 
 
-def again(own_study: Study, own_flyer: Ruled, *finds: Find, progress: Progress | None = None) -> finding.SeekReport:
+def again(
+    own_study: Study, own_flyer: Ruled, *finds: Find, progress: Progress | None = None, into: str = "c"
+) -> finding.SeekReport:
     ask = {find.name: list(find.shows) for find in finds}
     return finding.replicate(
-        own_study, finds, ask, own_study.folder / "c", progress=progress or quiet(), flyer=own_flyer
+        own_study, finds, ask, own_study.folder / into, progress=progress or quiet(), flyer=own_flyer
     )
+
+
+@dataclass
+class Failing(Ruled):
+    """Fails in the harness in so many flights of each subject."""
+
+    left: dict[str, int] = field(default_factory=dict)
+
+    def __call__(self, study: Study, flight: Flight) -> Outcome:
+        outcome, left = super().__call__(study, flight), self.left.get(flight.subject.id, 0)
+        self.left[flight.subject.id] = left - 1
+        return replace(outcome, invalid="the bench broke", readings=(), violations=()) if left > 0 else outcome
 
 
 def seeds(own_flyer: Ruled, subject: str) -> set[int]:
@@ -516,15 +530,38 @@ def test_each_pair_flies_on_ten_seeds_beside_thirty_baselines_that_nothing_used(
     assert (report.used, report.first) == (POOL + 2 * SEEDS, finding.FRESH)
 
 
-def test_the_next_replication_has_other_seeds_in_the_same_campaign_and_in_another(own_study: Study, own_flyer: Ruled):
+def test_the_next_replication_has_other_seeds_in_the_same_campaign_in_another_and_with_an_older_file_of_finds(
+    own_study: Study, own_flyer: Ruled
+):
     find = found(REPLICATE_LATE, SITUATION)
     first, second = (again(own_study, own_flyer, find), again(own_study, own_flyer, find))
     assert (first.first, second.first) == (finding.FRESH, finding.FRESH + finding.BLOCK)
     (kept,) = finding.holding([find], first.replicas)
-    elsewhere = finding.replicate(
-        own_study, [kept], {kept.name: [REPLICATE_LATE]}, own_study.folder / "d", progress=quiet(), flyer=own_flyer
-    )
-    assert elsewhere.first == finding.FRESH + finding.BLOCK
+    assert again(own_study, own_flyer, kept, into="apart/c").first == finding.FRESH + finding.BLOCK
+    assert again(own_study, own_flyer, find, into="d").first == finding.FRESH + 2 * finding.BLOCK
+
+
+def test_with_many_invalid_flights_a_replication_decides_nothing_and_goes_on_with_its_seeds(
+    own_study: Study, own_flyer: Ruled
+):
+    failing = Failing(own_flyer.path, own_flyer.rules, left={"baseline": 27})
+    with pytest.raises(GateError, match=r"27 of 40 flights are invalid, more than 10%: baseline/.*\(the bench broke\)"):
+        again(own_study, failing, found(REPLICATE_LATE, SITUATION))
+    report = again(own_study, own_flyer, found(REPLICATE_LATE, SITUATION))
+    assert [(one.holds, one.why) for one in report.replicas] == [(True, "")]
+    assert (report.first, report.flown) == (finding.FRESH, 27)
+
+
+@pytest.mark.parametrize("subject", ["baseline", REPLICATE_LATE])
+def test_an_invalid_flight_decides_nothing_about_its_find_which_stays_as_it_was(
+    own_study: Study, own_flyer: Ruled, subject: str
+):
+    find, failing = found(REPLICATE_LATE, SITUATION), Failing(own_flyer.path, own_flyer.rules, left={subject: 4})
+    report = again(own_study, failing, find)
+    assert [(one.holds, one.why) for one in report.replicas] == [(None, "4 of 40 flights are invalid")]
+    assert finding.holding([find], report.replicas) == (find,)
+    note = f"{find.name}: {REPLICATE_LATE} stays in sim/found.yaml: 4 of 40 flights are invalid; the same command flies"
+    assert f"{note} it again." in replica_table(report).notes
 
 
 def test_an_interrupted_replication_goes_on_with_its_seeds(own_study: Study, own_flyer: Ruled):
