@@ -604,7 +604,7 @@ class Score:
         operability: default mutants detected by operability requirements, of those flown; of none, where
             there is no such requirement.
         mutants: every mutant flown, ladders too, in the canonical order.
-        counted: those of them that the ratios count and of which a flight counts.
+        counted: those of them that the ratios count; one of which no flight counts is not tested.
         controls: every control flown; no ratio counts them.
         placebo: PLACEBO, when flown.
         pool: the pairs of the unmutated drone.
@@ -640,7 +640,7 @@ class Score:
     @property
     def faults(self) -> Sequence[MutantScore]:
         """The mutants that count; where none was flown, all that were."""
-        return self.counted or [mutant for mutant in self.mutants if mutant.flown]
+        return self.counted or self.mutants
 
     @property
     def firm(self) -> Ratio:
@@ -702,14 +702,14 @@ def score_of(
         for subject, situations in ranked
     ]
     mutants = tuple(m for m in scored if m.subject.id != PLACEBO_ID and not roster.is_control(m.subject))
-    counted = tuple(mutant for mutant in mutants if roster.counts(mutant.subject) and mutant.flown)
+    counted = tuple(mutant for mutant in mutants if roster.counts(mutant.subject))
     infected = {r.situation for m in mutants for r in m.results if r.infected}
     pooled = not infected or bool(infected & pool.flown)
     decided, operable = len(counted) if pooled else 0, pool.requirements(Kind.OPERABILITY)
     seeds = max((result.flown for mutant in counted for result in mutant.results), default=0)
     return Score(
         alpha=spending.alpha,
-        exercised=Ratio(len(counted), len(roster.defaults)),
+        exercised=Ratio(sum(mutant.flown for mutant in counted), len(roster.defaults)),
         infected=Ratio(sum(mutant.infected for mutant in counted), len(counted)),
         tested=Ratio(sum(mutant.tested for mutant in counted), len(counted)),
         mutation_score=Ratio(sum(mutant.detected for mutant in counted), decided),

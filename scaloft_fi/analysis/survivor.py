@@ -105,17 +105,17 @@ def survives(mutant: MutantScore) -> bool:
 def judge(
     scored: Score, roster: Roster, dispositions: Iterable[Disposition], today: date | None = None
 ) -> tuple[Judged, ...]:
-    """Every counted survivor and every disposition, survivors first in the canonical order.
+    """Every counted survivor, or mutant of which no flight counts, then every disposition, in the canonical order.
 
     Args:
         scored: of a campaign.
-        roster: says which mutants count.
+        roster: orders the dispositions.
         dispositions: of the study.
         today: by which expiry is judged; None = nothing expires.
     """
     known = {disposition.mutant: disposition for disposition in dispositions}
     flown = {mutant.subject.id: mutant for mutant in scored.mutants}
-    counted = [mutant for mutant in scored.mutants if roster.counts(mutant.subject) and survives(mutant)]
+    counted = [mutant for mutant in scored.counted if survives(mutant) or not mutant.flown]
     names = dict.fromkeys([*(mutant.subject.id for mutant in counted), *sorted(known, key=roster.rank)])
     return tuple(_judged(name, flown.get(name), known.get(name), today) for name in names)
 

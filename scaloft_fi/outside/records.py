@@ -801,6 +801,7 @@ def flight_log(
     needed: Mapping[str, str],
     wanted: Collection[str] = (),
     beliefs: Collection[str] = (),
+    limited: bool = False,
 ) -> RecordedFlight:
     """Read a record.
 
@@ -815,6 +816,7 @@ def flight_log(
         needed: signals that the log must have, each with who needs it, for errors.
         wanted: signals that the log has where the record has them.
         beliefs: which signals are beliefs of the stack.
+        limited: whether the log ends at the time limit too.
 
     Raises:
         InputError: the record cannot be read, or lacks a needed signal.
@@ -830,6 +832,7 @@ def flight_log(
     series, losses = read_apart(path, lambda: kind.read(path, list(sources), mapping.timing))
     try:
         start_s, end_s, waits_for = _span(path, mapping, entries, series)
+        end_s = min(end_s, start_s + known.limit_s) if limited and known.limit_s is not None else end_s
         at_s = instants(path, start_s, end_s)
     except InputError as error:
         cut = next((f"; the record is cut: {one.why}" for one in losses if one.kind is Lost.CUT), "")

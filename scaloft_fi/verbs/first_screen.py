@@ -27,7 +27,7 @@ from scaloft_fi.output import PROSE, Marked, Style, coloured, in_campaign, line,
 from scaloft_fi.output import width as terminal_width
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.situations import coverage_tables
-from scaloft_fi.verbs.verdict import Next, advice, next_step, signs_of, with_legend
+from scaloft_fi.verbs.verdict import Next, advice, next_step, signs_of, some, with_legend
 from scaloft_fi.views.output import Printed, printed_of
 from scaloft_fi.views.table import Format, Table, body_text, commands, counted, note, render, said
 
@@ -469,7 +469,7 @@ class Screen:
         scored, groups = self.scored, []
         in_score = Counter(mutant.verdict for mutant in scored.counted)
         for verdict in detection.Verdict:
-            members = [mutant for mutant in scored.mutants if mutant.flown and mutant.verdict is verdict]
+            members = [mutant for mutant in scored.mutants if mutant.verdict is verdict]
             by_kills = sorted(members, key=lambda mutant: -len(mutant.killing))
             title = f"{verdict.words.capitalize()}: {len(members)}"
             title += f", of which {in_score[verdict]} count in the score" * (in_score[verdict] != len(members))
@@ -512,7 +512,7 @@ class Screen:
             signs = signs_of(self.scored)
             grid = signs_grid(self.study.matrix, signs, columns)
             return [with_legend("\n".join(grid), signs, columns, marked=marked) + "\n"]
-        flown = worst_first([each for each in self.scored.mutants if each.flown], lambda mutant: mutant.severity)
+        flown = worst_first(self.scored.mutants, lambda mutant: mutant.severity)
         shown = self._table("", sorted(flown, key=lambda mutant: mutant.detected)[:MOST_ROWS], ONLY_WHOLE)
         shown = self._said(replace(shown, notes=(legend([shown], self.campaign),)))
         if not (rows := [[*map(str, row)] for row in shown.rows]):
@@ -531,6 +531,9 @@ class Screen:
             yield Line("Controls", f"{self._controls}.")
         if not self.study.tests_of:
             yield from (Line("Unmutated drone", told) for told in mostly_red(self.scored.pool, self.campaign))
+        if failed := [mutant.id for mutant in self.scored.faults if not mutant.flown]:
+            why = f"every flight failed in the harness; `scaloft-fi status{in_campaign(self.campaign)}` says why"
+            yield Line("Invalid", f"{some(failed)}: {why}.")
         yield from self._accepted
         everything = f"`scaloft-fi score{in_campaign(self.campaign)} --all`"
         yield Line("More", f"{everything}: all tables.")

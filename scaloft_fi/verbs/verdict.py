@@ -372,7 +372,7 @@ def rates(case: Case) -> str:
         if violated:
             rate = f"{sum(violated.values())} of {sum(result.flown for result in tests)} flights where {name} is steady"
             chance = f"chance may explain that (p = {safety.p[name]:.2g}, alpha {safety.share:g})"
-            sentences.append(f"{rate} violate it, in {_some(list(violated))}: {chance}.")
+            sentences.append(f"{rate} violate it, in {some(list(violated))}: {chance}.")
     nothing = f"no steady requirement is violated in {counted(len(case.tested), 'flight')}"
     return " ".join(sentences) or f"{nothing}: too few to decide, whatever they do."
 
@@ -479,7 +479,8 @@ def in_(where: str) -> str:
     return where if where in ("everywhere", "nowhere", "wherever tested") else f"in {where}"
 
 
-def _some(keys: Sequence[str]) -> str:
+def some(keys: Sequence[str]) -> str:
+    """The first of some names, and how many others there are."""
     rest = f" and {len(keys) - NAMED} more" if len(keys) > NAMED else ""
     return ", ".join(keys[:NAMED]) + rest
 

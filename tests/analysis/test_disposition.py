@@ -53,6 +53,16 @@ def test_an_undecided_mutant_is_a_survivor_whose_verdict_is_told():
     assert complaint(entry) == "LATE-human@3s is undecided (tested in T0O0W0D0H1) and not accepted"
 
 
+def test_a_mutant_whose_flights_all_failed_in_the_harness_counts_is_not_tested_and_holds_the_ratchet():
+    failed = [outcome(LATE.mutant, seed=seed, invalid="its worker died") for seed in range(2)]
+    scored = score([*pool("T0O0W0D0H0"), *failed], ROSTER, GRID)
+    assert [str(each) for each in (scored.mutation_score, scored.exercised)] == ["0/1 = 0 %", "0/3 = 0 %"]
+    (entry,) = judge(scored, ROSTER, ())
+    assert (entry.state, entry.verdict) == (Standing.OPEN, Verdict.NOT_TESTED)
+    assert complaint(entry) == "LATE-human@3s is not tested and not accepted"
+    assert state([*pool("T0O0W0D0H0"), *failed], LATE) == [Standing.UNTESTED]
+
+
 def test_a_violation_where_the_unmutated_drone_is_red_neither_detects_nor_survives():
     red = "T0O0W0D1H1"
     late = [outcome(LATE.mutant, red, seed, violated={"SR2": 8.0}) for seed in range(3)]

@@ -344,7 +344,7 @@ def score(
             ),
         }
         (others if cell in controls else mutants).append(entry)
-    counted = [entry for entry in mutants if entry["id"] in defaults and entry["flown"]]
+    counted = [entry for entry in mutants if entry["id"] in defaults]
     pooled = not acted or bool(acted & known)
     violated: dict[str, set[str]] = {}
     for row in sorted(pool, key=lambda row: order.index(row["situation"])):
@@ -358,12 +358,12 @@ def score(
         "alpha": 0.01,
         "pooled": pooled,
         "ratios": {
-            "exercised": share(len(counted), len(defaults)),
+            "exercised": share(sum(entry["flown"] for entry in counted), len(defaults)),
             "infected": share(sum(entry["acts"] for entry in counted), len(counted)),
             "tested": share(tested_in_all, len(counted)),
             "mutation_score": share(detected, whole),
             "firm": share(sum(entry["firm"] in ("firm", "firm_by_pool") for entry in counted) if pooled else 0, whole),
-            "operability": share(operable, whole),
+            "operability": share(operable, whole if violated else 0),
         },
         "composition": _composition(counted),
         "expected_false": 0.01 * tested_in_all,
@@ -396,7 +396,7 @@ def _composition(counted: list[Row]) -> Row:
         "without_effect": [
             {"id": entry["id"], "acted": entry["acted"]}
             for entry in counted
-            if LADDER.index(entry["status"]) <= LADDER.index("masked")
+            if entry["status"] != "invalid" and LADDER.index(entry["status"]) <= LADDER.index("masked")
         ],
     }
 

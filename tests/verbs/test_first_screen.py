@@ -82,6 +82,9 @@ SCREENS = {
     "one fault with a find, in a part of the grid": screen(
         [*pool(*HUMAN), *(outcome(NO, key, violated={"SR1": 14.0}) for key in HUMAN[:1])], finds=known(found(NO))
     ),
+    "every flight of one failed in the harness": screen(
+        [*CAMPAIGN[:-7], *(outcome(GOAL, key, invalid="its worker died") for key in HUMAN)]
+    ),
     "a find, but no pool": screen(
         [one for one in CAMPAIGN if one.mutant != BASELINE or one.seed == 0], finds=known(found(GOAL))
     ),

@@ -149,7 +149,8 @@ def _read(study: Study, folder: Path, command: FlightCommand, mapping: RecordMap
     if len(found) != 1:
         raise InputError(f"{len(found)} files {command.record!r} must be 1: the command writes it to {{record}}")
     needed, beliefs = needs_of(study), study.stack.belief_names
-    log = flight_log(found[0], mapping, known, needed=needed, wanted=mapping.signals, beliefs=beliefs).log
+    wanted = mapping.signals
+    log = flight_log(found[0], mapping, known, needed=needed, wanted=wanted, beliefs=beliefs, limited=True).log
     count = len(log.signals["elapsed_s"])
     far = {name: np.full(count, value) for name, value in FAR.items() if name not in log.signals}
     return replace(log, signals={**log.signals, **far})

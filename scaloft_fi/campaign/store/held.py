@@ -311,7 +311,8 @@ def with_tracks(
             return outcome
         if outcome.situation not in most:
             # one row for every `TRACK_EVERY` samples, the first and the last
-            most[outcome.situation] = math.ceil(study.limit_s(flight.situation) * SAMPLE_HZ / TRACK_EVERY) + 3
+            limit_s = (study.command and study.command.mission_s) or study.limit_s(flight.situation)
+            most[outcome.situation] = math.ceil(limit_s * SAMPLE_HZ / TRACK_EVERY) + 3
         try:
             track_values(found.track, most[outcome.situation])
         except ValueError as error:

@@ -208,8 +208,6 @@ def _mutant(dossier: Dossier, mutant: MutantScore, line: int) -> dict[str, Any]:
 def _status(dossier: Dossier, mutant: MutantScore) -> str:
     if not dossier.roster.counts(mutant.subject):
         return "Ignored"
-    if not mutant.flown:
-        return "RuntimeError"
     if dossier.invalid or not dossier.score.pooled:
         return "Pending"
     if mutant.detected:

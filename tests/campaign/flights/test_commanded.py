@@ -13,7 +13,8 @@ from studies import copied, edit_in
 
 from scaloft_fi.campaign.flights.fly import Batch, Flight, Worker
 from scaloft_fi.campaign.flights.physics import Commanded
-from scaloft_fi.campaign.store.held import Keys, flight_named
+from scaloft_fi.campaign.store.held import Keys, flight_named, with_tracks
+from scaloft_fi.campaign.store.store import Store
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
@@ -75,6 +76,25 @@ def test_a_shared_batch_flies_each_flight_alone_and_one_failure_is_one_invalid_f
     clean, late = _fly(Study.open(folder), "baseline/T0O0W0D0H1/0", "LATE-human@3s/T0O0W0D0H1/0", shared=True)
     assert not clean.invalid
     assert "the command ended with code 1; it said last: no fault" in late.invalid
+
+
+def test_a_flight_ends_at_its_time_limit_though_its_record_goes_on(folder: Path):
+    with (folder / "sim" / "flyer.yaml").open("a") as file:
+        file.write("mission_s: 1.5\n")
+    (late,) = _fly(Study.open(folder), "LATE-human@3s/T0O0W0D0H1/0")
+    assert (late.invalid, late.ending, late.duration_s) == ("", "timed_out", 1.5)
+
+
+def test_a_track_may_be_as_long_as_the_time_limit_of_the_command(folder: Path, tmp_path: Path):
+    with (folder / "sim" / "flyer.yaml").open("a") as file:
+        file.write("mission_s: 1000\n")
+    edit_in(folder / "fly.py", "range(60)", "range(19000)")
+    study = Study.open(folder)
+    (clean,) = _fly(study, "baseline/T0O0W0D0H1/0")
+    assert clean.duration_s > study.limit_s(study.grid.situation("T0O0W0D0H1"))
+    with Store(tmp_path / "outcomes.sqlite") as store:
+        store.put(Keys(study).key(flight_named(study, "baseline", "T0O0W0D0H1", 0)), clean)
+        assert with_tracks(study, store, [replace(clean, track=b"")]) == (clean,)
 
 
 @pytest.mark.parametrize(
