@@ -67,8 +67,7 @@ def junit(dossier: Dossier) -> str:
     """The XML document."""
     root = ET.Element("testsuites", name=line(f"scaloft-fi {dossier.campaign}"))
     controls = {CONTROLS: list(dossier.score.controls)} if dossier.score.controls else {}
-    default = [mutant for mutant in dossier.score.mutants if dossier.roster.counts(mutant.subject)]
-    suites = grouped(default or dossier.score.mutants, lambda mutant: mutant.subject.parameter)
+    suites = grouped(dossier.score.faults, lambda mutant: mutant.subject.parameter)
     if dossier.invalid:
         suite = ET.SubElement(root, "testsuite", name="gates", tests="1", failures="0", errors="1", skipped="0")
         case = ET.SubElement(suite, "testcase", classname="scaloft-fi.gates", name="score")
