@@ -72,6 +72,7 @@ class CampaignStatus:
         statuses: the flights that count, by status.
         reasons: why flights are stale.
         invalid: why flights that count say nothing, the commonest reason first.
+        not_valid: why no score of the campaign is valid, each reason in a sentence; often none.
     """
 
     campaign: str
@@ -90,6 +91,7 @@ class CampaignStatus:
     statuses: tuple[CountedStatus, ...]
     reasons: tuple[Reason, ...]
     invalid: tuple[Reason, ...] = ()
+    not_valid: tuple[str, ...] = ()
 
 
 STATUS = Output("status", "1.3", CampaignStatus, rows="statuses")
@@ -126,6 +128,7 @@ def campaign_status(now: Snapshot) -> CampaignStatus:
         ),
         reasons=tuple(Reason(*each) for each in held.why.items()),
         invalid=tuple(Reason(*each) for each in Counter(now.now.broken.values()).most_common()),
+        not_valid=now.stale.invalid,
     )
 
 
@@ -179,12 +182,12 @@ def status(study: Study, campaign: options.Campaign) -> Answer:
     """
     with snapshot(study, campaign) as now:
         told = campaign_status(now)
-        then, of_tests, invalid = now.next_step if told.counted else "", bool(now.study.tests_of), now.stale.invalid
+        then, of_tests = now.next_step if told.counted else "", bool(now.study.tests_of)
     return Answer(
         STATUS,
         lambda: told,
         lambda: [said(one, of_tests=of_tests) for one in status_tables(told, then)],
-        warnings=invalid,
+        warnings=told.not_valid,
     )
 
 

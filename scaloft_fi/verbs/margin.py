@@ -26,7 +26,7 @@ from scaloft_fi.hazop.matrix import Cell, CellStatus, Fault, Matrix, SeverityCla
 from scaloft_fi.judge.requirement import Kind, Requirement
 from scaloft_fi.marks import About
 from scaloft_fi.mutants.catalogue import realise, source_of
-from scaloft_fi.output import in_campaign
+from scaloft_fi.output import in_campaign, say
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
 from scaloft_fi.verbs.options import Option, SeedsOption, Several, campaign_over, several, typed, verb
@@ -351,6 +351,8 @@ def margins_of_cells(
     """
     with snapshot(study, campaign) as now:
         matrix = now.study.matrix
+        for warning in now.stale.invalid:
+            say(f"warning: {warning}")
         return matrix, cell_margins(now.score, matrix, _kind(operability))
 
 

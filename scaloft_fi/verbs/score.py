@@ -157,11 +157,11 @@ def dispositions(study: Study, campaign: str, *, today: Today = None) -> Answer:
     """
     with snapshot(study, campaign) as now:
         finds, score = now.study.finds, now.score
-        judged, campaign = judged_survivors(now.study, score, today), now.name
+        judged, campaign, invalid = judged_survivors(now.study, score, today), now.name, now.stale.invalid
     found = {mutant.subject.id for mutant in score.mutants if next_find(mutant, finds)}
     told = Dispositions(tuple(JudgedSurvivor.of(one, has_find=one.mutant in found) for one in judged))
     table = said(disposition_table(told, campaign), of_tests=score.of_tests)
-    return Answer(DISPOSITIONS, lambda: told, lambda: (table,), warnings=finds.warnings)
+    return Answer(DISPOSITIONS, lambda: told, lambda: (table,), warnings=(*invalid, *finds.warnings))
 
 
 def judged_survivors(study: Study, scored: Score, today: date | None = None) -> tuple[Judged, ...]:

@@ -27,6 +27,7 @@ from scaloft_fi.output import in_campaign
 from scaloft_fi.sim.grid import ALL
 from scaloft_fi.study import Study
 from scaloft_fi.verbs.verdict import MOST_NAMED, next_step
+from scaloft_fi.views.table import counted
 
 
 def _again(study: Study, now: holding.Now, name: str, stale: Sequence[FlownFlight]) -> str:
@@ -98,6 +99,7 @@ class Stale:
         command: what flies them again; null: there are none that the study still has.
         differed: flights that count although their repetition had other bits; no score with them is valid.
         invalid: why no score of the campaign is valid, each reason in a sentence; often none.
+        broken: how many flights that count are invalid, and say nothing.
     """
 
     flights: int = 0
@@ -105,6 +107,7 @@ class Stale:
     command: str | None = None
     differed: tuple[str, ...] = ()
     invalid: tuple[str, ...] = ()
+    broken: int = 0
 
     @classmethod
     def of(cls, why: Mapping[str, int], command: str) -> Stale:
@@ -119,15 +122,17 @@ class Stale:
         ('3 stored flights no longer count: operator delay changed; `scaloft-fi run --mutant LATE-human@3s` flies \
 them again',)
         """
+        say_nothing = f"{counted(self.broken, 'invalid flight')}, which say nothing (`scaloft-fi status` says why)"
+        first = (*self.invalid, *([say_nothing] if self.broken else ()))
         if not self.reasons:
-            return self.invalid
-        flights, counted = self.flights, len(self.reasons) > 1
-        reasons = [f"{one.why} ({one.flights})" if counted else one.why for one in self.reasons]
+            return first
+        flights, several = self.flights, len(self.reasons) > 1
+        reasons = [f"{one.why} ({one.flights})" if several else one.why for one in self.reasons]
         rest = [f"{len(reasons) - REASONS} more reasons (`scaloft-fi status`)"] if len(reasons) > REASONS else []
         told = f"{flights} stored flight{'s' * (flights != 1)} no longer count{'s' * (flights == 1)}"
         again = f"`{self.command}` flies {'them' if flights != 1 else 'it'} again"
         ends = again if self.command else "the study has no such flight any more"
-        return (*self.invalid, f"{told}: {', '.join([*reasons[:REASONS], *rest])}; {ends}")
+        return (*first, f"{told}: {', '.join([*reasons[:REASONS], *rest])}; {ends}")
 
 
 SEARCHED = (
@@ -211,7 +216,8 @@ class Snapshot:
             invalid: tuple[str, ...] = (SEARCHED,)
         else:
             invalid = tuple(f"no score is valid: {one}" for one in [gates.failed_in(self.now, self.folder)] if one)
-        return replace(Stale.of(found.why, again), differed=holding.differed_in(self.now), invalid=invalid)
+        differed, broken = holding.differed_in(self.now), len(self.now.broken)
+        return replace(Stale.of(found.why, again), differed=differed, invalid=invalid, broken=broken)
 
     @cached_property
     def latest(self) -> tuple[Outcome, ...]:

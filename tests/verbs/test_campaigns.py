@@ -73,6 +73,7 @@ def test_status_says_why_flights_are_invalid(call: Call, tmp_path: Path):
     assert (reason["why"], reason["flights"]) == ("no memory", 2)
     assert "no memory" in call("status").stdout
     told = call("score")
+    assert "2 invalid flights, which say nothing" in told.stderr
     assert all("/0 (no memory)" in " ".join(stream.split()) for stream in (told.stdout, told.stderr))
     assert all("get a valid score" in call(verb).stdout for verb in ("score", "kills", "status"))
 

@@ -50,7 +50,7 @@ def test_what_is_merged_and_written_is_told(told: Call, folder: Path, tmp_path: 
     assert merged["added"] == of_form("status", told("status", "--format", "json").stdout)["counted"]
     page = tmp_path / "page.html"
     report = of_form("report", told("report", "--output", str(page), "--format", "json").stdout)
-    nothing = {"flights": 0, "reasons": [], "command": None, "differed": [], "invalid": []}
+    nothing = {"flights": 0, "reasons": [], "command": None, "differed": [], "invalid": [], "broken": 0}
     assert report == {"version": "1.1", "report": str(page), "bytes": page.stat().st_size, "stale": nothing}
 
 

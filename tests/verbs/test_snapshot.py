@@ -80,7 +80,7 @@ def test_a_study_that_asks_a_signal_for_more_than_is_measured_of_it_is_neither_f
 
 
 VERBS = ("score", "kills", "coverage", "worksheet", "report")
-NOTHING = {"flights": 0, "reasons": [], "command": None, "differed": [], "invalid": []}
+NOTHING = {"flights": 0, "reasons": [], "command": None, "differed": [], "invalid": [], "broken": 0}
 
 
 def _another_delay(call: Call, study: Path) -> None:

@@ -75,7 +75,7 @@ def export_command(
     if output is None and not chosen.text:
         raise InputError(f"--format={style!r} is no text: give --output FILE")
     made = dossier(study, campaign, today)
-    for warning in made.finds.warnings:
+    for warning in (*made.invalid, *made.finds.warnings):
         say(f"warning: {warning}")
     content = chosen.content(made)
     if output is None:
