@@ -224,6 +224,7 @@ def _gates(evidence: Evidence, scored: Score, mutants: Iterable[Mapping[str, Any
     return {
         "failed": "; ".join(evidence.stale.invalid),
         "placebo_flights": placebo,
+        "deterministic": evidence.study.stack.deterministic,
         "invalid_flights": sum(bool(outcome.invalid) for outcome in evidence.outcomes),
         "controls": plain(Ratio(sum(controls), len(controls))),
         "steady_situations": plain(Ratio(steady, len(scored.pool.flown))),

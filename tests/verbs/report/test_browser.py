@@ -21,6 +21,7 @@ from scaloft_fi.study import Study
 from scaloft_fi.verbs.report.analyses import Evidence, folding
 from scaloft_fi.verbs.report.page import html
 from scaloft_fi.verbs.report.page import page as page_of
+from scaloft_fi.verbs.snapshot import Stale
 
 MOST_WORDS = 4000
 FLIGHT = "#flight=LATE-human%403s/T0O0W0D0H1/1"
@@ -456,3 +457,18 @@ def test_a_disposition_stands_beside_its_survivor_and_a_given_day_marks_it(
         for place in ('#survivors tr:has([href*="MORE-goal"])', "#sheet"):
             beside = page.locator(f"{place} .accepted")
             assert f"{words} by A. Engineer: there is 1 m of room" in beside.text_content()
+
+
+def test_another_magnitude_is_not_taken_for_the_default_and_a_failed_gate_has_no_tick(
+    visit: Opened, evidence: Evidence, tmp_path: Path
+):
+    milder = tuple(one for one in evidence.outcomes if one.mutant != "LATE-human@3s")
+    failed = "no score is valid: gate failed: PLACEBO differs from the baseline: PLACEBO/T0O0W0D0H0/0"
+    file = tmp_path / "milder.html"
+    file.write_text(page_of(replace(evidence, outcomes=milder, stale=Stale(invalid=(failed,)))), encoding="utf-8")
+    page = visit(file=file).page
+    assert page.locator('#hazop td[data-cell="LATE-human"]').inner_text() == "not default"
+    assert failed in page.locator(".masthead [role=alert]").inner_text()
+    held = page.locator(".gate").evaluate_all("gates => gates.map((gate) => [gate.dataset.held, gate.textContent])")
+    assert [one for one, _ in held[:2]] == ["no", "no"]
+    assert held[1][1].endswith("does not equal the unmutated drone bit for bit.")

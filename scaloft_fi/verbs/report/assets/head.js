@@ -122,12 +122,14 @@ function fates() {
 const swatch = (state, text = "", sure = null, rank = null) => h("span", { class: "swatch state", "data-state": state, "data-sure": sure, "data-rank": rank, "aria-hidden": "true" }, text);
 
 function gates() {
-  const { placebo_flights: placebo, invalid_flights: invalid, controls, steady_situations: steady, failed } = DATA.gates;
+  const { placebo_flights: placebo, deterministic, invalid_flights: invalid, controls, steady_situations: steady, failed } = DATA.gates;
   const showing = DATA.mutants.filter((mutant) => mutant.shows.length);
+  const differs = failed.includes("PLACEBO");
+  const told = deterministic ? `${differs ? "does not equal" : "equals"} the unmutated drone bit for bit` : `is ${differs ? "" : "not "}told from the unmutated drone by the score's test`;
   const safely = showing.filter((mutant) => mutant.shows.some((name) => SAFETY.includes(name))).length;
   const lines = [
     [!failed, failed || "Every gate of the campaign holds."],
-    [placebo > 0 && !failed.includes("PLACEBO"), placebo ? `PLACEBO, the patch that changes nothing, was flown ${plural(placebo, "time")} and equals the unmutated drone bit for bit.` : "PLACEBO was not flown."],
+    [placebo > 0 && !differs, placebo ? `PLACEBO, the patch that changes nothing, was flown ${plural(placebo, "time")} and ${told}.` : "PLACEBO was not flown."],
     [controls.part === controls.whole, `${controls.part} of ${plural(controls.whole, "crude control")} show themselves, ${safely} by a safety requirement, ${showing.length - safely} by operability alone.`],
     [!failed.includes("invalid"), `${invalid} of ${plural(DATA.flights, "flight")} failed on the test bench.`],
     [steady.part > 0, steady.whole ? `In ${steady.part} of ${plural(steady.whole, "situation")} with a baseline pool a safety requirement is steady, so that a fault can show.` : "There is no baseline pool: no situation has ten flights of the unmutated drone."],
