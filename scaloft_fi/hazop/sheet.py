@@ -241,6 +241,8 @@ def _lines(
             heads |= dict.fromkeys(head for head in map(plain, told) if head and (roles or words))
             if len(roles) + len(words) > best[0]:
                 best = (len(roles) + len(words), at + height, roles, words, told)
+        if _is_head(row):
+            break
     known, begin, roles, words, told = best
     keys = frozenset(roles.values())
     about = keys & {"node", "parameter", *TEXTS} - {"deviation"}

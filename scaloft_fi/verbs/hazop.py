@@ -303,7 +303,8 @@ def edits_of(rows: Iterable[SheetRow], hazop: Path, lines: Iterable[Line]) -> It
         for key, (before, ways) in found.items():
             after = next((one for one in ways if one != before), before)
             if len(ways) > 1:
-                why = "its copies differ: " + ", ".join(f"{shown(one)} at {place}" for one, place in ways.items())
+                copies = ", ".join(f"{shown(one)} at {place}" for one, place in ways.items())
+                why = f"its copies differ: {copies}; write the same into each, and run again"
                 yield Step((Edit(name, key, before, after, cell.place, False, why),), hazop)
             elif after != before:
                 edits[key] = before, after
@@ -344,6 +345,8 @@ def _steps(hazop: Path, cell: Cell, edits: Mapping[str, tuple[str, str]]) -> Ite
         step = Step((Edit(cell.name, way, before, after, cell.place, False, None),), path)
         if key in _KEPT:
             yield step.by_hand(_KEPT[key])
+        elif way == "predicted" and not after:
+            yield step.by_hand("a prediction stands, whatever was flown since")
         elif key == "status":
             yield from _of_status(step, cell, edits)
         elif key == "causes" or (key == "requirements" and "status" not in edits):

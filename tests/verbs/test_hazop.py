@@ -391,10 +391,12 @@ def test_each_row_without_an_id_is_told(folder: Path, worksheet: Path):
     book = load_workbook(worksheet)
     page, log = book.worksheets[:2]
     page["A2"].value = log["A2"].value = None
-    page.append([None, None, "person detection", None, "LATE", "It comes in pieces."])
+    page.insert_rows(4)
+    for column, text in ((3, "person detection"), (5, "LATE"), (6, "new deviation, consequence not known")):
+        page.cell(4, column).value = text
     book.save(worksheet)
     edits = told(folder, "diff", worksheet)["edits"]
-    assert [one["where"] for one in edits] == [f"{page.title}:2", f"{page.title}:{page.max_row}", f"{log.title}:2"]
+    assert [one["where"] for one in edits] == [f"{page.title}:2", f"{page.title}:4", f"{log.title}:2"]
     assert all("no Deviation id; `scaloft-fi hazop import` drafts what is new" in one["why"] for one in edits)
     page.delete_cols(1)
     book.save(worksheet)
@@ -459,6 +461,10 @@ def test_a_prediction_that_comes_with_the_findings_is_warned_of(folder: Path, wo
     edit(worksheet, "LATE-human", Rationale="It shows.")
     said = invoked("hazop", "diff", str(worksheet), "--study", str(folder), "--write").stderr
     assert "warning: LATE-human: a prediction that is written after the flights is worth nothing\n" in said
+    edit(worksheet, "LATE-human", Rationale=None)
+    (kept,) = told(folder, "diff", worksheet, "--write")["edits"]
+    assert (kept["key"], kept["why"]) == ("predicted", "a prediction stands, whatever was flown since")
+    assert Study.open(folder).matrix.cell("LATE-human").predicted == "It shows."
 
 
 def test_an_import_counts_rows_and_cells(folder: Path):
