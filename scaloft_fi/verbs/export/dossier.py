@@ -645,7 +645,7 @@ def dossier(study: Study, campaign: str, today: date | None = None) -> Dossier:
     above = next((one for one in (root, *root.parents) if is_there(one / ".git")), root)
     return Dossier(
         study=study.name,
-        campaign=now.name if now.archive else Path(now.name).name,
+        campaign=flown_in(Path(now.name).name),
         version=__version__,
         platform=platform,
         matrix=study.matrix,
