@@ -22,8 +22,8 @@ from typing import NamedTuple
 from experiments.flights import Flights, Scored, Varied, fly_arms, holds, name_of, names_of, published
 from experiments.operating_point import CRUISE, LIGHT, NO_TURN
 from experiments.pages import Row, blocks, table, write
-from scaloft_fi.analysis.detection import ALPHA, Detection
-from scaloft_fi.analysis.score import MutantScore
+from scaloft_fi.analysis.detection import ALPHA, Detection, Spending
+from scaloft_fi.analysis.score import MutantScore, mutant_score
 from scaloft_fi.judge.outcome import BASELINE, Outcome, Violation
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.space import Space
@@ -84,6 +84,12 @@ class Flown(Scored):
     def safety(self, mutant: str) -> Detection | None:
         """The verdict on a mutant by safety requirements; None if it was not flown."""
         return self.scores[mutant].safety if mutant in self.scores else None
+
+    def remains(self, score: MutantScore) -> str:
+        """What remains of rule 2 when one seed of the mutant, or one of the pool, is left out."""
+        own = self.rulings[score.subject]
+        strict = mutant_score(score.subject, own, self.space, self.pool, Spending(STRICT)).firmness
+        return strict.words if strict else "not shown"
 
     def held(self, requirement: str, ending: str = "") -> int:
         """Baselines that hold a requirement, in the situations whose key has this ending."""
@@ -148,7 +154,8 @@ def shown(arms: Iterable[Flown]) -> Iterator[str]:
             for name in (name for name, p in score.safety.p.items() if p <= STRICT):
                 found = True
                 as_seen = ", as the paper saw it" if name == "SR1" else ""
-                yield f"- {mutant} is shown by {name} in *{one.arm.name}*{as_seen} (p = {score.safety.p[name]:.2g})."
+                p, kept = f"{score.safety.p[name]:.2g}", one.remains(score)
+                yield f"- {mutant} is shown by {name} in *{one.arm.name}*{as_seen} (p = {p}; {kept})."
     if not found:
         yield "- MORE-goal is shown in no arm."
 
@@ -191,6 +198,7 @@ def _verdicts(arms: Iterable[Flown]) -> Iterator[str]:
 
 def _verdict(arm: Arm, score: MutantScore) -> Row:
     verdict = score.verdict.words + (f" by {' and '.join(score.safety.by)}" if score.safety.by else "")
+    verdict += f", {score.firmness.words}" if score.firmness else ""
     ps = (f"{score.safety.p.get(name, 1.0):.2g}" for name in SAFETY)
     rate, operability = score.kill_rate, score.operability.verdict.words
     return arm.name, score.subject.id, verdict, *ps, rate.whole, rate.part, operability

@@ -26,7 +26,7 @@ from scipy.stats import binomtest
 from experiments import PUBLISHED, ROOT
 from experiments.false_detections import baselines
 from experiments.pages import blocks, registered, table
-from scaloft_fi.analysis.detection import Detection, Pool, Sample, Spending, State, detect
+from scaloft_fi.analysis.detection import Detection, Pool, Sample, Spending, State, detect, firmness
 from scaloft_fi.document import load
 from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.mutants.catalogue import select
@@ -56,12 +56,14 @@ class Shown:
     Attributes:
         flights: flights of the mutant, by situation and seed.
         detection: verdict by safety requirements.
+        verdict: in words, and of a mutant that is detected what remains when one seed is left out.
         tested: situations in which the row's requirement is steady and the mutant infects.
         kills: tested situations in which most flights violate the requirement; empty unless the mutant is detected.
     """
 
     flights: Sequence[Flight]
     detection: Detection
+    verdict: str
     tested: tuple[str, ...]
     kills: tuple[str, ...]
 
@@ -85,24 +87,28 @@ def shown(row: Row, mutant: str, flights: Sequence[Flight], pool: Pool, spending
     for flight in own:
         situations.setdefault(flight["situation"], []).append(flight)
     samples = [
-        Sample(key, tuple(tuple(f["violated"].split(";")) for f in some), any(f["infected_at_s"] for f in some))
+        Sample(
+            key, tuple(map(violated, some)), any(f["infected_at_s"] for f in some), tuple(int(f["seed"]) for f in some)
+        )
         for key, some in situations.items()
     ]
     detection = detect(mutant, samples, pool, spending, Kind.SAFETY)
+    remains = f", {firmness(mutant, samples, pool, spending, Kind.SAFETY).words}" if detection.detected else ""
     steady = {place for place, state in pool.states.items() if state is State.STEADY}
     tested = [s for s in samples if s.infected and (s.situation, row.requirement) in steady]
     most = [s.situation for s in tested if 2 * s.count(row.requirement) > len(s.violated)]
-    return Shown(own, detection, tuple(s.situation for s in tested), tuple(most) if detection.detected else ())
+    verdict, keys = detection.verdict.words + remains, tuple(sample.situation for sample in tested)
+    return Shown(own, detection, verdict, keys, tuple(most) if detection.detected else ())
 
 
-def broken(flight: Flight, requirement: str) -> bool:
-    """Whether the flight violates the requirement."""
-    return requirement in flight["violated"].split(";")
+def violated(flight: Flight) -> tuple[str, ...]:
+    """The requirements that the flight violates."""
+    return tuple(flight["violated"].split(";"))
 
 
 def revealed(flights: Iterable[Flight], requirement: str) -> list[Flight]:
     """The flights in which the requirement reveals the fault."""
-    return [f for f in flights if f["status"] == "revealed" and broken(f, requirement)]
+    return [f for f in flights if f["status"] == "revealed" and requirement in violated(f)]
 
 
 DETAIL = """
@@ -134,8 +140,8 @@ def page(study: Study, flights: Sequence[Flight]) -> str:
         text += "\nWhere the fault is revealed in light, earliest first (at most 12):\n\n"
         text += "".join(f"- {moment(f)}\n" for f in seen[:12]) or "- nowhere\n"
     clean = [outcome for outcome in pool_flights if fnmatch.filter([outcome.situation], LIGHT)]
-    violated = sum(any(v.requirement == "SR1" for v in outcome.violations) for outcome in clean)
-    return text + phases(flights) + f"| light baselines, {pool_seeds} seeds | {counted(violated, len(clean))} |\n"
+    struck = sum(any(v.requirement == "SR1" for v in outcome.violations) for outcome in clean)
+    return text + phases(flights) + f"| light baselines, {pool_seeds} seeds | {counted(struck, len(clean))} |\n"
 
 
 def ours(row: Row, mutants: Sequence[Shown]) -> str:
@@ -170,10 +176,10 @@ def line(row: Row, one: Shown, flights: Sequence[Flight], seeds: Sequence[str]) 
     change = [rho - float(before) for rho, before in told if before]
     by_seed = ", ".join(f"{len(revealed(some, row.requirement))}/{len(some)}" for some in flown)
     in_dark = f"{len(one.kills) - len(kills)}/{len(one.tested) - len(tested)}"
-    verdict, p = one.detection.verdict.words, f"{one.detection.p[row.requirement]:.2g}"
+    p = f"{one.detection.p[row.requirement]:.2g}"
     median = f"{statistics.median(change):+.2f}" if change else "-"
     least = f"{min(rho for rho, _ in told):.2f}" if told else "-"
-    cells = one.flights[0]["mutant"], verdict, p, by_seed, f"{len(kills)}/{len(tested)}", in_dark, median, least
+    cells = one.flights[0]["mutant"], one.verdict, p, by_seed, f"{len(kills)}/{len(tested)}", in_dark, median, least
     return f"| {' | '.join(cells)} |"
 
 
@@ -182,10 +188,10 @@ def phases(flights: Sequence[Flight]) -> str:
     own = [f for f in flights if f["mutant"].startswith(PULSE) and fnmatch.filter([f["situation"]], LIGHT)]
     listed = {f["mutant"]: float(f["mutant"].partition("#")[2].removesuffix("s") or 0) for f in own}
     ranked = sorted(listed, key=listed.__getitem__)
-    flown, struck = (Counter(f["situation"] for f in some) for some in (own, [f for f in own if broken(f, "SR1")]))
-    cells = Counter((f["situation"], f["mutant"], broken(f, "SR1")) for f in own)
+    flown, struck = (Counter(f["situation"] for f in some) for some in (own, [f for f in own if "SR1" in violated(f)]))
+    cells = Counter((f["situation"], f["mutant"], "SR1" in violated(f)) for f in own)
     places = {(situation, mutant) for situation, mutant, _ in cells}
-    by_phase = Counter(f["mutant"] for f in own if broken(f, "SR1"))
+    by_phase = Counter(f["mutant"] for f in own if "SR1" in violated(f))
     seeds = ", ".join(sorted({f["seed"] for f in own}))
     told = ", ".join(f"{by_phase[mutant]} at {listed[mutant]:g} s" for mutant in ranked)
     text = f"""
