@@ -38,11 +38,15 @@ def results(study: Study, jobs: int, _folder: Path) -> str:
     counts = {arm: [sum(column) for column in zip(*rows, strict=True)] for arm, rows in seen.items()}
     hold = {arm: sum(draw[0].first_violation is None for draw in own) for arm, own in flown.items()}
     study_arm, turned, paused = ARMS
+    by_seed = {
+        arm: [", ".join(str(sum(column[place :: len(SEEDS)])) for place in SEEDS) for column in zip(*rows, strict=True)]
+        for arm, rows in seen.items()
+    }
     answers = [
         f"- {mutant} {'depends' if abs(a - b) >= APART else 'is not shown to depend'} on the {what}: "
-        f"{a} and {b} of {DRAWS}."
+        f"{a} and {b} of {DRAWS}; seed by seed {by_seed[one][place]} and {by_seed[other][place]} of {len(SITUATIONS)}."
         for what, one, other in (("heading", study_arm, turned), ("pause", turned, paused))
-        for mutant, a, b in zip(MUTANTS, counts[one], counts[other], strict=True)
+        for place, (mutant, a, b) in enumerate(zip(MUTANTS, counts[one], counts[other], strict=True))
     ]
     rows = (
         (arm, draw[0].situation, draw[0].seed, *("+" if mark else "-" for mark in marks), f"{_least(draw[0]):.2f}")

@@ -86,9 +86,12 @@ def _cruise(cruise_mps: float, found: Sequence[Speed]) -> Row:
 
 
 def _masks(number: int, mutant: str, turning: Sequence[Sequence[Outcome]]) -> str:
-    seen = sum("SR1" in flight_of(draw[number], draw[0]).revealed for draw in turning)
-    verb = "masks" if seen >= APART else "is not shown to mask"
-    return f"- Turning first {verb} {mutant}: SR1 reveals it in {seen} of {len(turning)} flights without it."
+    seeds = [draw[0].seed for draw in turning if "SR1" in flight_of(draw[number], draw[0]).revealed]
+    verb = "masks" if len(seeds) >= APART else "is not shown to mask"
+    told = (
+        f"{len(seeds)} of {len(turning)} flights without it, {' and '.join(str(seeds.count(n)) for n in SEEDS)} by seed"
+    )
+    return f"- Turning first {verb} {mutant}: SR1 reveals it in {told}."
 
 
 def _draw(draw: Sequence[Outcome]) -> Row:
