@@ -676,7 +676,7 @@ MOST_FINDS = 1_000
 
 @dataclass(frozen=True)
 class Again:
-    """The evidence of a replication, from seeds that nothing before used.
+    """The evidence of a replication, from fresh seeds.
 
     Attributes:
         seed: the first seed.

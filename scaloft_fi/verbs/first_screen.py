@@ -111,7 +111,7 @@ def _how_sure(scored: Score, faults: Sequence[MutantScore]) -> str:
     if drawn.seeds:
         sure += f"  Of {drawn.safety.whole} redraws of the unmutated drone {drawn.safety.part} were called shown."
     flown = {pair.flights for pair in scored.pool.pairs.values() if pair.flights >= LEAST}
-    sure += f"  {seeds_flown(faults)} beside {_least_to_most(flown, 'baseline flight')} a situation."
+    sure += f"  {seeds_flown(faults)} beside {_least_to_most(flown, 'baseline flight')} a situation." * bool(faults)
     firm = "  Firm: whichever one seed is left out."
     return sure + firm * any(mutant.detected for mutant in faults)
 

@@ -394,7 +394,7 @@ SearchSeed = Annotated[
 Replicate = Annotated[
     bool,
     Option(
-        "Search nothing: fly the finds in sim/found.yaml (of the named mutants) on seeds that nothing before used; "
+        "Search nothing: fly the finds in sim/found.yaml (of the named mutants) on fresh seeds; "
         "what does not hold leaves the file."
     ),
 ]
@@ -451,7 +451,7 @@ def seek_command(
         Seek situations for all that the last score calls not detected: `scaloft-fi seek --budget 1h`
         Seek a situation for one fault, with 2,000 flights at most: `scaloft-fi seek LESS-depth --budget 2000flights`
         Seek situations that break the unmutated drone: `scaloft-fi seek baseline --budget 30m`
-        Fly what was found on seeds that nothing before used: `scaloft-fi seek --replicate`
+        Fly what was found on fresh seeds: `scaloft-fi seek --replicate`
     """
     one_thread_each()
 

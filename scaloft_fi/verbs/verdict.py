@@ -309,7 +309,7 @@ def facts(find: Find, mutant: str) -> str:
     if shown.again is None:
         return f"{told}  It is not replicated yet (`scaloft-fi seek --replicate`)."
     again = f"{shown.again.violated} of {shown.again.flights} (p = {shown.again.p:.2g})"
-    return f"{told}  On seeds that nothing before used it held again: {again}."
+    return f"{told}  On fresh seeds it held again: {again}."
 
 
 def flies(find: Find, mutant: str, finds: KnownFinds, campaign: str, grid: str = "") -> str:

@@ -445,7 +445,7 @@ def _cells(rows: Iterable[Sequence[TableCell]], literal: Callable[[str], str]) -
 def _text(table: Table, width: int, *, marked: bool) -> str:
     """The table for a terminal, with a blank line between its title and its body."""
     headers, rows = list(map(line, table.headers)), _cells(table.rows, line)
-    body = body_text(headers, rows, width, table.spare, marked=marked)
+    body = body_text(headers, rows, width, table.spare, marked=marked) if rows else "none"
     notes = (note(line(each), width, marked=marked) for each in table.notes)
     return "\n".join([heading(line(table.title), width, marked=marked), "", body, *notes, ""])
 

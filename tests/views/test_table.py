@@ -149,6 +149,10 @@ def test_without_room_for_columns_each_row_is_a_record_that_lacks_nothing_but_em
     )
 
 
+def test_a_table_without_rows_says_none_instead_of_its_headers():
+    assert shown(Table("T", ("mutant", "path"), (), ("Why.",)), 40) == "T\n\nnone\nWhy.\n"
+
+
 def test_a_table_that_would_be_taller_than_its_records_becomes_records():
     prose = "a word or two " * 12
     text = shown(Table("T", ("cell", "deviation", "cause", "effect"), (("NO-human", prose, prose, prose),)), 44)

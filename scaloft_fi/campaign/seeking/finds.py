@@ -420,7 +420,7 @@ HEADER = """\
 #
 # finds: each shows mutants: the mutant violates a safety requirement there that the unmutated drone holds.  Evidence:
 # flights with the seeds 0, 1, ..., which the search never flew, by the score's own test; again: flights of
-# `scaloft-fi seek --replicate`, with seeds that nothing before used.
+# `scaloft-fi seek --replicate`, with fresh seeds.
 # `scaloft-fi run --grid NAME+found` flies them, NAME being the study's own grid.  They were chosen because of verdicts:
 # a score that uses them is called selected.
 #

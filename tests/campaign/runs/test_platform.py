@@ -306,6 +306,15 @@ def test_a_placebo_that_the_scores_test_detects_fails_the_gate_with_its_p(log: A
         fly_noisy()
 
 
+def test_runs_that_are_each_too_small_for_that_test_fail_its_gate_together(log: Any, noisy: Any):
+    log.change = _violating_placebo
+    campaign = Runs(noisy, log)
+    campaign(asked(noisy, (0,)).with_pool(SEEDS))
+    with pytest.raises(GateError, match="PLACEBO, which does nothing, is detected"):
+        for seed in SEEDS[1:]:
+            campaign(asked(noisy, (seed,)))
+
+
 def test_no_flight_shares_a_baseline(log: Any, noisy: Any, monkeypatch: pytest.MonkeyPatch):
     batches: list[Batch] = []
 
