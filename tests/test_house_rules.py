@@ -92,6 +92,20 @@ def test_every_module_says_what_it_is():
     assert silent == []
 
 
+PLUGINS = ("templates", "examples/own_stack", "examples/ros1")
+
+
+def test_what_we_show_as_plugins_imports_the_public_names_alone():
+    found = {
+        f"{path.relative_to(ROOT)}: {node.module}"
+        for folder in PLUGINS
+        for path in (ROOT / folder).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("scaloft_fi.")
+    }
+    assert {said.rpartition(": ")[2] for said in found} == {"scaloft_fi.api"}, sorted(found)
+
+
 def test_each_error_ends_with_a_code_that_has_a_meaning():
     assert [error.exit_code for error in (ScaloftError, InputError, GateError, Interrupted)] == [
         *(ExitCode.INTERNAL, ExitCode.BAD_INPUT, ExitCode.GATE, ExitCode.INTERRUPTED)

@@ -3,9 +3,7 @@
 from dataclasses import dataclass
 
 from hopper.messages import Height
-from scaloft_fi.marks import NotNegative
-from scaloft_fi.sim.sensors.sensor import SENSORS, SensorKind
-from scaloft_fi.streams import Table
+from scaloft_fi.api import SENSORS, NotNegative, SensorKind, Table
 
 
 @dataclass(frozen=True)

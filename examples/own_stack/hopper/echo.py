@@ -1,7 +1,7 @@
 """The operator: a range finder that hears its own echo."""
 
 from hopper.messages import Range
-from scaloft_fi.mutants.operator import Example, Metres, operator, the
+from scaloft_fi.api import Example, Metres, operator, the
 
 NEAR, CLEAR = Range(0.0, 1.0), Range(0.05, 4.0)
 EXAMPLE = Example(Range, {"dead_m": 2.0}, (NEAR, CLEAR), (NEAR._replace(ahead_m=2.0), CLEAR))

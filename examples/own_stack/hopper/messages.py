@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from scaloft_fi.stack.messages import Stamp, Vector
+from scaloft_fi.api import Stamp, Vector
 
 
 class Height(NamedTuple):

@@ -8,8 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from hopper.messages import Drive, Height, Range
 from scaloft_fi import api
-from scaloft_fi.stack import messages
-from scaloft_fi.stack.declaration import STEP_HZ, STEP_S, TICK_HZ, Belief, Seam
+from scaloft_fi.api import STEP_HZ, STEP_S, TICK_HZ, Belief, Seam, messages
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 FAR_M = 100.0

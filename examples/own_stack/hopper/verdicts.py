@@ -1,6 +1,6 @@
 """The export format: a line of CSV for each mutant."""
 
-from scaloft_fi.verbs.export.dossier import export_format
+from scaloft_fi.api import export_format
 
 
 @export_format("verdicts", "mutant and whether it is detected, one a line")

@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from scaloft_fi.study import Study
-from scaloft_fi.campaign.flights.check_stack import check_stack
+from scaloft_fi.api import Study, check_stack
 
 STUDY = Path(__file__).resolve().parents[1] / "study"
 

@@ -1,7 +1,7 @@
 """Each operator of the package turns the samples of its example into those that the example says."""
 
 import pytest
-from scaloft_fi.mutants.check_operator import check_operator, operators_of
+from scaloft_fi.api import check_operator, operators_of
 
 OWN = operators_of("your_plugin")
 

@@ -4,7 +4,7 @@
 """
 
 import numpy as np
-from scaloft_fi.mutants.operator import Example, Number, operator, the
+from scaloft_fi.api import Example, Number, operator, the
 
 from your_plugin.sensors import Pose
 

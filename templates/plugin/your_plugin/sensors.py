@@ -4,10 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from scaloft_fi.marks import Bounds
-from scaloft_fi.sim.sensors.sensor import SENSORS, SensorKind
-from scaloft_fi.stack.messages import Array, Stamp, Vector
-from scaloft_fi.streams import Table
+from scaloft_fi.api import SENSORS, Array, Bounds, SensorKind, Stamp, Table, Vector
 
 
 class Pose(NamedTuple):

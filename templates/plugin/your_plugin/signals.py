@@ -2,7 +2,7 @@
 
 import math
 
-from scaloft_fi.sim.log import signal
+from scaloft_fi.api import signal
 
 
 @signal("your_plugin_tilt_deg", "deg", "angle between the body's z axis and the vertical", most=180.0)

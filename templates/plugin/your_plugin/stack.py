@@ -5,11 +5,20 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from scaloft_fi.stack.declaration import STEP_HZ, STEP_S, TICK_HZ, Belief, Declaration, PlainStack, Seam
-from scaloft_fi.marks import Bounds
-from scaloft_fi.stack.messages import Stamp, Vector
-from scaloft_fi.sim.stacks import declare_stack
-from scaloft_fi.stack import messages
+from scaloft_fi.api import (
+    STEP_HZ,
+    STEP_S,
+    TICK_HZ,
+    Belief,
+    Bounds,
+    Declaration,
+    PlainStack,
+    Seam,
+    Stamp,
+    Vector,
+    declare_stack,
+    messages,
+)
 
 from your_plugin.sensors import Pose
 
