@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -63,13 +64,15 @@ def check_operator(name: str) -> OperatorCheck:
     one = OPERATORS[name]
     example = one.example
     one.check("example", example.message, example.arguments)
-    event = Occurrences()
+    event, sent = Occurrences(), deepcopy(example.before)
     try:
         arrived, lasting = one.arrived(), (one.arrived(TRIED_S), one.arrived(TRIED_S))
         one.tap(replace(example.context(), event=event), example.arguments)
     except TapError as error:
         return OperatorCheck(name, (), (str(error),))
-    failures = []
+    failures = (
+        [] if alike(sent, example.before) else ["it writes into a sample that it is sent: `_replace` makes a copy"]
+    )
     if callable(example.after):
         if not example.after(example.before, arrived):
             failures.append(f"its example does not hold: {arrived} arrives")

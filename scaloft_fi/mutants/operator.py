@@ -22,7 +22,15 @@ from scaloft_fi.errors import DeclaredError, InputError, did_you_mean
 from scaloft_fi.hazop.matrix import Value
 from scaloft_fi.registry import Registry, in_one_line
 from scaloft_fi.stack.declaration import TICK_HZ
-from scaloft_fi.stack.messages import field_names, field_type, image_fields, number_fields, stamp_fields, vector_fields
+from scaloft_fi.stack.messages import (
+    field_names,
+    field_type,
+    image_fields,
+    misshapen,
+    number_fields,
+    stamp_fields,
+    vector_fields,
+)
 
 
 @dataclass(frozen=True)
@@ -516,6 +524,8 @@ class Operator:
                 raise self._failed(f"raises {where}: {in_one_line(error)}") from error
             if not isinstance(found[-1], example.message | None):
                 raise self._failed(f"returns {found[-1]!r} {where}, no {example.message.__name__}")
+            if wrong := misshapen(sample, found[-1]):
+                raise self._failed(f"returns {where} a sample whose {wrong}")
         return tuple(found)
 
     def _failed(self, what: str) -> TapError:

@@ -16,6 +16,7 @@ from scaloft_fi.aside import foreign
 from scaloft_fi.mutants.mutant import EVERY_SEAM, Mutant
 from scaloft_fi.mutants.operator import OPERATORS, Facts, Occurrences, Tap, TapContext, TapError
 from scaloft_fi.stack.declaration import Declaration, PlainWire, Seam, Wire
+from scaloft_fi.stack.messages import misshapen
 from scaloft_fi.streams import generator
 
 S = TypeVar("S")
@@ -45,8 +46,11 @@ class _Tally:
         try:
             delivered = self.tap(t_s, sample)
             differs = self.seam.differ(sample, delivered)
-            if differs and delivered is not None and not isinstance(delivered, self.seam.message):
-                raise TypeError(f"it delivers {type(delivered).__name__}, not {self.seam.message.__name__} or None")
+            if differs and delivered is not None:
+                if not isinstance(delivered, self.seam.message):
+                    raise TypeError(f"it delivers {type(delivered).__name__}, not {self.seam.message.__name__} or None")
+                if wrong := misshapen(sample, delivered):
+                    raise ValueError(wrong)
         except foreign() as error:
             sentence = f"tap on {self.seam.name} at {t_s:.3f} s: {type(error).__name__}: {error}"
             raise TapError(sentence, getattr(self.tap, "__module__", "")) from error

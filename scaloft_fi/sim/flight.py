@@ -347,9 +347,20 @@ class FlightLoop:
         self.airframe.actuate(NO_THRUST if order is None else order)
 
     def _ordered(self, step: int) -> Array | None:
-        """The thrusts that flight control orders for a physics step."""
+        """The thrusts that flight control orders for a physics step.
+
+        Raises:
+            StackError: they are no array (4,), beyond whose end the compiled step would read.
+        """
         thrust = self.stack.step(step / STEP_HZ, self.sensors.imu(step, self.airframe.state))
-        return None if thrust is None else thrust.rotors
+        if thrust is None:
+            return None
+        if thrust.rotors.shape != NO_THRUST.shape:
+            name, shape = self._declared.name, thrust.rotors.shape
+            raise StackError(
+                f"stack {name!r}: `step` returns the thrust of rotors of shape {shape}, which must be (4,)"
+            )
+        return thrust.rotors
 
     def log(self) -> FlightLog:
         """The log of the flight so far.

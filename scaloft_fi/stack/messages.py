@@ -213,6 +213,23 @@ def vector_fields(message: type) -> tuple[str, ...]:
     return _sorted(message)["vectors"]
 
 
+def misshapen(sent: Any, delivered: Any) -> str:
+    """Which array of a delivered sample has another shape than the one that was sent; "" for none.
+
+    A compiled consumer reads a smaller array beyond its end.  A table (N, ...) that is no image may have more rows or
+    fewer, and a list of whole numbers is free.
+    """
+    message: type = type(sent)
+    kinds = _sorted(message)
+    for name in kinds["arrays"] if sent is not None and delivered is not None else ():
+        array, due = getattr(delivered, name), getattr(sent, name)
+        rows = due.ndim > 1 and name not in kinds["images"]
+        shape = getattr(array, "shape", ())
+        if array is not due and (len(shape) != due.ndim or shape[rows:] != due.shape[rows:]):
+            return f"{name} has the shape {shape}, and {due.shape} was sent"
+    return ""
+
+
 def field_type(message: type, field: str) -> Any:
     """The annotated type of one field, without its kind."""
     return get_type_hints(message)[field]
@@ -232,7 +249,13 @@ def _sorted(message: type) -> Mapping[str, tuple[str, ...]]:
         "vectors": tuple(name for name in field_names(message) if name in (*vectors, *points)),
         "images": of(Kind.IMAGE),
         "stamps": of(Kind.STAMP),
+        "arrays": tuple(name for name in field_names(message) if _array(types[name]) and "int" not in str(types[name])),
     }
+
+
+def _array(hint: Any) -> bool:
+    # from numpy 2.5 on the origin of `NDArray[...]` is `NDArray` itself
+    return hint is np.ndarray or get_origin(hint) in (np.ndarray, NDArray)
 
 
 def _numeric(hint: Any) -> bool:
@@ -240,8 +263,7 @@ def _numeric(hint: Any) -> bool:
         return True
     if get_origin(hint) is tuple:
         return all(entry is float for entry in get_args(hint))
-    # from numpy 2.5 on the origin of `NDArray[...]` is `NDArray` itself
-    return get_origin(hint) in (np.ndarray, NDArray) and "float64" in str(hint)
+    return _array(hint) and "float64" in str(hint)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -20,10 +21,10 @@ from scaloft_fi.mutants import catalogue
 from scaloft_fi.mutants.catalogue import default_of, defaults, derive, realise, select, source_of, with_events
 from scaloft_fi.mutants.check_operator import check_operator
 from scaloft_fi.mutants.mutant import PLACEBO, Mutant
-from scaloft_fi.mutants.operator import Facts, Hold, Period, Seconds, Tap, TapContext, Windows
+from scaloft_fi.mutants.operator import Example, Facts, Hold, Period, Seconds, Tap, TapContext, Windows
 from scaloft_fi.mutants.operators import OPERATORS
 from scaloft_fi.mutants.wire import contexts, wire_for
-from scaloft_fi.stack.messages import Detections
+from scaloft_fi.stack.messages import DepthFrame, Detections
 from scaloft_fi.stack.reference.declaration import REFERENCE
 
 FACTS = Facts(settings={"memory": {"voxel_m": 0.15}})
@@ -125,6 +126,22 @@ def test_an_operator_whose_phase_shifts_windows_of_its_own_fails_its_check(monke
     assert check_operator("outage").failures == ()
     monkeypatch.setitem(OPERATORS._entries, "outage", replace(OPERATORS["outage"], make=deafened))
     assert ["phase_s" in failure for failure in check_operator("outage").failures] == [True]
+
+
+def test_an_operator_that_writes_into_a_sample_or_changes_its_shape_fails_its_check(monkeypatch: pytest.MonkeyPatch):
+    def clipped(_context: TapContext) -> Tap:
+        """Let nothing be farther, in place."""
+        return lambda _t_s, sample: sample._replace(depth=np.minimum(sample.depth, 1.5, out=sample.depth))
+
+    def cut(_context: TapContext) -> Tap:
+        """Lose the last column."""
+        return lambda _t_s, sample: sample._replace(depth=sample.depth[:, :-1])
+
+    sent = (DepthFrame(0.0, np.array([[1.0, 2.0]])),)
+    own = replace(OPERATORS["mirror"], example=Example(DepthFrame, {}, sent, lambda _before, _after: True))
+    for make, said in ((clipped, "it writes into a sample"), (cut, "depth has the shape (1, 1)")):
+        monkeypatch.setitem(OPERATORS._entries, "mirror", replace(own, make=make))
+        assert said in " ".join(check_operator("mirror").failures)
 
 
 def test_every_fault_of_the_reference_study_with_phases_strikes_at_events(matrix: matrices.Matrix):

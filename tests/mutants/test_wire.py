@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,9 @@ from scaloft_fi.mutants.operator import Facts, Occurrences, Tap, TapContext, Tap
 from scaloft_fi.mutants.sample import within
 from scaloft_fi.mutants.wire import SeamCount, TappedWire, WatchingWire, contexts, wire_for
 from scaloft_fi.stack.declaration import PlainWire, Seam
+from scaloft_fi.stack.messages import DepthFrame
 from scaloft_fi.stack.reference.declaration import REFERENCE
-from scaloft_fi.stack.reference.messages import Target
+from scaloft_fi.stack.reference.messages import ObstacleMap, Target
 
 CONTEXT = contexts("PLACEBO", "T0O0W0D0H0", 0, Facts())
 
@@ -66,6 +68,22 @@ def test_a_tap_that_delivers_another_type_than_the_seams_message_fails():
     wire = tapped({"target": lambda _t_s, _sample: "wrong"})
     with pytest.raises(TapError, match=r"tap on target at 0\.050 s: TypeError: it delivers str, not Target or None"):
         wire.cross("target", 0.05, Target(0, (0.0, 0.0, 0.0)))
+
+
+@pytest.mark.parametrize(
+    ("field", "shape", "fits"),
+    [("depth", (3, 3), False), ("depth", (12,), False), ("points", (5, 3), True), ("points", (2, 2), False)],
+)
+def test_an_array_of_another_shape_than_was_sent_never_reaches_a_compiled_stage(
+    field: str, shape: tuple[int, ...], fits: bool
+):
+    seam, sent = {
+        "depth": ("depth", DepthFrame(0.0, np.ones((4, 3)))),
+        "points": ("map", ObstacleMap(0.0, np.ones((2, 3)), 1.0, np.zeros(3))),
+    }[field]
+    wire = TappedWire([(REFERENCE.by_name[seam], lambda _t_s, sample: sample._replace(**{field: np.zeros(shape)}))])
+    with nullcontext() if fits else pytest.raises(TapError, match=rf"{field} has the shape .*, and .* was sent"):
+        wire.cross(seam, 0.05, sent)
 
 
 def test_a_failing_tap_is_a_matter_of_the_harness():

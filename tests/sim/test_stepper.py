@@ -16,12 +16,12 @@ from hypothesis import strategies as st
 
 from scaloft_fi.sim import flight
 from scaloft_fi.sim.build import VEHICLE_GROUP, WORLD_GROUP, physics_server, set_up
-from scaloft_fi.sim.flight import BLOCK, CompiledStepper, FlightLoop, fly
+from scaloft_fi.sim.flight import BLOCK, CompiledStepper, FlightLoop, StackError, fly
 from scaloft_fi.sim.load import load
 from scaloft_fi.sim.log import Ending
 from scaloft_fi.sim.vehicle import KEPT_RATES, Airframe, attitude_of, free_step
 from scaloft_fi.stack.declaration import STEPS_PER_TICK, PlainWire
-from scaloft_fi.stack.messages import Imu
+from scaloft_fi.stack.messages import Imu, Thrust
 from scaloft_fi.stack.reference.flight_control import FlightControl
 from tests.sim.conftest import SIM
 
@@ -110,6 +110,17 @@ def test_a_fast_path_that_fails_to_begin_stops_the_rotors_as_a_step_that_raises_
     assert "autopilot at" in log.stack_error
     assert log.stack_error.endswith("ValueError: no orders")
     assert log.ending is not Ending.TIMED_OUT
+
+
+def test_orders_for_three_rotors_are_read_by_no_compiled_step(monkeypatch):
+    step = FlightControl.step
+
+    def cut(self, *rest):
+        return Thrust(step(self, *rest).rotors[:3])
+
+    monkeypatch.setattr(FlightControl, "step", cut)
+    with pytest.raises(StackError, match=r"`step` returns the thrust of rotors of shape \(3,\), which must be \(4,\)"):
+        flown(LeaningWire(set(range(100)), seams=("thrust",)), 100)
 
 
 @pytest.mark.parametrize("lost_s", [0.05, 0.3])
