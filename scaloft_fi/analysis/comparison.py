@@ -16,7 +16,7 @@ seeds of each campaign, each judged by itself, say how far.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Annotated
@@ -169,23 +169,24 @@ class ComparedCampaigns:
         *("first_halves", "second_halves", "mutants", "only_first", "only_second", "uncounted"),
     )
 
-    def _with(self, change: Change) -> tuple[str, ...]:
+    def of(self, change: Change) -> tuple[str, ...]:
+        """Ids of the faults of which the campaigns say this."""
         return tuple(mutant.id for mutant in self.mutants if mutant.change is change)
 
     @property
     def lost(self) -> tuple[str, ...]:
         """Ids of the faults that only the first campaign shows."""
-        return self._with(Change.LOST)
+        return self.of(Change.LOST)
 
     @property
     def gained(self) -> tuple[str, ...]:
         """Ids of the faults that only the second campaign shows."""
-        return self._with(Change.GAINED)
+        return self.of(Change.GAINED)
 
     @property
     def unsure(self) -> tuple[str, ...]:
         """Ids of the faults that one campaign detects, where the flights do not say that the campaigns differ."""
-        return self._with(Change.UNSURE)
+        return self.of(Change.UNSURE)
 
     @property
     def could_be_lost(self) -> Ratio:
@@ -209,8 +210,7 @@ def compared(first: Flown, second: Flown, roster: Roster, space: Space) -> Compa
     samples = [{s.id: _samples(flights) for s, flights in flown.rulings.mutants.items()} for flown in (first, second)]
     pools = first.score.pool, second.score.pool
     strata = {id_: _strata(samples[0][id_], samples[1][id_], *pools) for id_ in both}
-    lost_p, gained_p = _over_faults(strata), _over_faults({id_: _exchanged(own) for id_, own in strata.items()})
-    least_p = _over_faults({id_: _extreme(own) for id_, own in strata.items()})
+    lost_p, gained_p, least_p = (_over_faults(strata, each) for each in (_itself, _exchanged, _extreme))
     alpha = min(first.score.alpha, second.score.alpha)
     mutants = [
         _compared(here[id_], there[id_], strata[id_], (lost_p[id_], gained_p[id_], least_p[id_]), alpha) for id_ in both
@@ -254,29 +254,26 @@ def _strata(here: Mapping[str, Sample], there: Mapping[str, Sample], pool: Pool,
     }
 
 
-def _exchanged(strata: Strata) -> Strata:
-    return {
-        name: {key: Stratum(own.b, own.m, own.k, own.n, own.n) for key, own in by_situation.items()}
-        for name, by_situation in strata.items()
-    }
+def _itself(own: Stratum) -> Stratum:
+    return own
 
 
-def _extreme(strata: Strata) -> Strata:
+def _exchanged(own: Stratum) -> Stratum:
+    return Stratum(own.b, own.m, own.k, own.n, own.n)
+
+
+def _extreme(own: Stratum) -> Stratum:
     """The greatest difference that these flights could have shown; exchanged it has the same p."""
-    return {
-        name: {key: Stratum(own.n, own.n, 0, own.m, own.m) for key, own in by_situation.items()}
-        for name, by_situation in strata.items()
-    }
+    return Stratum(own.n, own.n, 0, own.m, own.m)
 
 
-def _over_faults(strata: Mapping[str, Strata]) -> dict[str, float]:
-    """The p of each fault that its flights violate more often in the first campaign, after Holm."""
-    raw = {id_: _least({name: p_value(one.values()) for name, one in own.items()}) for id_, own in strata.items()}
-    return holm(raw)
+def _over_faults(strata: Mapping[str, Strata], each: Callable[[Stratum], Stratum]) -> dict[str, float]:
+    """The p of each fault that its flights, changed by `each`, violate more often in the first campaign, after Holm."""
 
+    def least(own: Strata) -> float:
+        return min(holm({name: p_value(map(each, one.values())) for name, one in own.items()}).values(), default=1.0)
 
-def _least(by_requirement: Mapping[str, float]) -> float:
-    return min(holm(by_requirement).values(), default=1.0)
+    return holm({id_: least(own) for id_, own in strata.items()})
 
 
 def _compared(
@@ -318,17 +315,11 @@ def _compared(
 def _halves(flown: Flown, roster: Roster, space: Space) -> Agreement | None:
     """The agreement of every other seed of a campaign's mutants with the rest, both beside the whole pool."""
     rulings = flown.rulings
-    seeds = sorted(
-        {one.seed for situations in rulings.mutants.values() for ruled in situations.values() for one in ruled}
-    )
+    seeds = sorted({one.seed for by in rulings.mutants.values() for ruled in by.values() for one in ruled})
     if len(seeds) < 2:
         return None
-    detected = []
-    for half in (seeds[::2], seeds[1::2]):
-        kept = of_seeds(rulings, half)
-        scored = score_of(kept, roster, space)
-        detected.append({mutant.id: mutant.detected for mutant in scored.counted})
-    one, two = detected
+    halves = (score_of(of_seeds(rulings, half), roster, space) for half in (seeds[::2], seeds[1::2]))
+    one, two = ({mutant.id: mutant.detected for mutant in half.counted} for half in halves)
     return Agreement.of((one[id_], two[id_]) for id_ in one if id_ in two)
 
 

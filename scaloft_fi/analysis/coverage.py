@@ -320,37 +320,29 @@ def coverage_of(clean: Iterable[Outcome], draws: Collection[tuple[str, int]], sp
     valid = [outcome for outcome in clean if not outcome.invalid]
     keys = {outcome.situation for outcome in valid} | {situation for situation, _ in draws}
     covered = {key: place for key in keys if (place := space.rank(key)[0]) < len(space.points)}
-    baselines = list(
-        {(outcome.situation, outcome.seed): outcome for outcome in valid if outcome.situation in covered}.values()
-    )
-    beside = {draw for draw in draws if draw[0] in covered}
-    alone = {(outcome.situation, outcome.seed) for outcome in baselines} - beside
+    by_draw = {(outcome.situation, outcome.seed): outcome for outcome in valid if outcome.situation in covered}
+    baselines, beside = list(by_draw.values()), {draw for draw in draws if draw[0] in covered}
+    alone = by_draw.keys() - beside
     judged = {covered[outcome.situation] for outcome in baselines}
     flown = set(covered.values())
     came_true = {(covered[outcome.situation], axis) for outcome in baselines for axis, true in outcome.realised if true}
-    whole = {
-        covered[outcome.situation]
-        for outcome in baselines
-        if outcome.realised and all(true for _, true in outcome.realised)
-    }
+    all_true = (one for one in baselines if one.realised and all(true for _, true in one.realised))
+    whole, pool = {covered[one.situation] for one in all_true}, Pool.of(baselines)
+    pairs = Counter(
+        pool.states.get((key, name), State.UNKNOWN) for key in covered for name in pool.requirements(Kind.SAFETY)
+    )
     return Coverage(
         situations=Ratio(len(flown), len(space.points)),
         draws=len(beside) + len(alone),
         pool=len(alone),
         combinations=t_ways(covered, space, STRENGTHS),
         realised=Ratio(len(whole), len(space.points)),
-        states=_states(Pool.of(baselines), covered),
+        states={state: pairs[state] for state in State},
         by_axis=tuple(
             (axis, Ratio(sum((place, axis) in came_true for place in judged), len(judged))) for axis in space.axes
         ),
         requirements=_requirements(baselines, covered, len(judged)),
     )
-
-
-def _states(pool: Pool, flown: Iterable[str]) -> dict[State, int]:
-    names = pool.requirements(Kind.SAFETY)
-    pairs = Counter(pool.states.get((key, name), State.UNKNOWN) for key in flown for name in names)
-    return {state: pairs[state] for state in State}
 
 
 def _requirements(

@@ -548,12 +548,10 @@ def at_worst(tested: Iterable[Sample], pool: Pool, kind: Kind) -> list[Sample]:
 def _needed(samples: Sequence[Sample], pool: Pool, names: Sequence[str], alpha: float) -> tuple[int | None, bool]:
     """The least number of seeds at which the rates of `samples` would be detected, and whether by a campaign anew."""
     flown = max(len(sample.violated) for sample in samples)
-    for seeds in LOOKS:
-        if seeds > flown and _decides(samples, pool, names, seeds, alpha / len(LOOKS)):
-            return seeds, False
-    for seeds in LARGER:
-        if seeds > flown and _decides(samples, pool, names, seeds, alpha):
-            return seeds, True
+    tries = [*((seeds, alpha / len(LOOKS), False) for seeds in LOOKS), *((seeds, alpha, True) for seeds in LARGER)]
+    for seeds, share, anew in tries:
+        if seeds > flown and _decides(samples, pool, names, seeds, share):
+            return seeds, anew
     return None, False
 
 
@@ -627,14 +625,8 @@ def firmness(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spend
             significant(_strata(left, pool, name, seed, own_seed), len(names), share) for left, name, share in tries
         )
 
-    lost = [
-        (seed, own_seed)
-        for seed, own_seed in (
-            *((None, seed) for seed in own if len(own) > 1),
-            *((seed, None) for seed in pool.by_seed),
-        )
-        if not detected(tries, seed, own_seed)
-    ]
+    left_out = (*((None, seed) for seed in own if len(own) > 1), *((seed, None) for seed in pool.by_seed))
+    lost = [(seed, own_seed) for seed, own_seed in left_out if not detected(tries, seed, own_seed)]
     if not lost:
         return Firmness.FIRM if len(own) > 1 else Firmness.FIRM_BY_POOL
     for (seed, own_seed), (looked, share) in product(lost, looks):

@@ -24,7 +24,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations, product
+from itertools import accumulate, combinations, product
 from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
@@ -792,14 +792,10 @@ def orders(interactions: Iterable[Interaction], space: Space) -> tuple[KillOrder
     """The histogram over the mutants that the ratios count: ladders would count one fault several times."""
     counted = [entry for entry in interactions if entry.counted]
     least, most = Counter(entry.order for entry in counted), Counter(entry.order_at_most for entry in counted)
+    sizes = range(len(space.axes) + 1)
     return tuple(
-        KillOrder(
-            size,
-            least[size],
-            most[size],
-            100 * sum(least[smaller] for smaller in range(size + 1)) / len(counted) if counted else None,
-        )
-        for size in range(len(space.axes) + 1)
+        KillOrder(size, least[size], most[size], 100 * so_far / len(counted) if counted else None)
+        for size, so_far in zip(sizes, accumulate(least[size] for size in sizes), strict=True)
     )
 
 

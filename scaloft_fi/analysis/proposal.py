@@ -10,10 +10,11 @@ mutant pass.  It is made on some seeds; whether it holds is for fresh ones to sa
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,9 +87,8 @@ class Candidate:
         >>> Candidate("z_m", True, Shape.MEAN, 3.0, always, "m").formula(0.5)
         ('elapsed_s / 3 >= 1', 'always(trigger implies (mean[0:3](z_m) <= 0.5))')
         """
-        beyond, within, window = (
-            (">=", "<=", f"[0:{self.window_s:g}]") if self.above else ("<=", ">=", f"[0:{self.window_s:g}]")
-        )
+        beyond, within = (">=", "<=") if self.above else ("<=", ">=")
+        window = f"[0:{self.window_s:g}]"
         trigger, holds = self.condition.formula, f"{self.term} {within} {limit:g}"
         if self.shape in _WHOLE:
             since = f"elapsed_s / {self.window_s:g} >= 1"
@@ -115,8 +115,7 @@ class Candidate:
             Shape.LASTING: f"`{self.term}` does not stay {way} {limit:g}{unit} for {self.window_s:g} s",
             Shape.CHANGE: f"`{self.term}` does not {turned} by more than {limit:g}{unit} within {self.window_s:g} s",
         }[self.shape]
-        said = said if words else said[0].upper() + said[1:]
-        return f"{words}, {said}." if words else f"{said}."
+        return f"{words}, {said}." if words else f"{said[0].upper()}{said[1:]}."
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,14 +156,12 @@ class Candidates:
     @cached_property
     def listed(self) -> tuple[Candidate, ...]:
         """The candidates, in the order of a flight's reaches."""
-        return tuple(self._each())
-
-    def _each(self) -> Iterator[Candidate]:
-        for term, unit in self.terms.items():
-            for above in (True, False):
-                for shape, window_s in _SHAPES:
-                    for condition in self.conditions:
-                        yield Candidate(term, above, shape, window_s, condition, unit)
+        return tuple(
+            Candidate(term, above, *shape, condition, unit)
+            for (term, unit), above, shape, condition in product(
+                self.terms.items(), (True, False), _SHAPES, self.conditions
+            )
+        )
 
     def reaches(self, signals: Mapping[str, Array]) -> Array:
         """The reach of a flight in each candidate (C,); -inf where the candidate never applies.
@@ -185,11 +182,8 @@ class Candidates:
         ]
         found = []
         for term in self.terms:
-            values = (
-                known[term]
-                if term in known
-                else np.abs(np.subtract(*(known[name] for name in term[4:-1].split(" - "))))
-            )
+            if (values := known.get(term)) is None:
+                values = np.abs(np.subtract(*(known[name] for name in term[4:-1].split(" - "))))
             for sign in (1.0, -1.0):
                 for shape, window_s in _SHAPES:
                     shaped = _shaped(sign * values, shape, round(window_s * SAMPLE_HZ))

@@ -152,12 +152,10 @@ def _primes_around(space: Space, on: Sequence[Point], off: Sequence[Point]) -> l
     Such a box around a killing point fixes some axes to its values, and leaves a surviving point out when they differ
     on one of them: so the largest boxes are the smallest sets of axes that meet every set of differing axes.
     """
-    every = [frozenset(values) for values in space.values]
+    every, axes_ = [frozenset(values) for values in space.values], range(len(space.axes))
     terms: set[Term] = set()
     for point in on:
-        differing = {
-            frozenset(axis for axis, (a, b) in enumerate(zip(point, other, strict=True)) if a != b) for other in off
-        }
+        differing = {frozenset(axis for axis in axes_ if point[axis] != other[axis]) for other in off}
         for axes in _smallest_meeting(differing):
             terms.add(tuple(frozenset([v]) if i in axes else every[i] for i, v in enumerate(point)))
     return sorted(terms, key=lambda term: _order(space, term))
@@ -180,9 +178,7 @@ def _smallest_meeting(sets: Iterable[frozenset[int]]) -> set[frozenset[int]]:
 def _order(space: Space, term: Term) -> tuple[int, int, list[list[int]]]:
     """Fewest literals first, then fewest values left out, then the grid's order: ties always break the same way."""
     left_out = [len(values) - len(allowed) for values, allowed in zip(space.values, term, strict=True)]
-    places = [
-        sorted(values.index(value) for value in allowed) for values, allowed in zip(space.values, term, strict=True)
-    ]
+    places = [sorted(map(values.index, allowed)) for values, allowed in zip(space.values, term, strict=True)]
     return sum(count > 0 for count in left_out), sum(left_out), places
 
 

@@ -363,6 +363,7 @@ class CampaignComparison:
 
 
 COMPARE = Output("compare", "1.2", CampaignComparison, "mutants", "what only one of two campaigns shows")
+_CHANGES = tuple(change for change in Change if change is not Change.SAME)
 MEANING = (
     "lost: firm in the first, put to the test and not detected in the second, and the flights differ by the exact test "
     "after Holm over all faults; gained: the other way round; unsure: one detects it, and the flights do not say more."
@@ -389,7 +390,7 @@ def score_tables(told: ComparedCampaigns) -> tuple[Table, ...]:
     names = _short(told)
     headers = ("severity", "mutant", "change", *names, "p", "violates", *(f"of {name}" for name in names))
     rows = tuple(map(_row, (mutant for mutant in told.mutants if mutant.change is not Change.SAME)))
-    parts = [f"{len(ids)} {change}" for change, ids in _by_change(told).items() if change is not Change.SAME]
+    parts = [f"{len(told.of(change))} {change}" for change in _CHANGES]
     notes = (
         f"{', '.join(parts)} of {counted(len(told.mutants), 'fault')} that both flew.",
         *too_few(told),
@@ -420,10 +421,6 @@ def _short(told: ComparedCampaigns) -> tuple[str, str]:
     """The names of the campaigns without the folders that they are in, where these differ."""
     first, second = Path(told.first).name, Path(told.second).name
     return (first, second) if first != second else (told.first, told.second)
-
-
-def _by_change(told: ComparedCampaigns) -> dict[Change, list[str]]:
-    return {change: [mutant.id for mutant in told.mutants if mutant.change is change] for change in Change}
 
 
 def _row(one: ComparedMutant) -> tuple[str | float | None, ...]:
@@ -663,9 +660,7 @@ def matrices_page(told: ComparedCampaigns, matrix: Matrix) -> str:
         )
     lines = [f"<p>{escape(note)}</p>" for note in score_tables(told)[0].notes]
     listed = "".join(
-        f"<li><b>{change}</b>: {escape(', '.join(ids))}</li>"
-        for change, ids in _by_change(told).items()
-        if ids and change is not Change.SAME
+        f"<li><b>{change}</b>: {escape(', '.join(ids))}</li>" for change in _CHANGES if (ids := told.of(change))
     )
     signs = "; ".join(f"{sign} {verdict.words}" for verdict, (sign, _) in SIGNS.items())
     legend = (
