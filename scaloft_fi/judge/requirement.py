@@ -88,6 +88,7 @@ class Requirement:
         unit: unit of the robustness.
         title: the requirement in a sentence.
         source: where the requirement comes from.
+        proposed_from: mutant for whose flights `scaloft-fi propose` chose it; verdicts by it are selected.
     """
 
     name: Key
@@ -98,6 +99,12 @@ class Requirement:
     unit: Annotated[str, Examples("m")] = ""
     title: Annotated[str, Examples("The drone touches nothing.")] = ""
     source: str = ""
+    proposed_from: Annotated[str, Examples("LATE-velcmd@0.5s")] = ""
+
+    @property
+    def selected(self) -> bool:
+        """Whether it decides though flights that it decides about chose it."""
+        return bool(self.proposed_from) and self.kind is not Kind.REPORTED
 
 
 @dataclass(frozen=True, slots=True)

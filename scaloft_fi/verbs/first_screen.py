@@ -55,13 +55,13 @@ def answers(scored: Score, study: Study, campaign: str, invalid: Sequence[str] =
         invalid: why no score of it is valid, each reason in a sentence.
     """
     faults = scored.faults
-    ways = (_shown, _not_shown, _how_sure)
-    told = [way(scored, faults) for way in ways] if scored.pooled else _no_pool(faults)
+    shown = _shown(faults) + "".join(f"  Selected: {told}." for told in selected(scored, study))
+    told = (shown, _not_shown(scored, faults), _how_sure(scored, faults)) if scored.pooled else _no_pool(faults)
     sure = f"not at all: {'; '.join(invalid)}." if invalid else told[-1]
     return tuple(map(Line, NAMES, (*told[:-1], sure, next_step(scored, study, campaign, invalid))))
 
 
-def _shown(scored: Score, faults: Sequence[MutantScore]) -> str:
+def _shown(faults: Sequence[MutantScore]) -> str:
     if not faults:
         return "nothing: no mutant was flown."
     safety = Ratio(sum(mutant.detected for mutant in faults), len(faults))
@@ -70,10 +70,18 @@ def _shown(scored: Score, faults: Sequence[MutantScore]) -> str:
     shown = f"{_of(safety)} by safety requirements{_firmly(faults)}"
     if operability:
         shown += f"; operability {operability}, either {either}"
-    if found := len(scored.selected):
-        were = "situation was" if found == 1 else "situations were"
-        return f"{shown}.  Selected: {found} {were} found by a search, because of what flew there."
     return f"{shown}."
+
+
+def selected(scored: Score, study: Study) -> Iterator[str]:
+    """What was chosen because of flights such as those that the score is made of, each in a clause."""
+    chosen = (
+        (len(scored.selected), "situation", "found by a search, because of what flew there"),
+        (sum(one.selected for one in study.requirements), "requirement", "proposed, because of what flew"),
+    )
+    yield from (
+        f"{counted(number, noun)} {'was' if number == 1 else 'were'} {how}" for number, noun, how in chosen if number
+    )
 
 
 def _firmly(faults: Sequence[MutantScore]) -> str:

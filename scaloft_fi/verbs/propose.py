@@ -49,7 +49,8 @@ def entry(proposal: Tested) -> str:
         *([f"    trigger: {made.trigger}"] if made.trigger else []),
         f"    formula: {made.text}",
         *([f"    unit: {made.unit}"] if made.unit else []),
-        f"    source: proposed from {proposal.mutant}; {where}",
+        f"    source: {where}",
+        f"    proposed_from: {_quoted(proposal.mutant)}   # a score that it decides says that it is selected",
     ]
     return "\n".join(lines) + "\n"
 

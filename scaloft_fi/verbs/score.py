@@ -344,9 +344,14 @@ class ScoredFlights:
     by: By | None = None
     KEYS = (
         *("score.alpha", "score.pooled", "ratios", "score.expected_false", "score.redraw", "composition"),
-        *("score.mutants", "score.controls", "pairs", "score.lacking", "score.selected", "coverage"),
-        *("baseline", "groups", "noise", "looks", "unflown", "accepted", "stale"),
+        *("score.mutants", "score.controls", "pairs", "score.lacking", "score.selected", "proposed"),
+        *("coverage", "baseline", "groups", "noise", "looks", "unflown", "accepted", "stale"),
     )
+
+    @property
+    def proposed(self) -> tuple[str, ...]:
+        """The requirements that decide, and that `propose` chose because of a mutant's flights."""
+        return tuple(one.name for one in self.study.requirements if one.selected)
 
     @cached_property
     def coverage(self) -> Coverage:
@@ -426,7 +431,7 @@ class ScoredFlights:
         return joined([self.screen.text(whole=everything), *([render(more, how)] if more else [])])
 
 
-SCORE = Output("score", "3.1", ScoredFlights, "mutants", "which faults the requirements would have shown")
+SCORE = Output("score", "3.2", ScoredFlights, "mutants", "which faults the requirements would have shown")
 RUN = replace(SCORE, verb="run", about="what was flown: the form of `score`, with how the run went")
 
 

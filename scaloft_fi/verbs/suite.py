@@ -207,7 +207,7 @@ class TestedSuite:
 
 NEXT = 5
 """Most faults that the answer proposes a test for."""
-SUITE = Output("suite", "1.0", TestedSuite, "tests", "what each of one's own tests shows, and the score of all of them")
+SUITE = Output("suite", "1.1", TestedSuite, "tests", "what each of one's own tests shows, and the score of all of them")
 
 
 def state_of(pair: Pair | None) -> str:

@@ -371,6 +371,7 @@ def score(
         "controls": [_told(entry) for entry in others],
         "pairs": sorted(table.values(), key=lambda pair: order.index(pair["situation"])),
         "lacking": sorted(acted - known, key=order.index),
+        "proposed": [],
         "selected": [],  # the grids of these tests have no found situation
         "coverage": covered(rows, axes, kinds),
         "baseline": [

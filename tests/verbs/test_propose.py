@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -18,9 +19,10 @@ from scaloft_fi.campaign.flights.fly import Flight
 from scaloft_fi.campaign.runs.propose import Tested as Proposal
 from scaloft_fi.campaign.runs.propose import Told, _tested, candidates_of
 from scaloft_fi.document import load
-from scaloft_fi.judge.requirement import load_requirements
+from scaloft_fi.judge.requirement import Kind, Requirement, load_requirements
 from scaloft_fi.sim.situation import Situation
 from scaloft_fi.study import Study
+from scaloft_fi.verbs.first_screen import selected
 from scaloft_fi.verbs.propose import drawn, entry, fresh_seeds
 
 FAULT = "LATE-velcmd@0.5s"
@@ -55,7 +57,15 @@ def test_a_fault_that_violates_nothing_gets_a_requirement_that_fresh_flights_con
     read = {one.name: one for one in load_requirements(pasted, Study.open(study).signals)}
     (name,) = read.keys() - load(requirements).need("requirements").mapping().keys()
     assert (read[name].text, read[name].trigger) == (proposal["formula"], proposal["trigger"])
-    assert read[name].kind == "reported"
+    assert (read[name].kind, read[name].proposed_from) == ("reported", FAULT)
+
+
+def test_a_score_says_that_a_requirement_was_proposed_once_it_decides():
+    made = Requirement("P-1", Kind.REPORTED, "always(clearance_m > 0)", proposed_from=FAULT)
+    own = replace(made, kind=Kind.SAFETY, proposed_from="")
+    for requirements, told in (((made, own), []), ((replace(made, kind=Kind.SAFETY), own), ["1 requirement was"])):
+        clauses = selected(SimpleNamespace(selected=()), SimpleNamespace(requirements=requirements))
+        assert [clause.partition(" proposed")[0] for clause in clauses] == told
 
 
 @pytest.mark.flight
