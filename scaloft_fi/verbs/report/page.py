@@ -25,7 +25,7 @@ from scaloft_fi.judge.requirement import Kind
 from scaloft_fi.judge.status import rulings_of
 from scaloft_fi.output import all_printable, in_campaign
 from scaloft_fi.sim.log import Ending
-from scaloft_fi.verbs.first_screen import BEFOREHAND, NOT_COMPARED, answers, coverage_line, ratios_of
+from scaloft_fi.verbs.first_screen import BEFOREHAND, NOT_COMPARED, answers, coverage_line, ratios_of, selected
 from scaloft_fi.verbs.report import analyses
 from scaloft_fi.verbs.report.analyses import Evidence
 from scaloft_fi.verbs.report.flights import DETAILS, FAR, broken, columns, found, packs, scenes
@@ -39,13 +39,14 @@ MODEL = (
 )
 
 
-def head(scored: Score, situations: Ratio, breaks: int) -> dict[str, Any]:
+def head(scored: Score, situations: Ratio, breaks: int, chosen: Iterable[str] = ()) -> dict[str, Any]:
     """The sentences of the top of the page.
 
     Args:
         scored: the campaign's score.
         situations: flown, of those of the grid.
         breaks: situations beside the grid that a search found to break the unmutated drone.
+        chosen: what was chosen because of flights such as these, each in a clause.
 
     Returns:
         `answer`, `sure`, `claim`: a sentence each for the first screen; `fails`: of the unmutated drone; `claims`: all
@@ -59,7 +60,7 @@ def head(scored: Score, situations: Ratio, breaks: int) -> dict[str, Any]:
         "sure": _sure(scored),
         "claim": f"anything of other faults{beyond}.",
         "fails": [*fails(scored.pool), *broken],
-        "claims": [*_claims(scored, situations), *([] if scored.of_tests else [MODEL])],
+        "claims": [*_claims(scored, situations, chosen), *([] if scored.of_tests else [MODEL])],
     }
 
 
@@ -117,7 +118,7 @@ def fails(pool: Pool) -> list[str]:
     return [*sentences, *([f"{where}: no safety requirement is steady there."] if lost else [])]
 
 
-def _claims(scored: Score, situations: Ratio) -> Iterable[str]:
+def _claims(scored: Score, situations: Ratio, chosen: Iterable[str]) -> Iterable[str]:
     """What is not claimed, the most misleading first."""
     yield WHOLE
     yield NOT_COMPARED
@@ -126,9 +127,7 @@ def _claims(scored: Score, situations: Ratio) -> Iterable[str]:
     parts = [f"{fates[verdict]} {words}" for verdict, words in unsure.items() if fates[verdict]]
     if scored.pooled and parts:
         yield f"Nothing is said of the faults that are not decided: {', '.join(parts)}."
-    if scored.selected:
-        were = "was" if len(scored.selected) == 1 else "were"
-        yield f"{counted(len(scored.selected), 'situation')} {were} chosen because of verdicts."
+    yield from (f"{told}." for told in chosen)
     if situations.part < situations.whole:
         yield f"Only {situations.part} of {counted(situations.whole, 'situation')} of the grid were flown."
 
@@ -167,7 +166,7 @@ def figures(evidence: Evidence) -> dict[str, Any]:
         "owed": evidence.owed,
         "fingerprint": dict(evidence.fingerprint or {}),
         "answers": plain(answers(scored, study, evidence.campaign, evidence.stale.invalid)),
-        "head": head(scored, covered.situations, len(breaks)),
+        "head": head(scored, covered.situations, len(breaks), selected(scored, study)),
         "besides": [] if scored.of_tests else [{"name": "Situations", "text": coverage_line(covered)}],
         "again": study.again,
         "where": in_campaign(flown_in(evidence.campaign)),

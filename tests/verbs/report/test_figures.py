@@ -17,7 +17,7 @@ from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import Score, score
 from scaloft_fi.judge.outcome import Outcome
 from scaloft_fi.study import Study
-from scaloft_fi.verbs.first_screen import answers
+from scaloft_fi.verbs.first_screen import answers, selected
 from scaloft_fi.verbs.report.analyses import Evidence
 from scaloft_fi.verbs.report.page import head, page
 from scaloft_fi.verbs.snapshot import Stale
@@ -313,7 +313,7 @@ def test_what_the_head_says_the_drone_fails_and_nobody_claims_is_as_recorded(evi
         "a campaign of 32 situations": head(paper, every, 0),
         "a break around the grid": head(paper, every, 1),
         "situations were chosen, and few of the grid flown": head(
-            replace(paper, selected=("T0O0W0D0H1",)), Ratio(3, 32), 0
+            paper, Ratio(3, 32), 0, selected(replace(paper, selected=("T0O0W0D0H1",)), study)
         ),
         "nothing fails": head(scored(clean), every, 0),
         "without a pool": head(scored(campaign(study, ("LATE-human@3s",), range(1), range(1))), every, 0),
