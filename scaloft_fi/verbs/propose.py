@@ -15,7 +15,7 @@ from scaloft_fi.campaign.runs.propose import Few, Found, Seeds, Sought, Tested, 
 from scaloft_fi.campaign.store.archive import flown_in, study_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.catalogue import select
-from scaloft_fi.output import in_campaign, write_own
+from scaloft_fi.output import in_campaign, say, write_own
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
@@ -245,6 +245,8 @@ def proposed(
     if study.command is not None:
         raise InputError("a simulator that a command starts writes records; `propose` reads logs of the built-in one")
     with snapshot(study, campaign) as now:
+        for warning in now.stale.invalid:
+            say(f"warning: {warning}")
         sought, planned, study = sought_in(now, mutants, size.situations), fresh_seeds(now, size.seeds), now.study
     try:
         return propose(study, sought, planned, jobs, progress, start)

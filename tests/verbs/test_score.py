@@ -227,7 +227,7 @@ def test_after_a_failed_gate_no_screen_and_no_export_passes_for_a_valid_score(ca
         assert (failed.exit_code, f"{option[0]}: {said}" in failed.stderr) == (4, True)
     assert said in call("score").stderr
     assert json.loads(call("score", "--format", "json").stdout)["stale"]["invalid"] == [said]
-    for words in (("dispositions",), ("matrix", "--margins"), ("export", "--format", "csv"), ("status",)):
+    for words in (("dispositions",), ("matrix", "--margins"), ("export", "--format", "csv"), ("status",), ("propose",)):
         assert f"warning: {said}" in call(*words).stderr
     for style in ("markdown", "gsn", "sace", "junit", "sarif"):
         assert said[1:] in " ".join(call("export", "--format", style).stdout.split())
