@@ -348,7 +348,8 @@ def _unnamed(study: Study, campaign: str, search: Search) -> finds.Unnamed:
         return before
     with snapshot(replace(study, grid_name=None), campaign) as now:
         survivors = set(defaults) - {mutant.subject.id for mutant in now.score.mutants if mutant.detected}
-    for sentence in study.finds.warnings:
+        warnings = (*now.stale.invalid, *study.finds.warnings)
+    for sentence in warnings:
         search.progress.line(f"warning: {sentence}")
     mutants = [id_ for id_ in defaults if id_ in survivors and not study.finds.of(id_)]
     if not mutants:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import shutil
+import sqlite3
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -76,6 +78,9 @@ def test_by_default_the_mutants_are_sought_that_neither_the_campaign_nor_a_find_
     assert call("run", *words, "--jobs", "1", "--quiet", study=copy).exit_code == 0
     few = ("--budget", "1flight", "--jobs", "1", "--format", "json")
     stale = found("EARLY-human@3s", "T0O0W0D0H9", others=("NO-depth@3s",))
+    with closing(sqlite3.connect(copy.parent / "campaign" / STORE_NAME)) as connection:
+        connection.execute("UPDATE outcomes SET digest = 'other' WHERE mutant = 'PLACEBO' AND seed = 0")
+        connection.commit()
     saver(copy / "sim", "search")([found(MORE), stale])
     done = call("seek", *few, study=copy)
     assert done.exit_code == 0, done.output
@@ -84,6 +89,7 @@ def test_by_default_the_mutants_are_sought_that_neither_the_campaign_nor_a_find_
     assert not {LATE, MORE} & set(named)
     assert {"EARLY-human@3s", "NO-depth@3s"} <= set(named), "the study lacks the situation that would show them"
     assert "warning: sim/found.yaml: left out, because the study has changed since: shows-EARLY" in done.stderr
+    assert "warning: no score is valid: gate failed: PLACEBO differs from the baseline" in done.stderr
     assert "not sought: 1 of 113 defaults that are not detected, because situations in sim/found.yaml" in done.stderr
     again = call("seek", "MORE-goal", *few, study=copy)
     assert [one["mutant"] for one in json.loads(again.stdout)["sought"]] == [MORE]
