@@ -28,6 +28,7 @@ from scaloft_fi.stack.messages import (
     image_fields,
     misshapen,
     number_fields,
+    sealed,
     stamp_fields,
     vector_fields,
 )
@@ -390,7 +391,7 @@ class Example:
     Attributes:
         message: type of the samples.
         arguments: of the operator.
-        before: samples that are sent.
+        before: samples that are sent, as copies whose arrays cannot be written to.
         after: samples that arrive; for a random operator a predicate that (before, after) must satisfy.
         facts: of the tap's context.
         rate_hz: how often the seam is polled [Hz].
@@ -402,6 +403,9 @@ class Example:
     after: Samples | Callable[[Samples, Samples], bool]
     facts: Facts = field(default_factory=Facts)
     rate_hz: float = TICK_HZ
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "before", tuple(map(sealed, self.before)))
 
     def context(self, seed: int = 0) -> TapContext:
         """The context of the example's tap."""
@@ -510,7 +514,7 @@ class Operator:
         """What arrives where the samples of its example are sent, each once, or again and again for `lasting_s` [s].
 
         Raises:
-            TapError: as `tap`, or the tap raises, or returns another message.
+            TapError: as `tap`, or the tap raises, writes into a sample, or returns another message or other shapes.
         """
         example, found = self.example, list[Any]()
         count = len(example.before)

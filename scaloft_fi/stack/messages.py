@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cache
@@ -211,6 +212,15 @@ def image_fields(message: type) -> tuple[str, ...]:
 def vector_fields(message: type) -> tuple[str, ...]:
     """Fields with the components x, y, z."""
     return _sorted(message)["vectors"]
+
+
+def sealed(sample: Any) -> Any:
+    """A copy of a sample whose arrays cannot be written to."""
+    copied = deepcopy(sample)
+    for value in copied or ():
+        if isinstance(value, np.ndarray):
+            value.setflags(write=False)
+    return copied
 
 
 def misshapen(sent: Any, delivered: Any) -> str:

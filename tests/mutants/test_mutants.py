@@ -139,7 +139,7 @@ def test_an_operator_that_writes_into_a_sample_or_changes_its_shape_fails_its_ch
 
     sent = (DepthFrame(0.0, np.array([[1.0, 2.0]])),)
     own = replace(OPERATORS["mirror"], example=Example(DepthFrame, {}, sent, lambda _before, _after: True))
-    for make, said in ((clipped, "it writes into a sample"), (cut, "depth has the shape (1, 1)")):
+    for make, said in ((clipped, "read-only"), (cut, "depth has the shape (1, 1)")):
         monkeypatch.setitem(OPERATORS._entries, "mirror", replace(own, make=make))
         assert said in " ".join(check_operator("mirror").failures)
 
