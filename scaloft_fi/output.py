@@ -78,7 +78,7 @@ def _end(_number: int, _frame: FrameType | None) -> None:
     os._exit(ExitCode.INTERRUPTED)
 
 
-def write_named(path: Path, content: bytes, name: str) -> None:
+def write_named(path: Path, content: bytes, name: str = "--output") -> None:
     """The same as `write_whole`, for a file that the user names.
 
     Args:

@@ -24,7 +24,7 @@ from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.space import Space
 from scaloft_fi.judge.status import Facts, baseline_status, facts_of, rulings_of
 from scaloft_fi.mutants.catalogue import realise
-from scaloft_fi.output import line, say
+from scaloft_fi.output import line, say, write_named
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import options
 from scaloft_fi.verbs.export.dossier import WAITING, FlightStatus
@@ -586,7 +586,7 @@ def compare_command(
         enough = f"the flights are too few to call any of the {told.scores.could_be_lost.whole} firm faults lost"
         raise InputError(f"--fail-on-lost could never fail here: {enough}; fly more seeds or situations in both")
     if output is not None:
-        options.write(output, matrices_page(told.scores, matrix).encode())
+        write_named(output, matrices_page(told.scores, matrix).encode())
     options.answer(_answer(told, warnings), style, tables_folder)
     if not (failing and told.scores.lost):
         return ExitCode.DONE

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from scaloft_fi.analysis import detection
 from scaloft_fi.analysis.coverage import Coverage
-from scaloft_fi.analysis.detection import LEAST, Noise, findings
+from scaloft_fi.analysis.detection import LEAST, Firmness, Noise, State, Verdict, findings
 from scaloft_fi.analysis.roster import Ratio
 from scaloft_fi.analysis.score import EARLY_S, By, MutantScore, Score, groups
 from scaloft_fi.analysis.survivor import Background, Disposition, backgrounds, score_without
@@ -93,7 +93,7 @@ def _firmly(faults: Sequence[MutantScore]) -> str:
     if detected == 1:
         (firmness,) = known
         return f", {firmness.words if firmness.firm else 'not firmly: ' + firmness.words}"
-    alone = known[detection.Firmness.FIRM_BY_POOL]
+    alone = known[Firmness.FIRM_BY_POOL]
     by_pool = "" if not alone else " by the pool alone" if alone == firm else f", {alone} of these by the pool alone"
     return f", {firm} firmly{by_pool}"
 
@@ -102,9 +102,9 @@ def _not_shown(scored: Score, faults: Sequence[MutantScore]) -> str:
     idle = 0 if scored.of_tests else sum(one.without_effect for one in faults)
     fates = Counter(mutant.verdict for mutant in faults)
     parts = {
-        detection.Verdict.NOT_DETECTED: "put to the test, nothing seen",
-        detection.Verdict.UNDECIDED: "undecided: seen or flown too seldom",
-        detection.Verdict.NOT_TESTED: "never put to the test",
+        Verdict.NOT_DETECTED: "put to the test, nothing seen",
+        Verdict.UNDECIDED: "undecided: seen or flown too seldom",
+        Verdict.NOT_TESTED: "never put to the test",
     }
     counts = [f"{fates[verdict]} {words}" for verdict, words in parts.items() if fates[verdict]]
     if idle:
@@ -274,7 +274,7 @@ def ratios_of(scored: Score) -> list[Printed]:
 def composition_table(scored: Score) -> Table:
     """What the ratio is made of."""
     detected = scored.mutation_score.part
-    firmness = {one: [each.subject.id for each in scored.counted if each.firmness is one] for one in detection.Firmness}
+    firmness = {one: [each.subject.id for each in scored.counted if each.firmness is one] for one in Firmness}
     alike = [" = ".join(group) for group in scored.behaviours if len(group) > 1]
     idle = [f"{mutant.id} (acts in {mutant.acted.short})" for mutant in scored.without_effect]
     rows = (
@@ -296,14 +296,14 @@ def composition_table(scored: Score) -> Table:
 def pair_table(pool: detection.Pool, space: Space) -> Table:
     """The pairs of situation and requirement that put no fault to the test."""
     called = {pair: pair.called(of_tests=space.of_tests) for pair in pool.pairs.values()}
-    others = [pair for pair, state in called.items() if state is not detection.State.STEADY]
+    others = [pair for pair, state in called.items() if state is not State.STEADY]
     others.sort(key=lambda pair: (space.rank(pair.situation), pair.requirement))
     rows = tuple(
         (pair.situation, pair.requirement, called[pair].value, f"{pair.violated}/{pair.flights}", pair.open)
         for pair in others
     )
     states = Counter(called.values())
-    steady = Ratio(states[detection.State.STEADY], len(called) - states[detection.State.UNKNOWN])
+    steady = Ratio(states[State.STEADY], len(called) - states[State.UNKNOWN])
     notes = (
         f"{steady} of the pairs with a pool are steady: nine tenths of the baseline flights hold the requirement.",
         "red: most violate; unsteady: between; open: a tenth is cut short before; vacuous: half never trigger it;",
@@ -427,10 +427,10 @@ LEGEND = {
 `{where}` stands for the options that name study and campaign.
 """
 FIRM = {
-    detection.Firmness.FIRM: "yes",
-    detection.Firmness.FIRM_BY_POOL: "pool",
-    detection.Firmness.HANGS: "no",
-    detection.Firmness.TOO_FEW: "too few seeds",
+    Firmness.FIRM: "yes",
+    Firmness.FIRM_BY_POOL: "pool",
+    Firmness.HANGS: "no",
+    Firmness.TOO_FEW: "too few seeds",
 }
 _STOPPED = {
     Status.INVALID: "the harness failed",
@@ -476,7 +476,7 @@ class Screen:
         """The answers, a table a group of mutants, and further findings."""
         scored, groups = self.scored, []
         in_score = Counter(mutant.verdict for mutant in scored.counted)
-        for verdict in detection.Verdict:
+        for verdict in Verdict:
             members = [mutant for mutant in scored.mutants if mutant.verdict is verdict]
             by_kills = sorted(members, key=lambda mutant: -len(mutant.killing))
             title = f"{verdict.words.capitalize()}: {len(members)}"
@@ -597,20 +597,14 @@ def coverage_line(covered: Coverage) -> str:
 def baseline_line(pool: detection.Pool, campaign: str) -> str:
     """What the unmutated drone itself violates, in a sentence."""
     pairs = [pair for pair in pool.pairs.values() if pair.kind is Kind.SAFETY]
-    if not any(pair.state is not detection.State.UNKNOWN for pair in pairs):
+    if not any(pair.state is not State.UNKNOWN for pair in pairs):
         red = sum(pair.violated > 0 for pair in pairs)
         return f"violates a safety requirement in {red} of {len(pairs)} pairs of situation and requirement; no pool."
     held = []
     for name in pool.requirements(Kind.SAFETY):
-        states = Counter(
-            pair.state for pair in pairs if pair.requirement == name and pair.state is not detection.State.UNKNOWN
-        )
-        ill = [
-            f"{states[s]} {s.value}"
-            for s in (detection.State.RED, detection.State.UNSTEADY, detection.State.OPEN, detection.State.VACUOUS)
-            if states[s]
-        ]
-        held.append(f"{name} in {states[detection.State.STEADY]}" + (f" ({', '.join(ill)})" if ill else ""))
+        states = Counter(pair.state for pair in pairs if pair.requirement == name and pair.state is not State.UNKNOWN)
+        ill = [f"{states[s]} {s.value}" for s in (State.RED, State.UNSTEADY, State.OPEN, State.VACUOUS) if states[s]]
+        held.append(f"{name} in {states[State.STEADY]}" + (f" ({', '.join(ill)})" if ill else ""))
     steadily = f"of {len(pool.flown)} situations with a pool it holds steadily {', '.join(held)}."
     return "  ".join([steadily, *mostly_red(pool, campaign)])
 
@@ -621,9 +615,9 @@ def mostly_red(pool: detection.Pool, campaign: str) -> list[str]:
     for kind in (Kind.SAFETY, Kind.OPERABILITY):
         for name in pool.requirements(kind):
             states = Counter(state for (_, named), state in pool.states.items() if named == name)
-            known = states.total() - states[detection.State.UNKNOWN]
-            if 2 * states[detection.State.RED] > known:
-                where = f"{states[detection.State.RED]} of {counted(known, 'situation')}"
+            known = states.total() - states[State.UNKNOWN]
+            if 2 * states[State.RED] > known:
+                where = f"{states[State.RED]} of {counted(known, 'situation')}"
                 red = f"{name} is red in {where}: most flights without a fault violate it, so it shows no fault there."
                 names = f"`scaloft-fi score{in_campaign(campaign)} --all` names the situations."
                 sentences.append(f"{red}  Mend the drone or {name}; {names}")
@@ -668,7 +662,7 @@ def _effect(mutant: MutantScore) -> str:
     if broken := _broken(mutant):
         return broken
     if mutant.infected and not mutant.tested:
-        unknown = mutant.verdict is detection.Verdict.UNDECIDED
+        unknown = mutant.verdict is Verdict.UNDECIDED
         return "no baseline pool where it acts" if unknown else "acts only where no pair is steady"
     return _stopped(mutant)
 

@@ -20,11 +20,11 @@ from scaloft_fi.errors import InputError, did_you_mean
 from scaloft_fi.judge.outcome import BASELINE
 from scaloft_fi.judge.space import Space
 from scaloft_fi.mutants.catalogue import select
-from scaloft_fi.output import printable, tell_line
+from scaloft_fi.output import printable, tell_line, write_named
 from scaloft_fi.registry import grouped
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
-from scaloft_fi.verbs.options import Option, Several, answer, check_writable, several, verb, write
+from scaloft_fi.verbs.options import Option, Several, answer, check_writable, several, verb
 from scaloft_fi.verbs.snapshot import Snapshot, Stale, snapshot
 from scaloft_fi.verbs.verdict import Next, Stage, Survivor, short_units, survivors
 from scaloft_fi.views.output import Answer, Output
@@ -543,7 +543,7 @@ def kills_command(
         with snapshot(study, campaign) as now:
             graph = suites.subsumption(_chosen(now, several(mutants, "mutants")).kill_sets(by_requirement))
         drawn = dot(graph) if output.suffix.lower() == ".dot" else draw_subsumption(graph)
-        write(output, png(drawn) if output.suffix.lower() == ".png" else drawn.encode())
+        write_named(output, png(drawn) if output.suffix.lower() == ".png" else drawn.encode())
         tell_line(f"subsumption graph: {output}")
         return
     told = kills(study, campaign, mutants, show=show, situations=situations, by_requirement=by_requirement)

@@ -26,7 +26,7 @@ from scaloft_fi.errors import InputError, did_you_mean, shown
 from scaloft_fi.firmware.kind import ATTITUDE, KINDS, MOTORS, POSITION, FirmwareConfig
 from scaloft_fi.hazop.load import FOLDERS, reference_study, shipped
 from scaloft_fi.mutants.catalogue import derive, write_catalogue
-from scaloft_fi.output import write_whole
+from scaloft_fi.output import unwritable, write_whole
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.sim.grid import FOUND_FILE
 from scaloft_fi.sim.load import DOCUMENTS
@@ -201,8 +201,7 @@ def write_new(folder: Path, files: Files) -> None:
             raise InputError(f"{str(folder)!r} {what}; only an empty or a new folder is written into")
         _write(folder, files)
     except (OSError, ValueError) as error:
-        reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
-        raise InputError(f"{str(folder)!r} cannot be written: {reason}; nothing of it is left") from error
+        raise InputError(f"{str(folder)!r} cannot be written: {unwritable(error)}; nothing of it is left") from error
 
 
 def _write(folder: Path, files: Files) -> None:

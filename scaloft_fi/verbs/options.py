@@ -385,15 +385,6 @@ def check_writable(path: Path | None, *ends: str, what: str = "") -> None:
         raise InputError(f"--output={str(path)!r} cannot be written: no permission")
 
 
-def write(path: Path, content: bytes, option: str = "--output") -> None:
-    """Write the whole file, or leave what was there; `option` names it.
-
-    Raises:
-        InputError: it cannot be written.
-    """
-    write_named(path, content, option)
-
-
 def check_folder(path: Path, option: str) -> None:
     """Refuse early a folder that could not be made or written late; `option` names it.
 
@@ -433,7 +424,7 @@ def answer(given: Answer, style: str, folder: Path | None = None) -> None:
     if folder is not None:
         make_folder(folder, "--tables")
         for name, text in given.csv().items():
-            write(folder / f"{name}.csv", text.encode(), "--tables")
+            write_named(folder / f"{name}.csv", text.encode(), "--tables")
     tell(given.text(style))
     for error in given.errors[:-1]:
         say(f"error: {error}")

@@ -15,7 +15,7 @@ from scaloft_fi.campaign.runs.propose import Few, Found, Seeds, Sought, Tested, 
 from scaloft_fi.campaign.store.archive import flown_in, study_of
 from scaloft_fi.errors import InputError
 from scaloft_fi.mutants.catalogue import select
-from scaloft_fi.output import in_campaign, say, write_own
+from scaloft_fi.output import in_campaign, json_text, say, write_own
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
@@ -44,7 +44,7 @@ def entry(proposal: Tested) -> str:
     where = f"violated by {proposal.shown.short} of its fresh flights, {alarms} of the unmutated drone's"
     lines = [
         f"  {_key(proposal.mutant)}:",
-        f"    title: {_quoted(made.title)}",
+        f"    title: {json_text(made.title, letters=True)}",
         "    kind: reported             # safety, once a person has decided that its violation is a hazard",
         *([f"    trigger: {made.trigger}"] if made.trigger else []),
         f"    formula: {made.text}",
@@ -58,10 +58,6 @@ def entry(proposal: Tested) -> str:
 def _key(mutant: str) -> str:
     """A name for the requirement of a mutant."""
     return "P-" + "".join(letter if letter.isalnum() or letter in "-." else "-" for letter in mutant)
-
-
-def _quoted(text: str) -> str:
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
 def sought_in(now: Snapshot, mutants: Sequence[str], most: int) -> list[Sought]:

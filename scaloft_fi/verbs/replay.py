@@ -24,11 +24,11 @@ from scaloft_fi.errors import GateError, InputError, needed
 from scaloft_fi.judge.outcome import BASELINE, Outcome
 from scaloft_fi.judge.requirement import Reading
 from scaloft_fi.judge.status import APART_M, JudgedFlight, agreement, digests, flight_of, in_step, parting_s
-from scaloft_fi.output import json_text, say, tell, tell_line
+from scaloft_fi.output import json_text, say, tell, tell_line, write_named
 from scaloft_fi.sim.log import Ending, FlightLog
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
-from scaloft_fi.verbs.options import Option, check_writable, verb, write
+from scaloft_fi.verbs.options import Option, check_writable, verb
 from scaloft_fi.views.output import Output
 from scaloft_fi.views.picture import draw, png, scene_of, track_of
 from scaloft_fi.views.table import Format, Table, csv_text, render
@@ -410,9 +410,9 @@ def replay_command(
         tell("\n")
     end = output.suffix.lower() if output else ""
     if output is not None and end in RECORDINGS:
-        write(output, flown.recording(end))
+        write_named(output, flown.recording(end))
     elif output is not None:
-        write(output, png(flown.map()) if end == ".png" else flown.map().encode())
+        write_named(output, png(flown.map()) if end == ".png" else flown.map().encode())
     if output is not None and style != "json":
         tell_line(f"{'recording' if end in RECORDINGS else 'map'}: {output}")
     found = comparison(flown, campaign, same_platform=same_platform)

@@ -21,7 +21,7 @@ from scaloft_fi.marks import About, Pattern
 from scaloft_fi.model import Names, Schema, schema, schema_of
 from scaloft_fi.mutants.operator import Argument, Operator
 from scaloft_fi.mutants.operators import OPERATORS
-from scaloft_fi.output import say, tell, tell_line, writing
+from scaloft_fi.output import say, tell, tell_line, write_named, writing
 from scaloft_fi.outside.border import PORTS
 from scaloft_fi.outside.command import FlightCommand
 from scaloft_fi.outside.exchange import BELOW, OutsideConfig
@@ -45,7 +45,7 @@ from scaloft_fi.study import DispositionModel, ScoreModel, Study
 from scaloft_fi.verbs import VERBS, module_of
 from scaloft_fi.verbs.listing import OWN, argument_facts, package_of
 from scaloft_fi.verbs.names import documents
-from scaloft_fi.verbs.options import FORMATS, Option, StudyFolder, verb, write
+from scaloft_fi.verbs.options import FORMATS, Option, StudyFolder, verb
 from scaloft_fi.views.output import Output
 from scaloft_fi.views.table import Format, Table, render
 
@@ -357,17 +357,10 @@ def _keys(name: str, schema: Schema) -> Iterator[tuple[str, str, str]]:
 def _key_row(name: str, schema: Schema) -> Iterator[tuple[str, str, str]]:
     about = " ".join(schema.get("description", "").replace("\n- ", "; ").split())
     examples = ", ".join(map(_key_said, schema.get("examples", ())))
-    yield name, _value(schema), about + (f"  Such as {examples}." if examples else "")
-    if not _kind(schema).startswith(RATIO):
+    kind, default = _kind(schema), f"; left out: {_key_said(schema['default'])}" if "default" in schema else ""
+    yield name, kind + default, about + (f"  Such as {examples}." if examples else "")
+    if not kind.startswith(RATIO):
         yield from _keys(name, schema)
-
-
-def _value(schema: Schema) -> str:
-    """Type, range and default of a value in words."""
-    words = _kind(schema)
-    if "default" in schema:
-        words += f"; left out: {_key_said(schema['default'])}"
-    return words
 
 
 def _kind(schema: Schema) -> str:
@@ -485,5 +478,5 @@ def _write(folder: Path, texts: dict[str, str]) -> None:
     with writing(f"--write={str(folder)!r} cannot be written"):
         folder.mkdir(parents=True, exist_ok=True)
     for name, text in texts.items():
-        write(folder / name, text.encode())
+        write_named(folder / name, text.encode())
     tell_line(f"{folder}: {len(texts)} schemas")

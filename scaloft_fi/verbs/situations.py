@@ -16,7 +16,7 @@ from scaloft_fi.document import Item, load
 from scaloft_fi.errors import InputError
 from scaloft_fi.judge.space import Space
 from scaloft_fi.marks import Called, Choices
-from scaloft_fi.output import say
+from scaloft_fi.output import say, write_named
 from scaloft_fi.sim.grid import Grid
 from scaloft_fi.sim.happenings import Happening
 from scaloft_fi.sim.mesh import Flaw
@@ -582,5 +582,5 @@ def map_command(
 
 def _draw(plan: FloorPlan, output: Path, title: str, subtitle: str) -> None:
     drawn = draw_plan(plan, title=title, subtitle=subtitle)
-    options.write(output, png(drawn) if output.suffix.lower() == ".png" else drawn.encode())
+    write_named(output, png(drawn) if output.suffix.lower() == ".png" else drawn.encode())
     say(f"map: {output}")

@@ -38,7 +38,7 @@ from scaloft_fi.study import NO_FINDS, KnownFinds, Study
 from scaloft_fi.verbs import options
 from scaloft_fi.verbs.export.dossier import unzipped, zipped
 from scaloft_fi.verbs.margin import UNKNOWN, CellMargin, ToldCell, cell_margins
-from scaloft_fi.verbs.options import Option, answer, check_writable, tell_warnings, verb, write
+from scaloft_fi.verbs.options import Option, answer, check_writable, tell_warnings, verb
 from scaloft_fi.verbs.snapshot import Stale, snapshot
 from scaloft_fi.verbs.verdict import NO_POOL, acceptance, effect, flies, next_find, sentence, words, would_decide
 from scaloft_fi.views.output import Answer, Output
@@ -404,20 +404,6 @@ def texts(row: SheetRow, shown: Iterable[Column]) -> list[str]:
     return ["" if (value := row.values[column.key]) is None else str(value) for column in shown]
 
 
-def to_text(
-    rows: Sequence[SheetRow], invalid: Sequence[str] = (), *, width: int | None = None, marked: bool | None = None
-) -> str:
-    """For a terminal: the tables of `sheet_tables`.
-
-    Args:
-        rows: of the worksheet.
-        invalid: why no score is valid, each reason in a sentence; often none.
-        width: of the text, as of `render`.
-        marked: whether it has colours, as of `render`.
-    """
-    return render(sheet_tables(rows, invalid), Format.TABLE, width=width, marked=marked)
-
-
 def sheet_tables(rows: Sequence[SheetRow], invalid: Sequence[str] = ()) -> tuple[Table, ...]:
     """The findings of each deviation, survivors by class and finds where there are any, then the log."""
     notes, tables = {TITLE: (population(rows, invalid), "Every column: --format csv or xlsx.")}, []
@@ -576,7 +562,7 @@ class Worksheet(Answer):
         Raises:
             InputError: there is no such style.
         """
-        made = {Format.TABLE: to_text, Format.MARKDOWN: to_markdown, Format.LATEX: to_latex}
+        made = {Format.MARKDOWN: to_markdown, Format.LATEX: to_latex}
         if style == Format.CSV:
             return to_csv(self._sheet)
         return made[Format(style)](self._sheet, self._invalid) if style in made else super().text(style)
@@ -586,7 +572,7 @@ class Worksheet(Answer):
         if style == XLSX:
             return to_xlsx(self._sheet, self._invalid)
         if style == Format.TABLE:
-            return to_text(self._sheet, self._invalid, width=PIPED, marked=False).encode()
+            return render(self._tables(), Format.TABLE, width=PIPED, marked=False).encode()
         return self.text(style).encode()
 
     def save(self, path: Path | str) -> Path:
@@ -656,4 +642,4 @@ def worksheet_command(
         answer(sheet, style)
     else:
         tell_warnings(sheet)
-        write(output, sheet.content(style))
+        write_named(output, sheet.content(style))

@@ -91,11 +91,11 @@ def spreadsheet_text(text: str) -> str:
     return f"'{shown}" if shown.lstrip("'").startswith(FORMULA) else shown
 
 
-_GOOD = ("detected", "held", "steady", "accepted")
-_BAD = ("not detected", "violated", "red", "invalid", "expired", "uncovered")
 _DOUBT = ("undecided", "not tested", "unsteady", "vacuous", "open", "stale", "untested")
 _STYLES = {
-    word: style for words, style in ((_GOOD, Style.GOOD), (_BAD, Style.BAD), (_DOUBT, Style.DOUBT)) for word in words
+    **dict.fromkeys(("detected", "held", "steady", "accepted"), Style.GOOD),
+    **dict.fromkeys(("not detected", "violated", "red", "invalid", "expired", "uncovered"), Style.BAD),
+    **dict.fromkeys(_DOUBT, Style.DOUBT),
 }
 _FIRST = re.compile(rf"({'|'.join(sorted(_STYLES, key=len, reverse=True))})(?=$|[,;:]| at | in )", re.IGNORECASE)
 
@@ -388,16 +388,11 @@ def long_table(headers: Sequence[str], rows: Sequence[Sequence[str]], widths: Se
         f"p{{\\dimexpr {width / sum(widths):.5f}\\linewidth-2\\tabcolsep\\relax}}"
         for width in widths
     )
-    above = [f"\\caption{{{latex(caption)}}}\\\\"] if caption else []
-    head = [
-        f"\\begin{{longtable}}{{{spec or 'l' * len(headers)}}}",
-        *above,
-        "\\toprule",
-        _latex_row(headers),
-        "\\midrule",
-    ]
+    begin = [f"\\begin{{longtable}}{{{spec or 'l' * len(headers)}}}"]
+    begin += [f"\\caption{{{latex(caption)}}}\\\\"] if caption else []
+    head = ["\\toprule", _latex_row(headers), "\\midrule", "\\endhead", "\\bottomrule", "\\endfoot"]
     lines = [_latex_row(row) + r"\addlinespace[2pt]" * bool(spec) for row in rows]
-    return "\n".join([*head, "\\endhead", "\\bottomrule", "\\endfoot", *lines, "\\end{longtable}"])
+    return "\n".join([*begin, *head, *lines, "\\end{longtable}"])
 
 
 def _latex_row(cells: Sequence[str]) -> str:

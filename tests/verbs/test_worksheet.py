@@ -155,15 +155,13 @@ def test_a_find_and_the_command_that_flies_it_stand_in_every_format():
     assert latex(flies(survivor)) in worksheet.to_latex(told)
     (record,) = [entry for entry in plain(told) if entry["cell"] == "NO-human"]
     assert (record["find"], record["flies_find"]) == (said, flies(survivor))
-    terminal = " ".join(
-        worksheet.to_text(told).partition("Finds for survivors")[2].partition("Deviations not")[0].split()
-    )
+    terminal = " ".join(to_text(told).partition("Finds for survivors")[2].partition("Deviations not")[0].split())
     assert all(word in terminal for word in flies(survivor).split())
 
 
 def test_a_page_has_no_columns_without_a_value_and_no_list_of_survivors_without_classes():
     plain = rows(FLOWN, with_text("plain"))
-    for write in (worksheet.to_text, worksheet.to_markdown, worksheet.to_latex):
+    for write in (to_text, worksheet.to_markdown, worksheet.to_latex):
         assert "Flies it" not in write(rows(FLOWN))
         assert not any(words in write(plain) for words in ("Severity", "worst class"))
     assert "flies_find" in read_csv(rows(FLOWN))[0]
@@ -175,7 +173,7 @@ def test_deviations_that_are_not_credible_are_in_a_log_and_survivors_stand_by_cl
     told = rows([*FLOWN, *SILENT, *early])
     classed = {row.cell.name: row.values["severity"] for row in worksheet.survivors(told)}
     assert list(classed.items()) == [("NO-human", "injury"), ("EARLY-human", "delay")]
-    for text in (worksheet.to_text(told), worksheet.to_markdown(told), worksheet.to_latex(told).replace("{-}", "-")):
+    for text in (to_text(told), worksheet.to_markdown(told), worksheet.to_latex(told).replace("{-}", "-")):
         alive, _, log = text.partition("Survivors, worst class first")[2].partition("Deviations not credible")
         assert alive.index("NO-human") < alive.index("EARLY-human")
         assert "EARLY-collision" in log
@@ -204,6 +202,10 @@ def test_every_figure_is_the_scores(outcomes: list[Outcome]):
             assert found["infected"] <= found["reached"] <= found["situations_flown"]
 
 
+def to_text(found: tuple[worksheet.SheetRow, ...]) -> str:
+    return render(worksheet.sheet_tables(found), Format.TABLE)
+
+
 def read_csv(found: tuple[worksheet.SheetRow, ...]) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(worksheet.to_csv(found), newline="")))
 
@@ -223,11 +225,11 @@ def test_what_a_study_says_appears_literally_in_every_format(text: str):
     assert f" & {latex(text)} & " in worksheet.to_latex(found)
     assert row.values["deviation"] == text
     said = "".join(line(text).split())
-    assert said[:20] in "".join(worksheet.to_text(found).split()) or len(said) > 20
+    assert said[:20] in "".join(to_text(found).split()) or len(said) > 20
     for shown in (
         worksheet.to_markdown(found),
         worksheet.to_latex(found),
-        worksheet.to_text(found),
+        to_text(found),
         worksheet.to_csv(found),
     ):
         assert "\x1b" not in shown

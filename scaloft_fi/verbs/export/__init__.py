@@ -18,12 +18,12 @@ from typing import Annotated
 import click
 
 from scaloft_fi.errors import InputError
-from scaloft_fi.output import say, tell
+from scaloft_fi.output import say, tell, write_named
 from scaloft_fi.registry import load_plugins
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
 from scaloft_fi.verbs.export.dossier import FORMATS, Dossier, ExportFormat, dossier, export_format, unzipped
-from scaloft_fi.verbs.options import Option, check_folder, check_writable, make_folder, verb, write
+from scaloft_fi.verbs.options import Option, check_folder, check_writable, make_folder, verb
 
 __all__ = ["FORMATS", "Dossier", "ExportFormat", "export_format"]
 
@@ -83,9 +83,9 @@ def export_command(
     elif style == ARCHIVE and output.suffix != ZIP:
         for name, file in unzipped(content).items():
             make_folder((output / name).parent, "--output")
-            write(output / name, file)
+            write_named(output / name, file)
     else:
-        write(output, content)
+        write_named(output, content)
 
 
 def _check_new(folder: Path) -> None:

@@ -163,7 +163,6 @@ def _result(dossier: Dossier, mutant: MutantScore, rule: int) -> dict[str, Any]:
     }
 
 
-SCHEMA_VERSION = "2"
 THRESHOLDS = {"high": 80, "low": 60}
 """Where readers turn the colour of a score: the defaults of StrykerJS."""
 
@@ -180,8 +179,8 @@ def mutation_testing(dossier: Dossier) -> dict[str, Any]:
     situations = sorted({outcome.situation for outcome in dossier.outcomes}, key=dossier.space.rank)
     tests = [{"id": key, "name": f"{key}: {dossier.words(key)}"} for key in situations]
     return {
-        "schemaVersion": SCHEMA_VERSION,
-        "thresholds": dict(THRESHOLDS),
+        "schemaVersion": "2",
+        "thresholds": THRESHOLDS,
         "framework": {"name": "scaloft-fi", "version": dossier.version},
         "files": {name: file for name, file in files.items() if file["mutants"]},
         "testFiles": {dossier.grid_file: {"tests": tests}},

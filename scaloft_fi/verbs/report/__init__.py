@@ -8,10 +8,10 @@ from typing import Annotated
 
 from scaloft_fi.campaign.store.archive import campaign_folder, is_archive
 from scaloft_fi.errors import InputError
-from scaloft_fi.output import line
+from scaloft_fi.output import line, write_named
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import options
-from scaloft_fi.verbs.options import Option, answer, check_writable, verb, write
+from scaloft_fi.verbs.options import Option, answer, check_writable, verb
 from scaloft_fi.verbs.report.analyses import gather
 from scaloft_fi.verbs.report.page import page
 from scaloft_fi.verbs.snapshot import Stale
@@ -63,7 +63,7 @@ def report_command(
     evidence = gather(study, campaign, today)
     path = output or folder / NAME
     content = page(evidence).encode()
-    write(path, content)
+    write_named(path, content)
     written = Written(path, len(content), evidence.stale)
     told = line(f"report: {path} ({written.bytes / 1e6:.1f} MB)")
     warnings = (*evidence.stale.sentences, *evidence.study.finds.warnings)
