@@ -177,11 +177,8 @@ class Pool:
     @cached_property
     def tested(self) -> Mapping[str, Mapping[str, Pair]]:
         """By requirement, the pairs that enter the stratified test, by situation."""
-        tested: dict[str, dict[str, Pair]] = {}
-        for (situation, name), pair in self.pairs.items():
-            if pair.tests:
-                tested.setdefault(name, {})[situation] = pair
-        return tested
+        testing = grouped((pair for pair in self.pairs.values() if pair.tests), lambda pair: pair.requirement)
+        return {name: {pair.situation: pair for pair in own} for name, own in testing.items()}
 
     @cached_property
     def _requirements(self) -> Mapping[str, Kind]:
@@ -197,12 +194,11 @@ class Pool:
 
     @cached_property
     def _steady(self) -> Mapping[tuple[str, Kind], tuple[str, ...]]:
-        steady: dict[tuple[str, Kind], tuple[str, ...]] = {}
-        for name, kind in self._requirements.items():
-            for (situation, other), state in self.states.items():
-                if other == name and state is State.STEADY:
-                    steady[situation, kind] = (*steady.get((situation, kind), ()), name)
-        return steady
+        order = {name: place for place, name in enumerate(self._requirements)}
+        steady = [pair for pair in self.pairs.values() if pair.state is State.STEADY]
+        steady.sort(key=lambda pair: order[pair.requirement])
+        groups = grouped(steady, lambda pair: (pair.situation, pair.kind))
+        return {place: tuple(pair.requirement for pair in own) for place, own in groups.items()}
 
     @cached_property
     def flown(self) -> frozenset[str]:
@@ -242,10 +238,8 @@ def findings(outcomes: Iterable[Outcome], space: Space) -> tuple[SituationBaseli
 
 
 def _finding(situation: str, baselines: list[Outcome]) -> SituationBaseline:
-    shown: dict[str, set[Compliance]] = {}
-    for outcome in baselines:
-        for reading in outcome.readings:
-            shown.setdefault(reading.requirement, set()).add(reading.compliance)
+    read = grouped((each for one in baselines for each in one.readings), lambda each: each.requirement)
+    shown = {name: {each.compliance for each in own} for name, own in read.items()}
     firsts = [(v, outcome.seed) for outcome in baselines if (v := outcome.first_violation)]
     return SituationBaseline(
         situation=situation,

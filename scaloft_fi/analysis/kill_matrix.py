@@ -636,16 +636,12 @@ class Redundancy:
 
 def redundancies(graph: Subsumption) -> tuple[Redundancy, ...]:
     """The redundancy within each cell that has two or more killed mutants, in the order of the nodes."""
-    cells: dict[str, list[list[str]]] = {}
-    for node in graph.nodes:
-        for cell, members in grouped(node.mutants, cell_of).items():
-            cells.setdefault(cell, []).append(members)
-    redundant = []
-    for cell, groups_of_cell in cells.items():
-        killed = sum(map(len, groups_of_cell))
-        if killed > 1:
-            redundant.append(Redundancy(cell, killed, tuple(tuple(g) for g in groups_of_cell if len(g) > 1)))
-    return tuple(redundant)
+    alike = (tuple(members) for node in graph.nodes for members in grouped(node.mutants, cell_of).values())
+    return tuple(
+        Redundancy(cell, killed, tuple(group for group in own if len(group) > 1))
+        for cell, own in grouped(alike, lambda group: cell_of(group[0])).items()
+        if (killed := sum(map(len, own))) > 1
+    )
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -231,10 +231,8 @@ def whens(outcomes: Iterable[Outcome], scored: Score, kind: Kind = Kind.SAFETY) 
         kind: of the requirements whose violation kills.
     """
     clean, flown = apart(outcomes)
-    lasts, acts = defaultdict[str, list[float]](list), defaultdict[str, list[float]](list)
-    for outcome in clean:
-        if not outcome.invalid:
-            lasts[outcome.situation].append(outcome.duration_s)
+    lasts = grouped((outcome for outcome in clean if not outcome.invalid), lambda outcome: outcome.situation)
+    acts = defaultdict[str, list[float]](list)
     for outcome in flown:
         if not outcome.invalid and outcome.infected_at_s is not None:
             acts[outcome.mutant].append(outcome.infected_at_s)
@@ -253,9 +251,9 @@ def _order(mutant: MutantScore) -> tuple[bool, float, str]:
     return bool(name.event), name.phase_s, name.event
 
 
-def _median_of(lasts: dict[str, list[float]], listed: Iterable[MutantScore]) -> float:
+def _median_of(lasts: Mapping[str, Sequence[Outcome]], listed: Iterable[MutantScore]) -> float:
     keys = {result.situation for mutant in listed for result in mutant.results}
-    return statistics.median([duration_s for key in sorted(keys) for duration_s in lasts[key]] or [0.0])
+    return statistics.median([outcome.duration_s for key in sorted(keys) for outcome in lasts[key]] or [0.0])
 
 
 def _strike(mutant: MutantScore, acts_s: list[float], kind: Kind) -> Strike:

@@ -8,6 +8,7 @@ from functools import cached_property
 
 from scaloft_fi.hazop.matrix import CellStatus, Matrix, SeverityClass, cell_of
 from scaloft_fi.judge.outcome import BASELINE, PLACEBO_ID, Subject
+from scaloft_fi.registry import grouped
 
 
 @dataclass(frozen=True)
@@ -88,10 +89,7 @@ class Roster:
     @cached_property
     def _cells(self) -> Mapping[str, int]:
         """Place of each cell's first mutant."""
-        places: dict[str, int] = {}
-        for place, id_ in enumerate(self.ids):
-            places.setdefault(cell_of(id_), place)
-        return places
+        return {cell: self._places[own[0]] for cell, own in grouped(self._places, cell_of).items()}
 
     def counts(self, subject: Subject) -> bool:
         """Whether the subject is the default mutant of a credible cell: those the ratios count."""

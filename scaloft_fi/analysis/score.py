@@ -834,11 +834,9 @@ def redraw(baselines: Iterable[Outcome], seeds: int, alpha: float, redraws: int 
         alpha: of the verdict.
         redraws: how many.
     """
-    flown: dict[str, dict[int, Outcome]] = {}
-    for outcome in baselines:
-        if outcome.subject.id == BASELINE and not outcome.invalid:
-            flown.setdefault(outcome.situation, {})[outcome.seed] = outcome
-    pooled = {key: own for key, own in flown.items() if len(own) >= LEAST}
+    flown = grouped((o for o in baselines if o.subject.id == BASELINE and not o.invalid), lambda o: o.situation)
+    by_seed = {key: {outcome.seed: outcome for outcome in own} for key, own in flown.items()}
+    pooled = {key: own for key, own in by_seed.items() if len(own) >= LEAST}
     common = sorted(set.intersection(*(set(own) for own in pooled.values()))) if pooled else []
     if len(common) < max(FROM, LEAST + seeds) or not seeds:
         return Redraw()

@@ -386,21 +386,16 @@ class CampaignFacts:
         name: str,
     ) -> CampaignFacts:
         """From outcomes, with or without trajectories, and their score; invalid flights say nothing."""
-        flights: dict[str, list[JudgedFlight]] = {row.id: [] for row in matrix.rows}
-        for flight in flights_of(outcomes):
-            if flight.status is not Status.INVALID:
-                flights.setdefault(flight.outcome.mutant, []).append(flight)
+        counting = (flight for flight in flights_of(outcomes) if flight.status is not Status.INVALID)
         scores = {mutant.subject.id: mutant for mutant in scored.mutants}
-        carrying: dict[str, set[str]] = {}
-        for id_, background in backgrounds.items():
-            reached = {result.situation for result in scores[id_].results if result.reached} if id_ in scores else ()
-            carrying.setdefault(background.seam, set()).update(reached)
+        by_seam = grouped((id_ for id_ in backgrounds if id_ in scores), lambda id_: backgrounds[id_].seam)
+        results = {seam: [result for id_ in ids for result in scores[id_].results] for seam, ids in by_seam.items()}
         return cls(
             space=matrix.space,
             pool=scored.pool,
             scores=scores,
-            flights=flights,
-            carrying={seam: frozenset(keys) for seam, keys in carrying.items()},
+            flights=grouped(counting, lambda flight: flight.outcome.mutant),
+            carrying={seam: frozenset(one.situation for one in own if one.reached) for seam, own in results.items()},
             units=units,
             name=name,
         )

@@ -325,11 +325,8 @@ def differences_table(told: FlightDifferences) -> Table:
         f"{told.same} flights are the same bit for bit, {told.other_bits} more have the same status, "
         f"ending and violations; {len(rows) - alone} differ, and {alone} are in one campaign alone."
     )
-    stale = [
-        f"{flights} flights of {name}"
-        for name, flights in ((told.first, told.first_stale), (told.second, told.second_stale))
-        if flights
-    ]
+    by_name = (told.first, told.first_stale), (told.second, told.second_stale)
+    stale = [f"{flights} flights of {name}" for name, flights in by_name if flights]
     old = (f"{' and '.join(stale)} are stale: no score counts them, and they stand here as they were flown.",)
     title, headers = f"{told.first} and {told.second}", ("mutant", "situation", "seed", told.first, told.second)
     return Table(title, headers, rows, (note, *(old if stale else ())))
@@ -398,9 +395,7 @@ def score_tables(told: ComparedCampaigns) -> tuple[Table, ...]:
         agreement_text(told),
         MEANING,
     )
-    alone = [
-        (id_, name) for name, ids in ((told.first, told.only_first), (told.second, told.only_second)) for id_ in ids
-    ]
+    alone = [*((id_, told.first) for id_ in told.only_first), *((id_, told.second) for id_ in told.only_second)]
     main = Table(f"What only one of {told.first} and {told.second} shows", headers, rows, notes)
     return (main, *([Table("Flown in one campaign alone", ("mutant", "campaign"), tuple(alone))] if alone else []))
 

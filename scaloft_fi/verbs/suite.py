@@ -167,10 +167,7 @@ class TestedSuite:
         """What the tests show, and the test to write next."""
         tests, missed = self.tests, self.missed
         rows = tuple(
-            (
-                *(one.test, one.state, one.red.short, one.reached, len(one.shows), len(one.alone)),
-                "yes" if one.needed else "",
-            )
+            (one.test, one.state, one.red.short, one.reached, len(one.shows), len(one.alone), "yes" * one.needed)
             for one in tests
         )
         found, unjudged = self._smallest, self.unjudged

@@ -599,11 +599,8 @@ def _tracks(now: Snapshot, kept: Callable[[bytes], array[float]]) -> bytes:
     """The trajectories of the flights, of flights with equal digests one."""
     # flights that begin alike stand beside each other, which makes the file small
     alike = sorted(now.outcomes, key=lambda one: (one.situation, one.seed, one.mutant != BASELINE, one.mutant))
-    first: dict[str, Outcome] = {}
-    for outcome in alike:
-        if outcome.digest:
-            first.setdefault(outcome.digest, outcome)
-    flown = now.with_tracks(first.values())
+    by_digest = grouped((one for one in alike if one.digest), lambda one: one.digest)
+    flown = now.with_tracks([own[0] for own in by_digest.values()])
     return track_file({one.digest: kept(one.track) for one in flown if one.track})
 
 

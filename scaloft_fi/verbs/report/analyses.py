@@ -8,7 +8,6 @@ would say something else.
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
 from dataclasses import asdict, dataclass, field, replace
 from datetime import date
@@ -183,9 +182,7 @@ def by_ladder(cells: Matrix, roster: Roster) -> Callable[[str], tuple[int, int, 
 def searched(mutants: Iterable[MutantScore], roster: Roster) -> frozenset[str]:
     """The ids off the catalogue flown in fewer situations than others of their cell: what a search flies."""
     flown = {mutant.subject.id: mutant.kill_rate_flown.whole for mutant in mutants}
-    most = defaultdict[str, int](int)
-    for id_, situations in flown.items():
-        most[cell_of(id_)] = max(most[cell_of(id_)], situations)
+    most = {cell: max(map(flown.__getitem__, ids)) for cell, ids in grouped(flown, cell_of).items()}
     ids = {id_ for id_, situations in flown.items() if situations < most[cell_of(id_)]}
     return frozenset(ids.difference(roster.ids))
 
@@ -230,11 +227,9 @@ def ladders(scored: Score, cells: Matrix, roster: Roster) -> list[dict[str, Any]
 
     A magnitude that a search flew is left out: its share would be one of situations chosen by their kills.
     """
-    by_cell = defaultdict[str, list[MutantScore]](list)
     order, left_out = by_ladder(cells, roster), searched(scored.mutants, roster)
-    for mutant in sorted(scored.mutants, key=lambda one: order(one.subject.id)):
-        if mutant.subject.magnitude and "#" not in mutant.subject.id and mutant.subject.id not in left_out:
-            by_cell[cell_of(mutant.subject.id)].append(mutant)
+    rungs = [one for one in scored.mutants if one.subject.magnitude and "#" not in one.id and one.id not in left_out]
+    by_cell = grouped(sorted(rungs, key=lambda one: order(one.id)), lambda one: cell_of(one.id))
 
     def rung(mutant: MutantScore) -> dict[str, Any]:
         told = by_field(mutant.subject, "id", "magnitude") | by_field(mutant, "verdict", "kill_rate")

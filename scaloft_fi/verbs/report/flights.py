@@ -377,10 +377,7 @@ def found(study: Study, campaign: str, outcomes: Iterable[Outcome], mines: list[
     finds, names = study.finds, [requirement.name for requirement in study.requirements]
     # another further grid may use the same keys for other situations
     same = study.grid_name in (None, finds.grid, finds.searched.name if finds.searched else None)
-    flown: dict[str, list[Outcome]] = {find.situation: [] for find in finds.finds}
-    for outcome in outcomes:
-        if same and not outcome.invalid and outcome.situation in flown:
-            flown[outcome.situation].append(outcome)
+    flown = grouped((outcome for outcome in outcomes if same and not outcome.invalid), lambda one: one.situation)
     listed, misfits = [], list(finds.misfits)
     for find in finds.finds:
         stands = _scene(find, finds, mines)
