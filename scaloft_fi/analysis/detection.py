@@ -478,19 +478,16 @@ def detect(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spendin
     return Detection(Verdict.UNDECIDED, p, (), seeds, share, needed, anew)
 
 
-def adjusted(
-    samples: Iterable[Sample], pool: Pool, names: Sequence[str], left_out: int | None = None
-) -> dict[str, float]:
+def adjusted(samples: Iterable[Sample], pool: Pool, names: Sequence[str]) -> dict[str, float]:
     """The p of each requirement, adjusted by Holm over all of them.
 
     Args:
         samples: one per situation flown.
         pool: what they are compared with.
         names: the requirements.
-        left_out: a seed whose flights leave the pool; states of pairs and the gate stay those of the whole pool.
     """
     listed = list(samples)
-    return holm({name: p_value(_strata(listed, pool, name, left_out)) for name in names})
+    return holm({name: p_value(_strata(listed, pool, name)) for name in names})
 
 
 def holm(raw: Mapping[K, float]) -> dict[K, float]:
@@ -507,9 +504,12 @@ def holm(raw: Mapping[K, float]) -> dict[K, float]:
 
 
 def _strata(
-    samples: Iterable[Sample], pool: Pool, name: str, left_out: int | None, own: int | None = None
+    samples: Iterable[Sample], pool: Pool, name: str, left_out: int | None = None, own: int | None = None
 ) -> Iterable[Stratum]:
-    """The situations that test a requirement, without a seed of the pool, and without a seed of the mutant's `own`."""
+    """The situations that test a requirement, without a seed of the pool, and without a seed of the mutant's `own`.
+
+    States of pairs and the gate stay those of the whole pool.
+    """
     tested = pool.tested.get(name, {})
     gone = pool.by_seed.get(left_out, {}) if left_out is not None else {}
     for sample in samples:
@@ -611,7 +611,7 @@ def firmness(mutant: str, samples: Sequence[Sample], pool: Pool, spending: Spend
     # what decides without a seed is most often what decides with it, so that is asked first
     tries = sorted(
         ((_violating(looked, pool, name), name, share) for looked, share in looks for name in names),
-        key=lambda one: p_value(_strata(one[0], pool, one[1], None)) / one[2],
+        key=lambda one: p_value(_strata(one[0], pool, one[1])) / one[2],
     )
 
     def detected(tries: Iterable[tuple[Sequence[Sample], str, float]], seed: int | None, own_seed: int | None) -> bool:

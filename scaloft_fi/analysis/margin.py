@@ -150,10 +150,8 @@ def lowest(margins: Iterable[Margin]) -> Margin | None:
     seen = min((m.seen for m in known if m.seen is not None), key=scale.strength, default=None)
     if seen is not None and kills is not None and scale.strength(seen) >= scale.strength(kills):
         seen = None
-    floors = [m.survives for m in known]
-    survives = None
-    if None not in floors:
-        survives = min((floor for floor in floors if floor is not None), key=scale.strength)
+    floors = [m.survives for m in known if m.survives is not None]
+    survives = min(floors, key=scale.strength) if len(floors) == len(known) else None
     return Margin(
         scale,
         survives,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -62,23 +62,23 @@ def matrix_command(
     """
     if cell and (guidewords or parameters or grid_only or with_margins):
         raise click.UsageError("--cell tells one cell and goes with no --guideword, --parameter, --grid or --margins")
-    matrix = load_matrix(find_study(study_folder) / "hazop")
-    if cell or style == "json":
-        matrix = _with_events(matrix, study_folder)
+    matrix, how = load_matrix(find_study(study_folder) / "hazop"), Format(style)
+    if (cell or style == "json") and any(fault.phases for one in matrix for fault in one.faults):
+        matrix = _opened(study_folder).matrix  # with the events at which faults may strike: stack and world tell them
     chosen = matrix.cell(cell) if cell else None
     words = [chosen.guideword] if chosen else [word.upper() for word in guidewords]
     names = [chosen.parameter] if chosen else [name.lower() for name in parameters]
     shown = matrix.only(words, names)
     if with_margins:
-        tell(f"{_margins(study_folder, campaign, style, operability=operability)}\n")
+        tell(f"{_margins(study_folder, campaign, how, operability=operability)}\n")
     elif style == "json":
         tell(_json(shown))
     elif chosen:
-        tell(f"{_one(matrix, chosen, style, study_folder)}\n")
+        tell(f"{_one(matrix, chosen, how, study_folder)}\n")
     elif style == "table":
         tell(_pictured(shown, _signs(study_folder, campaign), grid_only=grid_only))
     else:
-        tell(f"{_grid(shown, style) if grid_only else _all(shown, style)}\n")
+        tell(f"{_grid(shown, how) if grid_only else _all(shown, how)}\n")
 
 
 def _opened(study_folder: Path | None) -> Study:
@@ -86,13 +86,6 @@ def _opened(study_folder: Path | None) -> Study:
     from scaloft_fi.study import Study
 
     return Study.open(study_folder)
-
-
-def _with_events(matrix: Matrix, study_folder: Path | None) -> Matrix:
-    """The matrix with the events at which its faults may strike, which only stack and world tell."""
-    if not any(fault.phases for cell in matrix for fault in cell.faults):
-        return matrix
-    return _opened(study_folder).matrix
 
 
 def _signs(study_folder: Path | None, campaign: str) -> Mapping[str, str]:
@@ -125,15 +118,15 @@ def _pictured(matrix: Matrix, signs: Mapping[str, str], *, grid_only: bool) -> s
     return joined([grid, *([] if grid_only else rest), ""])
 
 
-def _all(matrix: Matrix, style: str) -> str:
+def _all(matrix: Matrix, style: Format) -> str:
     if style == "csv":
-        return _tabulated(render.HEADER, render.rows(matrix), style)
-    return _tabulated(render.SHORT_HEADER, render.short_rows(matrix), style)
+        return tabulated(render.HEADER, render.rows(matrix), style)
+    return tabulated(render.SHORT_HEADER, render.short_rows(matrix), style)
 
 
-def _grid(matrix: Matrix, style: str) -> str:
+def _grid(matrix: Matrix, style: Format) -> str:
     header, lines = render.grid_table(matrix, {})
-    return _tabulated(["parameter", *header[1:]], lines, style)
+    return tabulated(["parameter", *header[1:]], lines, style)
 
 
 def _json(matrix: Matrix, margins: Mapping[str, tuple[CellMargin, ...]] | None = None) -> str:
@@ -142,7 +135,7 @@ def _json(matrix: Matrix, margins: Mapping[str, tuple[CellMargin, ...]] | None =
     return MATRIX.json(told_cells(matrix, margins))
 
 
-def _margins(study_folder: Path | None, campaign: str, style: str, *, operability: bool) -> str:
+def _margins(study_folder: Path | None, campaign: str, style: Format, *, operability: bool) -> str:
     from scaloft_fi.verbs.margin import LEGEND, LEGEND_AT, margin_texts, margins_of_cells
 
     matrix, found = margins_of_cells(_opened(study_folder), campaign, operability=operability)
@@ -154,19 +147,15 @@ def _margins(study_folder: Path | None, campaign: str, style: str, *, operabilit
     if style == "table":
         grid, legend = render.blocks(["", *header[1:]], lines, width()), render.legend(LEGEND, width(), LEGEND_AT)
         return "\n".join([grid, "", legend, "", wrapped(render.tally(matrix), width())])
-    return _tabulated(header, lines, style)
+    return tabulated(header, lines, style)
 
 
-def _one(matrix: Matrix, cell: Cell, style: str, study_folder: Path | None) -> str:
+def _one(matrix: Matrix, cell: Cell, style: Format, study_folder: Path | None) -> str:
     if style == "table":
         edges = {seam.name: seam.edge for seam in _opened(study_folder).stack.seams} if cell.faults else {}
         return render.sheet(matrix, cell, edges, width())
     row = render.rows(matrix.only([cell.guideword], [cell.parameter]))[0]
     if style == "csv":
-        return _tabulated(render.HEADER, [row], style)
+        return tabulated(render.HEADER, [row], style)
     lines = [[name, text] for name, text in zip(render.HEADER[1:], row[1:], strict=True) if text]
-    return _tabulated(("cell", cell.name), lines, style)
-
-
-def _tabulated(header: Sequence[str], lines: Sequence[Sequence[str]], style: str) -> str:
-    return tabulated(header, lines, Format(style))
+    return tabulated(("cell", cell.name), lines, style)

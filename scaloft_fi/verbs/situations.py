@@ -574,8 +574,7 @@ def map_command(
         if output is not None:
             _draw(plan_of(study, one), output, one.key, ", ".join(study.grid.titles(one)))
     except InputError:
-        plan = plan_of_mesh(study_folder or Path()) if output is not None else None
-        if output is not None and plan is not None:
+        if output is not None and (plan := plan_of_mesh(study_folder or Path())) is not None:
             _draw(plan, output, "The mesh", "its flaws; no situation can be flown")
         raise
 

@@ -212,10 +212,9 @@ class Snapshot:
         again = ""
         if found.flown:
             again = study.again if study.tests_of else _again(study, self.now, self.name, found.flown)
-        if holding.searched(self.store):
-            invalid: tuple[str, ...] = (SEARCHED,)
-        else:
-            invalid = tuple(f"no score is valid: {one}" for one in [gates.failed_in(self.now, self.folder)] if one)
+        searched = holding.searched(self.store)
+        failed = "" if searched else gates.failed_in(self.now, self.folder)
+        invalid = (SEARCHED,) * searched + (f"no score is valid: {failed}",) * bool(failed)
         differed, broken = holding.differed_in(self.now), len(self.now.broken)
         return replace(Stale.of(found.why, again), differed=differed, invalid=invalid, broken=broken)
 
