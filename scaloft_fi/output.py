@@ -436,10 +436,7 @@ def stand() -> None:
             os.fstat(number)
         except OSError:
             os.set_inheritable(os.open(os.devnull, os.O_RDONLY), True)  # the lowest free number is this one
-    if sys.stdout is None:
-        sys.stdout = _reopened(1)
-    if sys.stderr is None:
-        sys.stderr = _reopened(2)
+    sys.stdout, sys.stderr = sys.stdout or _reopened(1), sys.stderr or _reopened(2)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

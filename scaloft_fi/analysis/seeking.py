@@ -33,6 +33,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby, repeat
+from operator import attrgetter
 from statistics import stdev
 from typing import TYPE_CHECKING, Any
 
@@ -618,8 +619,8 @@ def breaches(
         ScaloftError: a claim raises, or its error is no finite number.
     """
     spoken_of = {requirement.name: _words(requirement) for requirement in requirements}
-    told = []
-    for _, together in groupby(sorted(violations, key=_time), key=_time):
+    told, by_time = [], attrgetter("t_s")
+    for _, together in groupby(sorted(violations, key=by_time), key=by_time):
         first, *others = together  # who is struck, may be so against several requirements: that is one finding
         names = (first.requirement, *(one.requirement for one in others))
         words = frozenset().union(*(spoken_of[name] for name in names))
@@ -628,10 +629,6 @@ def breaches(
         signature = Signature(first.requirement, first.struck, *_where(log, first, world), stage)
         told.append(Breach(signature, names, first.t_s, (first.x, first.y, first.z), error, unit))
     return tuple(told)
-
-
-def _time(violation: Violation) -> float:
-    return violation.t_s
 
 
 def _words(requirement: Requirement) -> frozenset[str]:

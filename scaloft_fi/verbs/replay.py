@@ -7,7 +7,7 @@ Channels are JSON with their schemas in the file; `/pose` and `/path` have the s
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -321,7 +321,7 @@ def mcap(log: FlightLog, name: str) -> bytes:
     for topic, (title, schema) in {**SCHEMAS, "/signals": ("scaloft_fi.Signals", signals)}.items():
         number = writer.register_schema(name=title, encoding="jsonschema", data=json_text(schema).encode())
         channels[topic] = writer.register_channel(topic=topic, message_encoding="json", schema_id=number)
-    for t_s, topic, message in _messages(log):
+    for t_s, topic, message in sorted(_messages(log), key=lambda entry: entry[0]):
         stamp = round(t_s * 1e9)
         data = json_text(message).encode()
         writer.add_message(channel_id=channels[topic], log_time=stamp, publish_time=stamp, data=data)
@@ -329,22 +329,19 @@ def mcap(log: FlightLog, name: str) -> bytes:
     return file.getvalue()
 
 
-def _messages(log: FlightLog) -> list[tuple[float, str, dict[str, Any]]]:
-    """Every message with its time [s], in order of time."""
+def _messages(log: FlightLog) -> Iterator[tuple[float, str, dict[str, Any]]]:
+    """Every message with its time [s] and topic."""
     columns = {name: values.tolist() for name, values in log.signals.items()}
     times = columns["elapsed_s"]
     poses = [_pose(columns, i) for i in range(len(times))]
-    head = {"timestamp": _stamp(times[0]), "frame_id": FRAME}
-    messages: list[tuple[float, str, dict[str, Any]]] = [(times[0], "/path", {**head, "poses": poses})]
+    yield times[0], "/path", {"timestamp": _stamp(times[0]), "frame_id": FRAME, "poses": poses}
     for i, t_s in enumerate(times):
-        stamp = _stamp(t_s)
-        messages.append((t_s, "/pose", {"timestamp": stamp, "frame_id": FRAME, "pose": poses[i]}))
-        messages.append((t_s, "/signals", {name: values[i] for name, values in columns.items()}))
+        yield t_s, "/pose", {"timestamp": _stamp(t_s), "frame_id": FRAME, "pose": poses[i]}
+        yield t_s, "/signals", {name: values[i] for name, values in columns.items()}
     for event in log.events:
         level = WARNING if event.kind in WARNING_KINDS else INFO
         message = {"timestamp": _stamp(event.t_s), "level": level, "message": event.text, "name": event.kind}
-        messages.append((event.t_s, "/events", message))
-    return sorted(messages, key=lambda entry: entry[0])
+        yield event.t_s, "/events", message
 
 
 def _pose(columns: dict[str, list[float]], i: int) -> dict[str, Any]:

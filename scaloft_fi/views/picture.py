@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain, groupby
+from itertools import chain, groupby, pairwise
 from math import ceil, dist, floor, hypot
 from pathlib import Path
 
@@ -555,7 +555,7 @@ def draw_plan(plan: FloorPlan, *, title: str, subtitle: str) -> str:
 
 def _route(frame: Frame, points: Sequence[Point]) -> Iterator[str]:
     """A dashed line with an arrow for each leg, a little to its right."""
-    for (ax, ay), (bx, by) in zip(map(frame.pixel, points), map(frame.pixel, points[1:]), strict=False):
+    for (ax, ay), (bx, by) in pairwise(map(frame.pixel, points)):
         long = hypot(bx - ax, by - ay)
         if long < 1.0:
             continue

@@ -266,8 +266,7 @@ def _threshold(fault: PhasedFault, listed: Sequence[Margin], cells: Matrix, safe
     known = [margin for margin in listed if margin.known]
     return {
         "fault": str(fault),
-        "cell": fault.cell,
-        "unit": fault.unit,
+        **by_field(fault, "cell", "unit"),
         "worse": known[0].scale.sign if known else 1,
         "least": margin_text(least) if least else "",
         "situations_flown": len(listed),
@@ -492,10 +491,8 @@ def situations(space: Space, grid: Grid) -> list[dict[str, Any]]:
 
 def axes(grid: Grid) -> list[dict[str, Any]]:
     """The axes with the words for their values, the benign one first."""
-    return [
-        {"id": axis.id, "title": axis.title, "category": axis.category, "words": [value.title for value in axis.values]}
-        for axis in grid.axes
-    ]
+    words = {axis.id: [value.title for value in axis.values] for axis in grid.axes}
+    return [by_field(axis, "id", "title", "category") | {"words": words[axis.id]} for axis in grid.axes]
 
 
 def cells(matrix: Matrix, flown: Iterable[str]) -> list[dict[str, Any]]:
