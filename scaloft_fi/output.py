@@ -31,7 +31,7 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from enum import StrEnum
 from pathlib import Path
-from textwrap import wrap
+from textwrap import TextWrapper
 from types import FrameType
 from typing import Any, TextIO
 
@@ -385,15 +385,8 @@ def broken(text: str, width: int, first: str = "", rest: str = "") -> list[str]:
     >>> broken("8/32 = 25 %", 10)
     ['8/32 =', '25 %']
     """
-    lines = wrap(
-        kept_together(text),
-        width,
-        initial_indent=first,
-        subsequent_indent=rest,
-        break_on_hyphens=False,
-        break_long_words=False,
-    )
-    return [line.replace(_BLANK, " ") for line in lines]
+    wrapper = TextWrapper(width, first, rest, break_on_hyphens=False, break_long_words=False)
+    return [line.replace(_BLANK, " ") for line in wrapper.wrap(kept_together(text))]
 
 
 def wrapped(text: str, width: int, first: str = "", rest: str = "") -> str:

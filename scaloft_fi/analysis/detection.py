@@ -657,11 +657,8 @@ def noise_of(outcomes: Iterable[Outcome]) -> tuple[Noise, ...]:
     """The noise of each safety and operability requirement, in the study's order; empty without a valid baseline."""
     listed = [outcome for outcome in outcomes if not outcome.invalid]
     known = baselines_of(listed)
-    pairs = [
-        (known[outcome.situation, outcome.seed], outcome)
-        for outcome in listed
-        if outcome.mutant == PLACEBO_ID and (outcome.situation, outcome.seed) in known
-    ]
+    placebo = (outcome for outcome in listed if outcome.mutant == PLACEBO_ID)
+    pairs = [(known[place], one) for one in placebo if (place := (one.situation, one.seed)) in known]
     baselines = [outcome for outcome in listed if outcome.mutant == BASELINE]
     names = {r.requirement: None for o in baselines for r in o.readings if r.kind is not Kind.REPORTED}
     return tuple(_noise(name, pairs, baselines) for name in names)

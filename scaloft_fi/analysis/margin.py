@@ -166,12 +166,8 @@ def margins(
     outcomes: Iterable[Outcome], scored: Score, matrix: Matrix, kind: Kind = Kind.SAFETY
 ) -> Mapping[PhasedFault, tuple[Margin, ...]]:
     """The margins of every fault that has an order, by situation, from stored outcomes alone; as `tried_in`."""
-    scales = {
-        (cell.name, fault.magnitude.unit): Scale.of(fault.magnitude)
-        for cell in matrix
-        for fault in cell.faults
-        if fault.magnitude
-    }
+    ladders = ((cell.name, fault.magnitude) for cell in matrix for fault in cell.faults if fault.magnitude)
+    scales = {(cell, magnitude.unit): Scale.of(magnitude) for cell, magnitude in ladders}
     by_fault = defaultdict[PhasedFault, list[Margin]](list)
     for (fault, situation), entries in tried_in(outcomes, scored, matrix, kind).items():
         scale = scales.get((fault.cell, fault.unit))

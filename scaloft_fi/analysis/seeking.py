@@ -70,11 +70,8 @@ def misses(baseline: Outcome) -> tuple[str, ...]:
 
     A flight cut short before a requirement is judged does not hold it.
     """
-    names = (
-        f"requirement {one.requirement}"
-        for one in baseline.readings
-        if one.kind is Kind.OPERABILITY and (one.violated or one.open)
-    )
+    operability = (one for one in baseline.readings if one.kind is Kind.OPERABILITY)
+    names = (f"requirement {one.requirement}" for one in operability if one.violated or one.open)
     return (*names, *(f"axis {axis}" for axis, met in baseline.realised if not met))
 
 

@@ -183,12 +183,8 @@ def status(study: Study, campaign: options.Campaign) -> Answer:
     with snapshot(study, campaign) as now:
         told = campaign_status(now)
         then, of_tests = now.next_step if told.counted else "", bool(now.study.tests_of)
-    return Answer(
-        STATUS,
-        lambda: told,
-        lambda: [said(one, of_tests=of_tests) for one in status_tables(told, then)],
-        warnings=told.not_valid,
-    )
+    tables = [said(one, of_tests=of_tests) for one in status_tables(told, then)]
+    return Answer(STATUS, lambda: told, lambda: tables, warnings=told.not_valid)
 
 
 status_command = options.verb("status")(status)

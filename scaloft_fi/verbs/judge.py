@@ -240,11 +240,8 @@ def judged_table(told: JudgedRecords) -> Table:
         for one in told.readings
     )
     verdicts = [one.verdict for one in told.readings]
-    notes = [
-        note
-        for one in told.records
-        for note in (*one.notes, *notes_on([loss for loss in told.losses if loss.file == one.file], one.begins_s))
-    ]
+    lost = grouped(told.losses, lambda loss: loss.file)
+    notes = [note for one in told.records for note in (*one.notes, *notes_on(lost[one.file], one.begins_s))]
     notes += [
         f"{one.file}: {one.requirement} holds in the samples (20 Hz), and messages between them violate it at "
         f"{one.between_s:.2f} s"

@@ -7,6 +7,7 @@ import inspect
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from types import CodeType
 from typing import Annotated, Any, ClassVar, Generic, TypeVar, get_args, get_origin
@@ -96,11 +97,8 @@ class Listing(Generic[E]):
             InputError: as for `chosen`.
         """
         chosen = self.chosen(patterns) if patterns else self
-        return Answer(
-            self.form,
-            lambda: self.form.answer(chosen.entries),
-            told=lambda how: shown(chosen, how, whole=bool(patterns)),
-        )
+        told = partial(shown, chosen, whole=bool(patterns))
+        return Answer(self.form, lambda: self.form.answer(chosen.entries), told=told)
 
 
 def shown(listing: Listing[Any], how: Format, *, whole: bool) -> str:
@@ -632,14 +630,11 @@ def _polls(operator: Operator) -> tuple[tuple[Poll, ...], str]:
 def argument_facts(argument: Argument) -> ListedArgument:
     """What is told of an argument of an operator."""
     allowed = argument.allowed
-    bounds = (allowed.least, allowed.above, allowed.most)
+    bounds = (allowed.least, allowed.above, allowed.most) if argument.kind in (float, int) else (math.inf,) * 3
     least, above, most = (bound if math.isfinite(bound) else None for bound in bounds)
     words = number_range(least, most)
     if above is not None:
         words = f"above {above:g}" + (f", up to {most:g}" if most is not None else "")
-    numeric = argument.kind in (float, int)
-    if not numeric:
-        words, least, above, most = "", None, None, None
     if argument.field is not None:
         words = "a field of numbers, or all" if argument.field.number else "a field, or all"
     elif argument.choices:

@@ -555,11 +555,8 @@ def margin(
         chosen = choose_situations(study.grid.choose, chosen, seeds, 0, study.space, study.grid.chosen_at).situations
     folder, kind = campaign_folder(study, campaign), _kind(operability)
     by_fault = find(study, tuple(targets.values()), chosen, seeds, folder, options, kind=kind, progress=progress)
-    return Answer(
-        MARGIN,
-        lambda: Margins.of(by_fault),
-        lambda: margin_tables(by_fault, study.requirements, len(seeds), campaign, study.space.grid),
-    )
+    tables = margin_tables(by_fault, study.requirements, len(seeds), campaign, study.space.grid)
+    return Answer(MARGIN, lambda: Margins.of(by_fault), lambda: tables)
 
 
 def when_answer(

@@ -221,6 +221,7 @@ GridOption = partial(Option, metavar="NAME", complete=names.grids)
 CampaignOption = partial(Option, metavar="NAME", complete=names.campaigns)
 SeedsOption = partial(Option, type=str, metavar="N|A-B")
 SeedOption = partial(Option, metavar="S", type=click.IntRange(min=0), default=0)
+FormatOption = partial(Option, flag="--format", default="table")
 FlightSeed = Annotated[int, SeedOption("Seed of the noise.")]
 _Ratio = partial(Option, metavar="RATIO", type=click.FloatRange(0.0, 1.0))
 _Day = partial(Option, metavar="YYYY-MM-DD", type=str, check=_day)
@@ -316,15 +317,9 @@ FailUnderFirm = Annotated[
         "Refused without a baseline pool."
     ),
 ]
-TableFormat = Annotated[str, Option("How tables are printed.", "--format", type=click.Choice(FORMATS), default="table")]
+TableFormat = Annotated[str, FormatOption("How tables are printed.", type=click.Choice(FORMATS))]
 LineFormat = Annotated[
-    str,
-    Option(
-        "How the answer is printed: a line for people, or JSON.",
-        "--format",
-        type=click.Choice(("table", "json")),
-        default="table",
-    ),
+    str, FormatOption("How the answer is printed: a line for people, or JSON.", type=click.Choice(("table", "json")))
 ]
 TablesFolder = Annotated[
     Path | None,

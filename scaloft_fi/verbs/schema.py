@@ -45,7 +45,7 @@ from scaloft_fi.study import DispositionModel, ScoreModel, Study
 from scaloft_fi.verbs import VERBS, module_of
 from scaloft_fi.verbs.listing import OWN, argument_facts, package_of
 from scaloft_fi.verbs.names import documents
-from scaloft_fi.verbs.options import FORMATS, Option, StudyFolder, verb
+from scaloft_fi.verbs.options import FORMATS, FormatOption, Option, StudyFolder, verb
 from scaloft_fi.views.output import Output
 from scaloft_fi.views.table import Format, Table, render
 
@@ -414,12 +414,7 @@ def schema_command(
     answer: Annotated[bool, Option("NAME is a verb: show what it prints with --format json.")] = False,
     style: Annotated[
         str,
-        Option(
-            "How the keys are printed; json is the JSON Schema (draft 2020-12).",
-            "--format",
-            type=click.Choice(FORMATS),
-            default="table",
-        ),
+        FormatOption("How the keys are printed; json is the JSON Schema (draft 2020-12).", type=click.Choice(FORMATS)),
     ],
     study_folder: StudyFolder,
     folder: Annotated[

@@ -307,15 +307,8 @@ def _replicated(study: Study, mutants: Sequence[str], search: Search) -> Answer:
         raise InputError(f"{folder / FOUND_FILE}: there is no find{which} to replicate; `scaloft-fi seek` finds some")
     if found.grid != study.grid.name:
         raise InputError(f"--grid={study.grid.name!r} must be {found.grid!r}, the grid that was searched")
-    report = finds.replicate(
-        study,
-        known,
-        ask,
-        campaign_folder(study, search.into),
-        search.options,
-        progress=search.progress,
-        anyhow=search.anyhow,
-    )
+    into = campaign_folder(study, search.into)
+    report = finds.replicate(study, known, ask, into, search.options, progress=search.progress, anyhow=search.anyhow)
     finds.keep(folder, found.grid, finds.holding(known, report.replicas))
     return Answer(SEEK, lambda: report, lambda: (replica_table(report),))
 

@@ -296,11 +296,8 @@ def coverage_tables(covered: Coverage, space: Space, choices: Sequence[Remembere
 
 
 def _t_way(covered: Coverage, axes: int) -> Table:
-    rows = tuple(
-        (f"{one.strength}-way", str(one.total), *map(str, one.completeness))
-        for one in covered.combinations
-        if one.strength <= axes
-    )
+    possible = (one for one in covered.combinations if one.strength <= axes)
+    rows = tuple((f"{one.strength}-way", str(one.total), *map(str, one.completeness)) for one in possible)
     headers = ("combinations", "covered", *(f"p = {share:g}" for share in SHARES))
     notes = (
         "Covered: value combinations of t axes that were flown, of all that the grid has.",

@@ -221,13 +221,9 @@ def changed_since(revision: str, folder: Path) -> list[Path]:
     """
 
     def git(*words: str) -> list[str]:
+        asked = ["git", "-C", str(folder), "-c", "core.quotepath=off", *words]
         try:
-            done = subprocess.run(
-                ["git", "-C", str(folder), "-c", "core.quotepath=off", *words],
-                capture_output=True,
-                text=True,
-                check=False,
-            )
+            done = subprocess.run(asked, capture_output=True, text=True, check=False)
         except OSError as error:
             raise InputError(f"--since={shown(revision)} needs git: {error.strerror}") from error
         if done.returncode:

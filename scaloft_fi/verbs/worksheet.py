@@ -611,12 +611,10 @@ def worksheet_command(
     campaign: options.Campaign,
     style: Annotated[
         str,
-        Option(
+        options.FormatOption(
             "How the sheet is written; csv, xlsx and json have every column.  A text that a spreadsheet would take for "
             "a formula begins with ' in csv, and is a plain text in xlsx.",
-            "--format",
             type=click.Choice((*options.FORMATS, XLSX)),
-            default="table",
         ),
     ],
     output: Annotated[Path | None, Option("Write the sheet to FILE.", metavar="FILE")],
