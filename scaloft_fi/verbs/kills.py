@@ -504,12 +504,7 @@ Show = Annotated[
 ]
 Together = Annotated[
     Several,
-    Option(
-        "Say also which mutants are killed in these situations together (repeatable).",
-        "--situation",
-        metavar="KEY|GLOB",
-        complete=names.situations,
-    ),
+    options.SituationOption("Say also which mutants are killed in these situations together (repeatable)."),
 ]
 ByRequirement = Annotated[bool, Option("Subsumption tells kills by different requirements of a situation apart.")]
 

@@ -221,6 +221,8 @@ GridOption = partial(Option, metavar="NAME", complete=names.grids)
 CampaignOption = partial(Option, metavar="NAME", complete=names.campaigns)
 SeedsOption = partial(Option, type=str, metavar="N|A-B")
 SeedOption = partial(Option, metavar="S", type=click.IntRange(min=0), default=0)
+SituationOption = partial(Option, flag="--situation", metavar="KEY|GLOB", complete=names.situations)
+CountOption = partial(Option, metavar="N", type=click.IntRange(min=1))
 FormatOption = partial(Option, flag="--format", default="table")
 FlightSeed = Annotated[int, SeedOption("Seed of the noise.")]
 _Ratio = partial(Option, metavar="RATIO", type=click.FloatRange(0.0, 1.0))
@@ -253,14 +255,7 @@ GridOfStudy = Annotated[
     str | None, GridOption("A grid of the study: a file in sim/grids/.", otherwise="that of sim/situations.yaml")
 ]
 Situations = Annotated[
-    Several,
-    Option(
-        "A situation's key or alias, or a pattern (repeatable).",
-        "--situation",
-        metavar="KEY|GLOB",
-        complete=names.situations,
-        otherwise="the whole grid",
-    ),
+    Several, SituationOption("A situation's key or alias, or a pattern (repeatable).", otherwise="the whole grid")
 ]
 BaselineFrom = Annotated[
     str | None,
@@ -279,9 +274,7 @@ AsOf = Annotated[
 Operability = Annotated[
     bool, Option("Margins against the operability requirements instead of the safety requirements.")
 ]
-Jobs = Annotated[
-    int | None, Option("Worker processes.", metavar="N", type=click.IntRange(min=1), otherwise="the processors")
-]
+Jobs = Annotated[int | None, CountOption("Worker processes.", otherwise="the processors")]
 SamePlatform = Annotated[
     bool,
     Option(

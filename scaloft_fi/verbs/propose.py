@@ -19,7 +19,7 @@ from scaloft_fi.output import in_campaign, json_text, say, write_own
 from scaloft_fi.streams import key_words
 from scaloft_fi.study import Study
 from scaloft_fi.verbs import names, options
-from scaloft_fi.verbs.options import Option, Several, several, verb
+from scaloft_fi.verbs.options import CountOption, Option, Several, several, verb
 from scaloft_fi.verbs.snapshot import Snapshot, snapshot
 from scaloft_fi.views.output import Answer, Output
 from scaloft_fi.views.table import Table
@@ -156,20 +156,18 @@ MissingMutants = Annotated[
 ]
 SeedCount = Annotated[
     int,
-    Option(
+    CountOption(
         "Seeds of each mutant for the choice, and as many fresh ones for the test.",
         "--seeds",
-        metavar="N",
         type=click.IntRange(min=1, max=KEPT),
         default=3,
     ),
 ]
 SituationCount = Annotated[
     int,
-    Option(
+    CountOption(
         "Most situations in which a mutant flies, drawn from those where it changes samples.",
         "--most",
-        metavar="N",
         type=click.IntRange(min=1, max=MOST_SITUATIONS),
         default=8,
     ),

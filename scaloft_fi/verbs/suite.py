@@ -13,8 +13,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated
 
-import click
-
 from scaloft_fi.analysis.detection import LEAST, Pair, State
 from scaloft_fi.analysis.kill_matrix import Suite, minimal_suite
 from scaloft_fi.analysis.roster import Ratio
@@ -296,9 +294,10 @@ OwnCampaign = Annotated[
 AskedMutants = Annotated[run_verb.FlownMutants, options.DefaultWords("the default of every credible cell")]
 SuiteJobs = Annotated[
     int,
-    Option("Commands that run at a time; more than one needs tests that do not meet.", "--jobs", metavar="N",
-           type=click.IntRange(min=1), default=1),
-]  # fmt: skip
+    options.CountOption(
+        "Commands that run at a time; more than one needs tests that do not meet.", "--jobs", default=1
+    ),
+]
 Since = Annotated[
     str | None,
     Option("Run only the commands of which a declared input has changed since the git revision REV.", metavar="REV"),
