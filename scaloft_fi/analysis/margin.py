@@ -152,14 +152,9 @@ def lowest(margins: Iterable[Margin]) -> Margin | None:
         seen = None
     floors = [m.survives for m in known if m.survives is not None]
     survives = min(floors, key=scale.strength) if len(floors) == len(known) else None
-    return Margin(
-        scale,
-        survives,
-        kills,
-        seen,
-        tuple(sorted({m for margin in known for m in margin.again}, key=scale.strength)),
-        situations=tuple(key for margin in known for key in margin.situations),
-    )
+    again = tuple(sorted({m for margin in known for m in margin.again}, key=scale.strength))
+    situations = tuple(key for margin in known for key in margin.situations)
+    return Margin(scale, survives, kills, seen, again, situations=situations)
 
 
 def margins(
@@ -231,12 +226,10 @@ def whens(outcomes: Iterable[Outcome], scored: Score, kind: Kind = Kind.SAFETY) 
         if not outcome.invalid and outcome.infected_at_s is not None:
             acts[outcome.mutant].append(outcome.infected_at_s)
     by_fault = grouped(scored.mutants, lambda mutant: mutant.subject.id.partition("#")[0])
+    several = {fault: sorted(own, key=_order) for fault, own in by_fault.items() if len(own) > 1}
     return tuple(
-        When(
-            fault, _median_of(lasts, listed), tuple(_strike(mutant, acts[mutant.subject.id], kind) for mutant in listed)
-        )
-        for fault, own in by_fault.items()
-        if len(listed := sorted(own, key=_order)) > 1
+        When(fault, _median_of(lasts, own), tuple(_strike(mutant, acts[mutant.id], kind) for mutant in own))
+        for fault, own in several.items()
     )
 
 
@@ -254,11 +247,6 @@ def _strike(mutant: MutantScore, acts_s: list[float], kind: Kind) -> Strike:
     name = parse(mutant.subject.id)
     tested = [result for result in mutant.results if steady_of(result, kind)]
     killed = [r for r in tested if (r.kills if kind is Kind.SAFETY else r.operability_kills)]
-    return Strike(
-        mutant.subject.id,
-        name.phase,
-        bool(name.event),
-        (min(acts_s), statistics.median(acts_s), max(acts_s)) if acts_s else None,
-        Ratio(len(killed), len(tested)),
-        detection_of(mutant, kind).verdict,
-    )
+    acts = (min(acts_s), statistics.median(acts_s), max(acts_s)) if acts_s else None
+    kills, verdict = Ratio(len(killed), len(tested)), detection_of(mutant, kind).verdict
+    return Strike(mutant.id, name.phase, bool(name.event), acts, kills, verdict)

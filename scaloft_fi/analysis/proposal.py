@@ -156,12 +156,8 @@ class Candidates:
     @cached_property
     def listed(self) -> tuple[Candidate, ...]:
         """The candidates, in the order of a flight's reaches."""
-        return tuple(
-            Candidate(term, above, *shape, condition, unit)
-            for (term, unit), above, shape, condition in product(
-                self.terms.items(), (True, False), _SHAPES, self.conditions
-            )
-        )
+        each = product(self.terms.items(), (True, False), _SHAPES, self.conditions)
+        return tuple(Candidate(term, above, *shape, condition, unit) for (term, unit), above, shape, condition in each)
 
     def reaches(self, signals: Mapping[str, Array]) -> Array:
         """The reach of a flight in each candidate (C,); -inf where the candidate never applies.

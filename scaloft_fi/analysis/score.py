@@ -574,15 +574,9 @@ def _kill(result: Result, requirement: str, flights: Sequence[Ruled]) -> Kill:
 
 def _first(result: Result, requirement: str, flights: Sequence[Ruled]) -> FirstViolation:
     """The earliest violation of a requirement by flights that are known to violate it."""
-    return min(
-        (
-            FirstViolation(requirement, v.t_s, result.situation, one.seed, (v.x, v.y, v.z), v.struck)
-            for one in flights
-            for v in one.violations
-            if v.requirement == requirement
-        ),
-        key=lambda moment: (moment.t_s, moment.seed),
-    )
+    own = ((v.t_s, one.seed, v) for one in flights for v in one.violations if v.requirement == requirement)
+    t_s, seed, v = min(own, key=lambda moment: moment[:2])
+    return FirstViolation(requirement, t_s, result.situation, seed, (v.x, v.y, v.z), v.struck)
 
 
 @dataclass(frozen=True)

@@ -297,13 +297,8 @@ def effort_of(flights: Iterable[Outcome], baselines: Mapping[str, Outcome], *, a
         baselines: with that seed, by situation.
         anyhow: whether situations count where the baseline does not do its mission.
     """
-    pairs = [
-        (one, baseline)
-        for one in flights
-        if not one.invalid
-        and is_of_use(baseline := baselines.get(one.situation), anyhow=anyhow)
-        and baseline is not None
-    ]
+    valid = ((one, baselines.get(one.situation)) for one in flights if not one.invalid)
+    pairs = [(one, clean) for one, clean in valid if clean is not None and is_of_use(clean, anyhow=anyhow)]
     far = [(*nearest(one, baseline), one.situation) for one, baseline in pairs]
     least = min((each for each in far if each[1]), default=(WORST, "", ""))
     return Effort(
@@ -364,12 +359,8 @@ def replicas(
         alpha: the study's.
         anyhow: whether a pair may hold where the unmutated drone does not do its mission.
     """
-    claims = {
-        (find.name, mutant): (find.situation, evidence.requirement)
-        for find in finds
-        for mutant, evidence in find.shows.items()
-        if (find.name, mutant) in flown
-    }
+    asked = ((find, mutant) for find in finds for mutant in find.shows if (find.name, mutant) in flown)
+    claims = {(find.name, mutant): (find.situation, find.shows[mutant].requirement) for find, mutant in asked}
     whys, raw, broken = {}, {}, {}
     for place, (situation, requirement) in claims.items():
         pool = [one for one in baselines[situation] if not one.invalid]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import date
 from enum import StrEnum
 from functools import cached_property
@@ -299,16 +299,9 @@ def _tried(
             measured = reading.robustness
             if measured is not None:
                 rho[reading.requirement] = min(measured, rho.get(reading.requirement, math.inf))
-    return Tried(
-        magnitude,
-        reaction,
-        result.flown,
-        requirements,
-        result.violated,
-        tuple(rho.items()),
-        frozenset(outcome.seed for outcome in flights),
-        *((detection.needed, detection.anew) if reaction is Reaction.SEEN else ()),
-    )
+    seeds = frozenset(outcome.seed for outcome in flights)
+    tried = Tried(magnitude, reaction, result.flown, requirements, result.violated, tuple(rho.items()), seeds)
+    return replace(tried, needed=detection.needed, anew=detection.anew) if reaction is Reaction.SEEN else tried
 
 
 @dataclass(frozen=True)

@@ -316,14 +316,9 @@ def _replicated(study: Study, mutants: Sequence[str], search: Search) -> Answer:
 def _breaks(study: Study, search: Search) -> Answer:
     """Search for situations that break the unmutated drone."""
     claims = claims_of(study.stack, study.signals)
+    folder, save = campaign_folder(study, search.into), finds.break_saver(study.folder / "sim", study.grid.name)
     report = seek_breaks(
-        study,
-        campaign_folder(study, search.into),
-        search.options,
-        seed=search.seed,
-        allowance=search.allowance,
-        progress=search.progress,
-        save=finds.break_saver(study.folder / "sim", study.grid.name),
+        study, folder, search.options, seed=search.seed, allowance=search.allowance, progress=search.progress, save=save
     )
     return Answer(SEEK, lambda: report, lambda: (breaks_table(report, search.into, claims=bool(claims)),))
 

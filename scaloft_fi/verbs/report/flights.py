@@ -66,14 +66,8 @@ def thinned(rows: Sequence[tuple[float, ...]], every: int) -> list[tuple[float, 
     if every == 1 or not rows:
         return list(rows)
     kept = sorted({*range(0, len(rows), every), len(rows) - 1})
-    spans = zip([-1, *kept], kept, strict=False)
-    return [
-        tuple(
-            stands(column)
-            for stands, column in zip(TRACK.values(), zip(*rows[last + 1 : now + 1], strict=True), strict=True)
-        )
-        for last, now in spans
-    ]
+    spans = (zip(*rows[last + 1 : now + 1], strict=True) for last, now in pairwise([-1, *kept]))
+    return [tuple(stands(column) for stands, column in zip(TRACK.values(), span, strict=True)) for span in spans]
 
 
 def quantised(rows: Sequence[tuple[float, ...]], columns: Sequence[str], coarse: int = 1) -> Whole:
