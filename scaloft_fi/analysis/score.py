@@ -89,8 +89,7 @@ def cover(space: Space, killing: Collection[str], surviving: Collection[str]) ->
     if both:
         raise ValueError(f"both killing and surviving: {sorted(both)}")
     on, off = sides(space, killing, surviving)
-    primes = _primes(space, on, off)
-    terms = (_named(space, term, on) for term in _fewest(space, primes, on))
+    terms = (_named(space, term, on) for term in _fewest(space, _primes(space, on, off), on))
     return tuple(sorted(terms, key=lambda term: _order(space, term)))
 
 

@@ -262,8 +262,7 @@ def tried_in(
         fault, detection = PhasedFault(name.cell, unit, name.phase_s, name.event), detection_of(mutant, kind)
         for result in mutant.results:
             flights = counted[mutant.subject.id, result.situation]
-            entry = _tried(magnitude, result, detection, at_stake, kind, flights)
-            tried[fault, result.situation].append(entry)
+            tried[fault, result.situation].append(_tried(magnitude, result, detection, at_stake, kind, flights))
     return {key: tuple(entries) for key, entries in tried.items()}
 
 

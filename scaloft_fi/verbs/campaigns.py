@@ -415,8 +415,7 @@ def _short(told: ComparedCampaigns) -> tuple[str, str]:
 
 
 def _row(one: ComparedMutant) -> tuple[str | float | None, ...]:
-    first = one.first is Verdict.DETECTED
-    p = f"{one.lost_p if first else one.gained_p:.4f}"
+    p = f"{one.lost_p if one.first is Verdict.DETECTED else one.gained_p:.4f}"
     verdicts = _verdict(one.first, firm=one.first_firm), _verdict(one.second, firm=one.second_firm)
     counts = one.requirement or "", one.first_violated.short, one.second_violated.short
     return class_of(one.severity), one.id, one.change.value, *verdicts, p, *counts

@@ -89,8 +89,6 @@ def check_command(
         See too which seams the stack polls, by one flight: `scaloft-fi check --fly`
         Let a script read the findings: `scaloft-fi check --study my_study --format json`
     """
-    allowed = partial(allow, untrusted=untrusted)
-    check = check_study(find_study(study_folder), fly=fly, allow=allowed)
-
+    check = check_study(find_study(study_folder), fly=fly, allow=partial(allow, untrusted=untrusted))
     answer(checked(check), style, tables_folder)
     return ExitCode.BAD_INPUT if check.errors else ExitCode.DONE

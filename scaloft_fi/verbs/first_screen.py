@@ -351,8 +351,7 @@ def baseline_table(findings: Sequence[detection.SituationBaseline]) -> Table:
         for finding in findings
         if finding.violated
     )
-    red = sum(finding.red > 0 for finding in findings)
-    held = len(findings) - red
+    held = sum(not finding.red for finding in findings)
     vacuous = sum(bool(finding.vacuous) for finding in findings)
     notes = (
         f"{Ratio(held, len(findings))} of the situations flown have baselines that hold every safety requirement.",
@@ -543,8 +542,7 @@ class Screen:
             why = f"every flight failed in the harness; `scaloft-fi status{in_campaign(self.campaign)}` says why"
             yield Line("Invalid", f"{some(failed)}: {why}.")
         yield from self._accepted
-        everything = f"`scaloft-fi score{in_campaign(self.campaign)} --all`"
-        yield Line("More", f"{everything}: all tables.")
+        yield Line("More", f"`scaloft-fi score{in_campaign(self.campaign)} --all`: all tables.")
 
     @property
     def _flown(self) -> Line:

@@ -383,8 +383,7 @@ def package_of(made: Callable[..., Any] | str) -> str:
     first = module.partition(".")[0]
     if first == __name__.partition(".")[0]:
         return OWN
-    named = {plugin.module.partition(".")[0]: plugin.dist for plugin in plugins()}
-    distribution = named.get(first)
+    distribution = {plugin.module.partition(".")[0]: plugin.dist for plugin in plugins()}.get(first)
     return distribution.name if distribution else first
 
 

@@ -188,8 +188,7 @@ def _stack(names: Names) -> Schema:
 
 def _forms(declared: Declaration) -> list[Schema]:
     """The forms of the document for one stack; of one outside a form for each part of our drone that flies below it."""
-    about = "the stack; another name means other settings"
-    name = {"name": {"const": declared.name, "description": about}}
+    name = {"name": {"const": declared.name, "description": "the stack; another name means other settings"}}
     if declared.settings is None:
         free = {"type": "object", "description": f"The stack {declared.name}.", "properties": name}
         return [{**free, "required": ["name"], "additionalProperties": True}]
@@ -206,8 +205,7 @@ def _outside(settings: type) -> Schema:
     below = "flight_control" if issubclass(settings, VelocityConfig) else "planner"
     ports = {name: port.meaning for name, port in PORTS.items() if port.outward or name in BELOW[below]}
     made = schema(settings, {"ports": ports})
-    taken = made["properties"]["below"]
-    taken["enum"] = [below]
+    made["properties"]["below"]["enum"] = [below]
     return made
 
 

@@ -231,8 +231,7 @@ def changed_since(revision: str, folder: Path) -> list[Path]:
     (top,) = git("rev-parse", "--show-toplevel")
     new = git("ls-files", "--others", "--exclude-standard", "--full-name")
     (known,) = git("rev-parse", "--verify", "--end-of-options", f"{revision}^{{commit}}")
-    listed = git("diff", "--name-only", known)
-    return [Path(top, name).resolve() for name in (*listed, *new)]
+    return [Path(top, name).resolve() for name in (*git("diff", "--name-only", known), *new)]
 
 
 def commands_since(study: SuiteStudy, revision: str) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -392,10 +391,8 @@ def seeds(case: Case) -> str:
 def only_unsteady(case: Case) -> str:
     """Where flights violate what the baselines of their seeds hold, if none of it is steady; empty if none do."""
     revealing = [flight for flight in case.flights if flight.revealed]
-    where = defaultdict[str, set[str]](set)
-    for flight in revealing:
-        for name in flight.revealed:
-            where[name].add(flight.outcome.situation)
+    names = dict.fromkeys(name for flight in revealing for name in flight.revealed)
+    where = {name: {one.outcome.situation for one in revealing if name in one.revealed} for name in names}
     unsteady = [f"{name} is {states_in_words(case.campaign.states(name, keys))}" for name, keys in where.items()]
     return f"{violate(len(revealing))}, but only where that is not steady: {'; '.join(unsteady)}." if unsteady else ""
 
