@@ -41,16 +41,17 @@ PROPOSE = Output("propose", "1.1", Found, rows="proposals")
 def entry(proposal: Tested) -> str:
     """The entry for `sim/requirements.yaml`; a person decides whether it is a hazard."""
     made, alarms = proposal.requirement, proposal.alarms.short
+    title, mutant = (json_text(text, letters=True) for text in (made.title, proposal.mutant))
     where = f"violated by {proposal.shown.short} of its fresh flights, {alarms} of the unmutated drone's"
     lines = [
         f"  {_key(proposal.mutant)}:",
-        f"    title: {json_text(made.title, letters=True)}",
+        f"    title: {title}",
         "    kind: reported             # safety, once a person has decided that its violation is a hazard",
         *([f"    trigger: {made.trigger}"] if made.trigger else []),
         f"    formula: {made.text}",
         *([f"    unit: {made.unit}"] if made.unit else []),
         f"    source: {where}",
-        f"    proposed_from: {_quoted(proposal.mutant)}   # a score that it decides says that it is selected",
+        f"    proposed_from: {mutant}   # a score that it decides says that it is selected",
     ]
     return "\n".join(lines) + "\n"
 
