@@ -45,7 +45,8 @@ def same(found: Any, expected: Any, place: str = "score") -> None:
 
 def compare(outcomes: list[Outcome]) -> dict[str, Any]:
     scored = score(outcomes, ROSTER, GRID)
-    found = SCORE.record(ScoredFlights(SimpleNamespace(space=GRID), "default", rulings_of(outcomes), scored))
+    study = SimpleNamespace(space=GRID, requirements=())
+    found = SCORE.record(ScoredFlights(study, "default", rulings_of(outcomes), scored))
     rows = export_rows(outcomes, ROSTER, GRID, list(KINDS))
     expected = recomputation.score(
         to_csv((row.values() for row in rows), columns(rows, list(KINDS))),
