@@ -323,8 +323,17 @@ def _row(mutant: MutantScore, kind: MutantKind, roster: Roster, space: Space) ->
 def _entry(mutant: str, key: str, result: Result | None) -> KillEntry:
     if result is None:
         return KillEntry(mutant, key)
-    told = result.kills, result.seen, result.tested, result.flown, result.infected, result.violated
-    return KillEntry(mutant, key, result.status.value, *told)
+    return KillEntry(
+        mutant,
+        key,
+        state=result.status.value,
+        kills=result.kills,
+        seen=result.seen,
+        tested=result.tested,
+        flown=result.flown,
+        infected=result.infected,
+        violated=result.violated,
+    )
 
 
 MOST_ENTRIES = 10_000_000
