@@ -72,10 +72,18 @@ class JudgedSurvivor:
     def of(cls, one: Judged, *, has_find: bool) -> JudgedSurvivor:
         """What is told of a survivor."""
         known = one.disposition
-        told = one.mutant, one.state, one.state.fails, one.verdict, one.surviving
-        if known is None:
-            return cls(*told, None, None, None, (), has_find)
-        return cls(*told, known.owner, known.reason, known.expires, known.situations, has_find)
+        return cls(
+            mutant=one.mutant,
+            state=one.state,
+            fails=one.state.fails,
+            verdict=one.verdict,
+            survives_in=one.surviving,
+            owner=known.owner if known else None,
+            reason=known.reason if known else None,
+            expires=known.expires if known else None,
+            accepted_in=known.situations if known else (),
+            has_find=has_find,
+        )
 
 
 @dataclass(frozen=True)

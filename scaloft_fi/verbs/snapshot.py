@@ -212,9 +212,11 @@ class Snapshot:
         again = ""
         if found.flown:
             again = study.again if study.tests_of else _again(study, self.now, self.name, found.flown)
-        searched = holding.searched(self.store)
-        failed = "" if searched else gates.failed_in(self.now, self.folder)
-        invalid = (SEARCHED,) * searched + (f"no score is valid: {failed}",) * bool(failed)
+        if holding.searched(self.store):
+            invalid: tuple[str, ...] = (SEARCHED,)
+        else:
+            failed = gates.failed_in(self.now, self.folder)
+            invalid = (f"no score is valid: {failed}",) if failed else ()
         differed, broken = holding.differed_in(self.now), len(self.now.broken)
         return replace(Stale.of(found.why, again), differed=differed, invalid=invalid, broken=broken)
 
